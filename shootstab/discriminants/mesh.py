@@ -1,0 +1,57 @@
+"""Meshes that hold a local error: where to put the steps, from the error that they made."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.kernels.tableau import ORDER
+
+
+def redistribute(
+    nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolerance: float, coarsen: bool
+) -> NDArray[np.complex128]:
+    """A mesh on the same polygon on which the local errors, which go with the 8th power of the step, meet the tolerance.
+
+    With coarsen=False no place gets longer steps than it had. The corners of the polygon stay nodes.
+    """
+    h = np.diff(nodes)
+    lengths = np.abs(h)
+    shrink = (np.where(np.isfinite(errors), errors, np.inf) / (0.5 * tolerance)) ** (1 / ORDER)
+    shrink = np.clip(shrink, 0.25 if coarsen else 1.0, 6.0)
+    density = shrink / lengths
+    # a step cannot know what happens in its neighbour
+    near = np.maximum(np.append(density[1:], 0.0), np.insert(density[:-1], 0, 0.0))
+    density = np.maximum(density, 0.5 * near)
+    pieces = [nodes[:1]]
+    for first, last in _legs(h):
+        pieces.append(_equidistribute(nodes[first : last + 1], density[first:last]))
+    return np.concatenate(pieces)
+
+
+def halved(nodes: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """Every step cut in two."""
+    out = np.empty(2 * len(nodes) - 1, dtype=np.complex128)
+    out[::2] = nodes
+    out[1::2] = (nodes[:-1] + nodes[1:]) / 2
+    return out
+
+
+def _legs(h: NDArray[np.complex128]) -> list[tuple[int, int]]:
+    """Ranges of steps that run in one direction."""
+    direction = h / np.abs(h)
+    turns = np.flatnonzero(np.abs(np.diff(direction)) > 1e-9) + 1
+    bounds = [0, *turns.tolist(), len(h)]
+    return list(zip(bounds[:-1], bounds[1:], strict=True))
+
+
+def _equidistribute(nodes: NDArray[np.complex128], density: NDArray[np.float64]) -> NDArray[np.complex128]:
+    """New nodes along one leg, its first one left out: equal shares of ∫ density."""
+    lengths = np.abs(np.diff(nodes))
+    share = np.concatenate(([0.0], np.cumsum(density * lengths)))
+    arc = np.concatenate(([0.0], np.cumsum(lengths)))
+    count = max(1, int(np.ceil(share[-1])))
+    s = np.interp(np.linspace(0.0, share[-1], count + 1), share, arc)
+    out = nodes[0] + (nodes[-1] - nodes[0]) * (s / arc[-1])
+    out[-1] = nodes[-1]
+    return np.asarray(out[1:])

@@ -1,0 +1,90 @@
+"""A problem on a fixed mesh: what does not depend on σ, computed once.
+
+At every Runge–Kutta abscissa the pencil is reduced to
+
+    A(σ) = C⁻¹D = X0 + σ X1 + V γ(σ)⁻¹ t(σ),   γ = γ0 + σ γ1,   t = t0 + σ t1 + σ² t2.
+
+The rows of C that σ does not enter fix ψ′ up to the null space V of those rows; the m rows that it does enter fix the rest. m is 0 for most
+problems and 1 for the chute, and det C vanishes where det γ does: nothing is divided by that is not singular in truth.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.kernels.tableau import C as ABSCISSAE
+from shootstab.kernels.tableau import STAGES
+from shootstab.problems.protocol import ComplexArray, Pencil, Problem
+from shootstab.vocabulary.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """nodes (N+1,) from the far end to the wall; the reduced pencil at the 12 abscissae of each of N steps.
+
+    X (N, 12, 2, n, n), V (N, 12, n, m), G (N, 12, 2, m, m) for γ, T (N, 12, 3, m, n) for t.
+    """
+
+    nodes: ComplexArray
+    X: ComplexArray
+    V: ComplexArray
+    G: ComplexArray
+    T: ComplexArray
+
+    @property
+    def steps(self) -> ComplexArray:
+        """h (N,)."""
+        return np.diff(self.nodes)
+
+
+def tabulate(problem: Problem, nodes: NDArray[np.complexfloating]) -> Table:
+    """The table of a problem on a mesh.
+
+    Raises InputError where the pencil is of the wrong shape, not finite, or of deficient rank.
+    """
+    nodes = np.asarray(nodes, dtype=np.complex128)
+    h = np.diff(nodes)
+    order = np.argsort(ABSCISSAE)
+    points = nodes[:-1, None] + h[:, None] * ABSCISSAE[order]
+    reduced = reduce_pencil(problem.pencil(points.ravel()), problem.size)
+    steps = len(h)
+    back = np.argsort(order)
+    return Table(nodes, *(a.reshape(steps, STAGES, *a.shape[1:])[:, back].copy() for a in reduced))
+
+
+def reduce_pencil(pencil: Pencil, n: int) -> tuple[ComplexArray, ComplexArray, ComplexArray, ComplexArray]:
+    """X (p, 2, n, n), V (p, n, m), G (p, 2, m, m), T (p, 3, m, n) at p points."""
+    matrices = pencil.C0, pencil.C1, pencil.D0, pencil.D1
+    for name, M in zip(("C0", "C1", "D0", "D1"), matrices, strict=True):
+        if M.shape[1:] != (n, n):
+            raise InputError(f"the pencil's {name} has shape {M.shape[1:]}: allowed is ({n}, {n})")
+        if not np.isfinite(M).all():
+            raise InputError(f"the pencil's {name} is not finite at every point")
+    C0, C1, D0, D1 = matrices
+    moving = np.flatnonzero((C1 != 0).any(axis=(0, 2)))
+    fixed = np.setdiff1d(np.arange(n), moving)
+    m, p = len(moving), len(C0)
+    columns = np.flatnonzero((C1 != 0).any(axis=(0, 1)))
+    # complete the fixed rows by rows E to a regular matrix; with E on the columns of C1, C1 X vanishes
+    E = np.zeros((p, m, n), dtype=np.complex128)
+    if len(columns) == m:
+        E[:, np.arange(m), columns] = 1.0
+    else:
+        E[:] = np.linalg.qr(C0[:, fixed].conj().transpose(0, 2, 1), mode="complete")[0][:, :, n - m :].conj().transpose(0, 2, 1)
+    complete = np.concatenate((C0[:, fixed], E), axis=1)
+    right = np.zeros((p, n, 2 * n + m), dtype=np.complex128)
+    right[:, : n - m, :n], right[:, : n - m, n : 2 * n] = D0[:, fixed], D1[:, fixed]
+    right[:, n - m :, 2 * n :] = np.eye(m)
+    try:
+        solved = np.linalg.solve(complete, right)
+    except np.linalg.LinAlgError:
+        raise InputError("the pencil's C has rows of deficient rank, whatever sigma is") from None
+    X0, X1, V = solved[:, :, :n], solved[:, :, n : 2 * n], solved[:, :, 2 * n :]
+    G0, G1 = C0[:, moving] @ V, C1[:, moving] @ V
+    T0 = D0[:, moving] - C0[:, moving] @ X0
+    T1 = D1[:, moving] - C0[:, moving] @ X1 - C1[:, moving] @ X0
+    T2 = -C1[:, moving] @ X1
+    return np.stack((X0, X1), 1), V, np.stack((G0, G1), 1), np.stack((T0, T1, T2), 1)

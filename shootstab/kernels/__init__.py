@@ -1,0 +1,1 @@
+"""Floor 1: compiled loops over arrays and scalars. Nothing here knows what the numbers mean."""

@@ -1,0 +1,86 @@
+"""Steady flows by mass flux. T_∞ is the natural parameter of the family; a mass flux may belong to several members."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shootstab.problems.chute.parameters import Chute
+from shootstab.problems.chute.steady import Flow, descend
+from shootstab.vocabulary.errors import InputError, NoFlowError
+
+BRANCHES = ("high", "mid", "low")
+SCAN = (1e-2, 1e3, 121)  # T_∞ from, to, points: 24 a decade
+
+
+def flows(chute: Chute, mass_flux: float) -> list[Flow]:
+    """Every flow with this mass flux and 0.01 ≤ T_∞ ≤ 1000, in the order of rising T_∞.
+
+    Two flows closer in T_∞ than a tenth of a decade's third, next to a fold, are seen because the extrema of Q0(T_∞) are located too.
+    """
+    if not 0.0 < mass_flux < np.inf:
+        raise InputError(f"mass_flux = {mass_flux!r}: allowed is a finite number above 0")
+    logs = np.linspace(np.log(SCAN[0]), np.log(SCAN[1]), SCAN[2])
+    misfit = np.array([_misfit(chute, x, mass_flux) for x in logs])
+    brackets = []
+    for i in range(len(logs) - 1):
+        if not np.isfinite(misfit[i : i + 2]).all():
+            continue
+        inner = _fold_between(chute, mass_flux, logs, misfit, i)
+        points = [logs[i], *inner, logs[i + 1]]
+        values = [_misfit(chute, x, mass_flux) for x in points]
+        brackets += [(points[j], points[j + 1]) for j in range(len(points) - 1) if values[j] * values[j + 1] < 0.0]
+    return [_solve(chute, mass_flux, *b) for b in brackets]
+
+
+def steady_by_flux(chute: Chute, mass_flux: float, branch: str | None) -> Flow:
+    """The flow with this mass flux; branch picks one of several by T_∞: high, mid, low."""
+    found = flows(chute, mass_flux)
+    if not found:
+        raise NoFlowError(f"mass_flux = {mass_flux:g}: no steady flow with 0.01 <= far_temperature <= 1000 and these parameters carries it")
+    temperatures = ", ".join(f"{f.far_temperature:.6g}" for f in found)
+    if branch is None:
+        if len(found) > 1:
+            raise InputError(
+                f"mass_flux = {mass_flux:g} has {len(found)} flows, far_temperature {temperatures}: branch must be one of {_names(len(found))}"
+            )
+        return found[0]
+    names = _names(len(found))
+    if branch not in names:
+        raise InputError(f"branch = {branch!r}: mass_flux = {mass_flux:g} has {len(found)} flows, far_temperature {temperatures}: allowed is {names}")
+    return found[names[::-1].index(branch)]
+
+
+def _names(count: int) -> tuple[str, ...]:
+    """What the members are called, hottest first."""
+    named = {1: ("high",), 2: ("high", "low"), 3: BRANCHES}
+    return named.get(count) or tuple(str(i) for i in range(count, 0, -1))
+
+
+def _misfit(chute: Chute, log_temperature: float, mass_flux: float) -> float:
+    try:
+        return descend(chute, float(np.exp(log_temperature))).mass_flux - mass_flux
+    except NoFlowError:
+        return float("nan")
+
+
+def _fold_between(chute: Chute, mass_flux: float, logs: np.ndarray, misfit: np.ndarray, i: int) -> list[float]:
+    """The extremum of Q0 in [x_i, x_{i+1}] if Q0 − mass_flux comes near zero there without changing sign between the points."""
+    from scipy.optimize import minimize_scalar
+
+    if i == 0 or i + 2 >= len(logs) or misfit[i] * misfit[i + 1] < 0.0:
+        return []
+    before, here, after = np.diff(misfit[i - 1 : i + 3])
+    if not np.isfinite([before, here, after]).all() or before * after > 0.0:
+        return []
+    sign = np.sign(misfit[i])
+    best = minimize_scalar(
+        lambda x: sign * _misfit(chute, x, mass_flux), bounds=(logs[i], logs[i + 1]), method="bounded", options={"xatol": 1e-9}
+    )
+    return [float(best.x)]
+
+
+def _solve(chute: Chute, mass_flux: float, low: float, high: float) -> Flow:
+    from scipy.optimize import brentq
+
+    x = brentq(lambda x: _misfit(chute, x, mass_flux), low, high, xtol=1e-15, rtol=1e-15)
+    return descend(chute, float(np.exp(x)))

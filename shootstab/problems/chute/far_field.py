@@ -1,0 +1,135 @@
+"""The decaying space of the perturbations at infinity, as a convergent series in ν0 (DESIGN.md 2, Far field).
+
+In x = ν0 the system is C̃(x) x dψ/dx = D(x) ψ with C̃ = (ν0′/ν0) C, and infinity is a regular singular point. The decaying space is the range of
+P(x) x^Λ, P = Σ P_m x^m, where Λ = T_∞ diag(B, K), B = K I − s sᵀ/(7K), s = (i k_x, i k_y, −K), and
+
+    (m C̃_0 − D_0) P_m + C̃_0 P_m Λ = Σ_{j≥1} [D_j P_{m−j} − C̃_j ((m−j) P_{m−j} + P_{m−j} Λ)].
+
+Λ = K T_∞ I + N with N² = 0 (because s·s = 0), and no eigenvalue of m + Λ is one of the system's: no logarithms, although Λ is
+defective. The leading order P_0 x^Λ is (2.20)–(2.22); this form is regular as k_x → 0 or k_y → 0, where (2.16) is not.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.problems.chute.background import background
+from shootstab.problems.chute.parameters import Chute
+from shootstab.problems.chute.steady import slopes
+from shootstab.problems.chute.system import DECAYING, SIZE, pencil_entries
+from shootstab.vocabulary.series import Series, constant
+
+ComplexArray = NDArray[np.complex128]
+TERMS = 20
+
+
+def flow_series(chute: Chute, far_temperature: Any, far_velocity: Any, terms: int, pi: Any) -> tuple[Series, Series, Series, Series]:
+    """(ν, T, u, Q) of the steady flow as series in ν0, by fixed-point iteration that gains one order a turn.
+
+    x dT/dx = T′/(ν0′/ν0) and so on; for Q the term −Q on the right is moved to the left.
+    """
+    nothing = 0 * far_temperature
+    nu = Series((nothing, 1 + nothing, *(nothing,) * (terms - 2)))
+    T, u, Q = constant(far_temperature, terms), constant(far_velocity, terms), constant(nothing, terms)
+    for _ in range(1, terms):
+        decay, T_z, u_z, Q_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.nu_max, chute.model, pi)
+        T_x, u_x, Q_x = T_z / decay, u_z / decay, Q_z / decay + Q
+        T = Series((far_temperature, *(T_x[m] / m for m in range(1, terms))))
+        u = Series((far_velocity, *(u_x[m] / m for m in range(1, terms))))
+        Q = Series((nothing, *(Q_x[m] / (m + 1) for m in range(1, terms))))
+    return nu, T, u, Q
+
+
+class FarField:
+    """The series of one flow and one wave; P_m for a σ on demand."""
+
+    def __init__(self, chute: Chute, far_temperature: float, far_velocity: float, kx: float, ky: float) -> None:
+        nu, T, u, Q = flow_series(chute, far_temperature, far_velocity, TERMS, math.pi)
+        bg = background(chute, nu, T, u, Q, math.pi)
+        decay = bg.decay[0]
+        C0, C1, D0, D1 = pencil_entries(bg, chute.tan_theta, kx, ky)
+        self._C = _matrices({k: v * decay for k, v in C0.items()}), _matrices({k: v * decay for k, v in C1.items()})
+        self._D = _matrices(D0), _matrices(D1)
+        self._conductivity = float(bg.K[0][0])
+        self._far_temperature, self._far_velocity = far_temperature, far_velocity
+        self._kx, self._ky = kx, ky
+        self.exponents = far_temperature * decay_matrix(kx, ky)
+
+    def leading(self, sigma: complex) -> tuple[ComplexArray, ComplexArray]:
+        """P_0 (8, 4) and dP_0/dσ: columns û, v̂, ŵ, T̂ at infinity."""
+        B = self.exponents / self._far_temperature
+        P = np.zeros((SIZE, DECAYING), dtype=np.complex128)
+        P[1:5, :] = np.eye(4)
+        P[5, :3], P[6, :3] = -B[0, :3], -B[1, :3]
+        P[7, 3] = self._conductivity * B[3, 3]
+        # conservation of mass gives ν̂/ν0
+        omega = sigma + 1j * self._kx * self._far_velocity
+        divergence = -B[2, :3] + np.array([1j * self._kx, 1j * self._ky, -1 / self._far_temperature])
+        P[0, :3] = -divergence / omega
+        dP = np.zeros_like(P)
+        dP[0, :3] = -P[0, :3] / omega
+        return P, dP
+
+    def terms(self, sigma: complex) -> tuple[ComplexArray, ComplexArray]:
+        """P_m and dP_m/dσ, each (TERMS, 8, 4)."""
+        C, dC = self._C[0] + sigma * self._C[1], self._C[1]
+        D, dD = self._D[0] + sigma * self._D[1], self._D[1]
+        Lam = self.exponents
+        rate = Lam[3, 3].real
+        nilpotent = Lam - rate * np.eye(DECAYING)
+        P = np.zeros((TERMS, SIZE, DECAYING), dtype=np.complex128)
+        dP = np.zeros_like(P)
+        S, dS = np.zeros_like(P), np.zeros_like(P)  # m P_m + P_m Λ
+        P[0], dP[0] = self.leading(sigma)
+        S[0], dS[0] = P[0] @ Lam, dP[0] @ Lam
+        for m in range(1, TERMS):
+            back = slice(m - 1, None, -1) if m > 1 else slice(0, None, -1)
+            past, dpast, spast, dspast = P[back][:m], dP[back][:m], S[back][:m], dS[back][:m]
+            right = (D[1 : m + 1] @ past - C[1 : m + 1] @ spast).sum(axis=0)
+            dright = (D[1 : m + 1] @ dpast + dD[1 : m + 1] @ past - C[1 : m + 1] @ dspast - dC[1 : m + 1] @ spast).sum(axis=0)
+            E = np.linalg.inv((m + rate) * C[0] - D[0])
+            P[m] = E @ (right - C[0] @ (E @ (right @ nilpotent)))
+            dright -= ((m + rate) * dC[0] - dD[0]) @ P[m] + dC[0] @ P[m] @ nilpotent
+            dP[m] = E @ (dright - C[0] @ (E @ (dright @ nilpotent)))
+            S[m], dS[m] = m * P[m] + P[m] @ Lam, m * dP[m] + dP[m] @ Lam
+        return P, dP
+
+    def reach(self, sigma: complex, tolerance: float) -> float:
+        """The largest ν0 at which the terms left out stay below the tolerance, row by row."""
+        sizes = _row_sizes(self.terms(sigma)[0])
+        m = np.arange(TERMS - 4, TERMS)
+        with np.errstate(divide="ignore"):
+            bounds = np.where(sizes[m] > 0.0, (tolerance / sizes[m]) ** (1.0 / m), np.inf)
+        return float(min(bounds.min(), 1e-2))
+
+    def at(self, nu: complex, sigma: complex) -> tuple[ComplexArray, ComplexArray, float]:
+        """Σ P_m ν0^m, its σ-derivative, and a bound on its relative error from the last terms."""
+        P, dP = self.terms(sigma)
+        powers = nu ** np.arange(TERMS)
+        tail = (_row_sizes(P[-4:]) * np.abs(powers[-4:])).max()
+        return np.tensordot(powers, P, 1), np.tensordot(powers, dP, 1), float(tail)
+
+
+def decay_matrix(kx: float, ky: float) -> ComplexArray:
+    """diag(B, K) (4, 4): û, v̂, ŵ decay as e^{−Bz} and T̂ as e^{−Kz}, (2.20)–(2.22) in the form of DESIGN.md 1.3."""
+    K = math.hypot(kx, ky)
+    s = np.array([1j * kx, 1j * ky, -K, 0.0])
+    return K * np.eye(4) - np.outer(s, s) / (7 * K)
+
+
+def _row_sizes(P: ComplexArray) -> NDArray[np.float64]:
+    """The size of each term (m,): the largest entry of each row against that row's largest entry in any order up to 0 or 1."""
+    rows = np.abs(P).max(axis=2)
+    return np.asarray((rows / np.maximum(np.abs(P[0]).max(axis=1), 1e-300)).max(axis=1))
+
+
+def _matrices(entries: dict[tuple[int, int], Any]) -> ComplexArray:
+    """(TERMS, 8, 8) from entries that are series in ν0."""
+    out = np.zeros((TERMS, SIZE, SIZE), dtype=np.complex128)
+    for (i, j), entry in entries.items():
+        out[:, i, j] = [complex(c) for c in entry.coefficients]
+    return out

@@ -1,0 +1,106 @@
+"""Perturbations of a steady chute flow with wavenumbers kx, ky: the lead problem behind the problem protocol."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.problems.chute import system
+from shootstab.problems.chute.background import Background, background
+from shootstab.problems.chute.far_field import FarField
+from shootstab.problems.chute.steady import Flow
+from shootstab.problems.chute.wall import wall_rows
+from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
+from shootstab.vocabulary.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class ChuteProblem:
+    """Normal modes exp(σt + i k_x x + i k_y y) on a steady flow; order 8, four decaying solutions, four wall rows.
+
+    Units: grain diameter and √(d/(g cosθ)) for 1/σ.
+    """
+
+    flow: Flow
+    kx: float
+    ky: float
+
+    def __post_init__(self) -> None:
+        for name, value in (("kx", self.kx), ("ky", self.ky)):
+            if not math.isfinite(value):
+                raise InputError(f"{name} = {value!r}: allowed is a finite number")
+        if self.kx == 0.0 and self.ky == 0.0:
+            raise InputError("kx = 0 and ky = 0: allowed is any pair but this one, at which nothing decays")
+
+    @property
+    def size(self) -> int:
+        return system.SIZE
+
+    @property
+    def decaying(self) -> int:
+        return system.DECAYING
+
+    def pencil(self, z: ComplexArray) -> Pencil:
+        """The scaled first-order system (see system.py); off the real axis the flow is continued along the path of the points."""
+        return Pencil(*(_dense(e, len(z)) for e in system.pencil_entries(self._background(z), self.flow.chute.tan_theta, self.kx, self.ky)))
+
+    def start(self, sigma: complex, tolerance: float) -> float:
+        """Where the series of the far field holds to the tolerance."""
+        return self.flow.height(self._far.reach(sigma, tolerance))
+
+    def far_frame(self, z: float, sigma: complex) -> FarFrame:
+        nu = np.exp(self.flow.at(z)[0])
+        frame, tangent, error = self._far.at(complex(nu), sigma)
+        log_scale = np.trace(self._far.exponents).real * math.log(nu.real)
+        return FarFrame(frame, tangent, log_scale, error)
+
+    def mesh(self, start: float) -> NDArray[np.float64]:
+        """Every eighth point of the steady flow's own integration."""
+        inside = self.flow.nodes[self.flow.nodes < start]
+        return np.concatenate(([start], inside[:-1][::8], [0.0]))
+
+    def wall_rows(self) -> tuple[ComplexArray, ComplexArray]:
+        base = _scalars(self._background(np.array([0.0 + 0j])))
+        return wall_rows(self.flow.chute, base, self.kx, self.ky, math.pi)
+
+    def continuum(self, points: int) -> ComplexArray | None:
+        """σ_c(z) of (2.13) from the base to ν0 = 1e−14, at so many heights."""
+        z = np.linspace(0.0, self.flow.height(1e-14), points)
+        return self.continuum_at(z.astype(np.complex128))
+
+    def continuum_at(self, z: ComplexArray) -> ComplexArray:
+        """σ_c at the points z."""
+        states = self.flow.at(z)
+        bg = _background_of(self.flow, states)
+        return np.asarray(system.continuum(bg, self.kx), dtype=np.complex128)
+
+    def _background(self, z: ComplexArray) -> Background:
+        return _background_of(self.flow, self.flow.at(z, order="path"))
+
+    @cached_property
+    def _far(self) -> FarField:
+        return FarField(self.flow.chute, self.flow.far_temperature, self.flow.far_velocity, self.kx, self.ky)
+
+
+def _background_of(flow: Flow, states: ComplexArray) -> Background:
+    return background(flow.chute, np.exp(states[:, 0]), states[:, 1], states[:, 2], states[:, 3], math.pi)
+
+
+def _scalars(bg: Background) -> Background:
+    """The background at its first point, as numbers."""
+    from dataclasses import fields
+
+    from shootstab.vocabulary.series import Series
+
+    return Background(**{f.name: Series(complex(c[0]) for c in getattr(bg, f.name).coefficients) for f in fields(bg)})
+
+
+def _dense(entries: system.Entries, points: int) -> ComplexArray:
+    out = np.zeros((points, system.SIZE, system.SIZE), dtype=np.complex128)
+    for (i, j), entry in entries.items():
+        out[:, i, j] = entry
+    return out

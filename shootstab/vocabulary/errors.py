@@ -1,0 +1,19 @@
+"""What can go wrong, said to the user."""
+
+from __future__ import annotations
+
+
+class ShootstabError(Exception):
+    """Base of all errors that shootstab raises on purpose; its text is one line meant for the user."""
+
+
+class InputError(ShootstabError, ValueError):
+    """The input is wrong: the text says what, where, and what is allowed. The command line exits with status 2."""
+
+
+class NoFlowError(InputError):
+    """No steady flow exists for these parameters."""
+
+
+class ConvergenceError(ShootstabError):
+    """A computation did not reach what was asked of it; the text says how far it came."""

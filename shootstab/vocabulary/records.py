@@ -1,0 +1,117 @@
+"""What the questions answer with. Every result carries its evidence; a failed search is a result with a reason."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+CONVERGED = "converged"
+NOT_CONVERGED = "not converged"
+
+CONFIRMED = "confirmed"
+INACCURATE = "inaccurate"
+SPURIOUS = "spurious"
+CONTINUUM = "continuum"
+UNRESOLVED = "unresolved"
+VERDICTS = (CONFIRMED, INACCURATE, SPURIOUS, CONTINUUM, UNRESOLVED)
+
+
+@dataclass(frozen=True)
+class Budget:
+    """What an error bound is made of; each part is an absolute bound in σ."""
+
+    integration: float
+    far_field: float
+    steady_flow: float
+    root: float
+    rounding: float
+
+    @property
+    def total(self) -> float:
+        """The sum of the parts."""
+        return self.integration + self.far_field + self.steady_flow + self.root + self.rounding
+
+    def as_dict(self) -> dict[str, float]:
+        """By name, for JSON."""
+        return asdict(self)
+
+
+@dataclass(frozen=True)
+class Mode:
+    """One eigenvalue: sigma (complex, or an mpmath number) with |true − sigma| ≤ error.
+
+    status is 'converged' or says in a sentence what went wrong; continuum_distance is the distance of sigma to the continuous
+    spectrum, infinite if the problem has none; path says along which path in z the system was integrated.
+    """
+
+    sigma: Any
+    error: float
+    budget: Budget
+    status: str
+    method: str
+    evaluations: int
+    seconds: float
+    continuum_distance: float = math.inf
+    path: str = "real"
+
+    @property
+    def digits(self) -> float:
+        """How many digits of sigma hold: −log10(error/|σ|)."""
+        return digits_between(self.error, abs(self.sigma))
+
+    @property
+    def converged(self) -> bool:
+        """Whether the iteration reached what was asked."""
+        return self.status == CONVERGED
+
+
+def digits_between(difference: float, size: float) -> float:
+    """−log10(difference/size), at most 99 when the two are the same; 0 when nothing agrees."""
+    if not size > 0.0 or not math.isfinite(difference):
+        return 0.0
+    if difference == 0.0:
+        return 99.0
+    return max(0.0, float(-math.log10(difference / float(size))))
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What is to be said of one claimed eigenvalue, and why.
+
+    sigma is the mode that the claim means (None if there is none), error its bound, digits_agreed = −log10(|claimed − σ|/|σ|).
+    """
+
+    claimed: complex
+    verdict: str
+    why: str
+    sigma: complex | None = None
+    error: float | None = None
+    digits_agreed: float | None = None
+    continuum_distance: float = math.inf
+
+
+@dataclass(frozen=True)
+class Report:
+    """Verdicts in the order of the claims, and the modes that the claimed spectrum lacks.
+
+    searched says in words where missing modes were looked for; undecided names what could not be searched.
+    """
+
+    verdicts: tuple[Verdict, ...]
+    missing: tuple[Mode, ...]
+    digits: int
+    searched: str = ""
+    undecided: tuple[str, ...] = ()
+
+    @property
+    def summary(self) -> Mapping[str, int]:
+        """How many of each verdict, and how many modes are missing."""
+        counts = {v: sum(x.verdict == v for x in self.verdicts) for v in VERDICTS}
+        return {**counts, "missing": len(self.missing)}
+
+    def bad_news(self, strict: bool = False) -> bool:
+        """Whether anything is inaccurate, spurious, unresolved or missing; with strict, a `continuum` counts too."""
+        bad = {INACCURATE, SPURIOUS, UNRESOLVED} | ({CONTINUUM} if strict else set())
+        return bool(self.missing) or any(v.verdict in bad for v in self.verdicts)

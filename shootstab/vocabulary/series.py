@@ -1,0 +1,116 @@
+"""Truncated power series over any ring: one arithmetic for derivatives, far-field expansions and Taylor steps.
+
+A `Series` with coefficients (c0, c1, …) stands for c0 + c1 x + … + O(x^N). The coefficients may be floats, complex numbers,
+NumPy arrays (one series for each node), mpmath numbers, or series in another variable: a formula written once for numbers
+then yields its derivatives and expansions as well. A series of two terms is a dual number, f + f′ε.
+
+Series nest. Of two operands the deeper one is the series in the outer variable, and takes the other as a constant.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+
+class Series:
+    """c0 + c1 x + … + c_{N−1} x^{N−1} + O(x^N)."""
+
+    __slots__ = ("coefficients", "depth")
+    __array_ufunc__ = None  # NumPy arrays are coefficients here, never the container
+
+    def __init__(self, coefficients: Any) -> None:
+        self.coefficients = tuple(coefficients)
+        self.depth: int = 1 + max(depth(c) for c in self.coefficients)
+
+    def __len__(self) -> int:
+        return len(self.coefficients)
+
+    def __getitem__(self, index: int) -> Any:
+        return self.coefficients[index]
+
+    def __repr__(self) -> str:
+        return f"Series{self.coefficients!r}"
+
+    def _is_constant(self, other: Any) -> bool:
+        return depth(other) < self.depth
+
+    def __neg__(self) -> Series:
+        return Series(-c for c in self.coefficients)
+
+    def __add__(self, other: Any) -> Series:
+        if depth(other) > self.depth:
+            return other + self
+        if self._is_constant(other):
+            return Series((self[0] + other, *self.coefficients[1:]))
+        return Series(a + b for a, b in zip(self.coefficients, other.coefficients, strict=False))
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Series:
+        return self + (-other)
+
+    def __rsub__(self, other: Any) -> Series:
+        return (-self) + other
+
+    def __mul__(self, other: Any) -> Series:
+        if depth(other) > self.depth:
+            return other * self
+        if self._is_constant(other):
+            return Series(a * other for a in self.coefficients)
+        a, b = self.coefficients, other.coefficients
+        return Series(_convolve(a, b, m) for m in range(min(len(a), len(b))))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Series:
+        if depth(other) > self.depth:
+            return _quotient((self,), other)
+        if self._is_constant(other):
+            return Series(a / other for a in self.coefficients)
+        return _quotient(self.coefficients, other)
+
+    def __rtruediv__(self, other: Any) -> Series:
+        return _quotient((other,), self)
+
+    def __pow__(self, exponent: Any) -> Series:
+        """a^r from a c′ = r a′ c with c = a^r; integer r ≤ 3 by multiplication, so that a0 = 0 is allowed."""
+        if exponent == 2:
+            return self * self
+        if exponent == 3:
+            return self * self * self
+        a = self.coefficients
+        c: list[Any] = [a[0] ** exponent]
+        for m in range(1, len(a)):
+            c.append(sum((exponent * j - (m - j)) * (a[j] * c[m - j]) for j in range(1, m + 1)) / (m * a[0]))
+        return Series(c)
+
+    def derivative(self) -> Series:
+        """d/dx; one term shorter."""
+        return Series(m * self[m] for m in range(1, len(self)))
+
+
+def depth(x: Any) -> int:
+    """How many series are nested in x: 0 for a number."""
+    return x.depth if isinstance(x, Series) else 0
+
+
+def constant(value: Any, terms: int) -> Series:
+    """value + 0 x + … with the number of terms given."""
+    return Series((value, *((0 * value,) * (terms - 1))))
+
+
+def _quotient(a: tuple[Any, ...], divisor: Series) -> Series:
+    """c b = a, order by order; a of one term is a constant."""
+    b = divisor.coefficients
+    c: list[Any] = [a[0] / b[0]]
+    for m in range(1, len(b) if len(a) == 1 else min(len(a), len(b))):
+        carried = sum(b[j] * c[m - j] for j in range(1, m + 1))
+        c.append((a[m] - carried if m < len(a) else -carried) / b[0])
+    return Series(c)
+
+
+def _convolve(a: tuple[Any, ...], b: tuple[Any, ...], m: int) -> Any:
+    total = a[0] * b[m]
+    for j in range(1, m + 1):
+        total = total + a[j] * b[m - j]
+    return total
