@@ -1,1 +1,73 @@
+"""shootstab: an independent second opinion on eigenvalues of linear stability problems.
 
+    import shootstab as st
+
+    flow = st.chute.steady(mass_flux=3.0, branch="high", e=0.8, e_w=0.8, r=0.6, tan_theta=0.3)
+    problem = st.chute.problem(flow, kx=0.0, ky=0.01)
+    mode = st.refine(problem, guess=0.004, rtol=1e-10)
+    report = st.verify(problem, [0.0039705046, 0.002 + 0.003j])
+    count = st.count(problem, st.Rectangle(1e-4 - 0.1j, 0.05 + 0.1j))
+
+Everything is imported when it is first used.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from shootstab import testing
+    from shootstab.discriminants.frame import Frame
+    from shootstab.problems import chute, gallery
+    from shootstab.questions.count import count
+    from shootstab.questions.refine import refine
+    from shootstab.questions.verify import verify
+    from shootstab.vocabulary.errors import ConvergenceError, InputError, NoFlowError, ShootstabError
+    from shootstab.vocabulary.regions import Disc, Rectangle
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "ConvergenceError": "shootstab.vocabulary.errors",
+    "Disc": "shootstab.vocabulary.regions",
+    "Frame": "shootstab.discriminants.frame",
+    "InputError": "shootstab.vocabulary.errors",
+    "NoFlowError": "shootstab.vocabulary.errors",
+    "Rectangle": "shootstab.vocabulary.regions",
+    "ShootstabError": "shootstab.vocabulary.errors",
+    "chute": "shootstab.problems",
+    "count": "shootstab.questions.count",
+    "gallery": "shootstab.problems",
+    "refine": "shootstab.questions.refine",
+    "testing": "shootstab",
+    "verify": "shootstab.questions.verify",
+}
+
+__all__ = [
+    "ConvergenceError",
+    "Disc",
+    "Frame",
+    "InputError",
+    "NoFlowError",
+    "Rectangle",
+    "ShootstabError",
+    "chute",
+    "count",
+    "gallery",
+    "refine",
+    "testing",
+    "verify",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'shootstab' has no attribute {name!r}")
+    home = _HOMES[name]
+    if name in ("chute", "gallery", "testing"):
+        value = import_module(f"{home}.{name}")
+    else:
+        value = getattr(import_module(home), name)
+    globals()[name] = value
+    return value

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,7 +11,7 @@ from shootstab.discriminants.mesh import halved, redistribute
 from shootstab.discriminants.protocol import Value
 from shootstab.discriminants.table import Table, tabulate
 from shootstab.kernels.transport import transport
-from shootstab.problems.protocol import Problem
+from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
 from shootstab.vocabulary.errors import ConvergenceError
 from shootstab.vocabulary.scaled import Scaled
 
@@ -35,10 +36,11 @@ class Shooting:
     The mesh stays the same from one σ to the next as long as its local errors hold, and on a given mesh D is analytic to rounding.
     """
 
-    def __init__(self, problem: Problem, method: Frame) -> None:
-        self.problem, self.method = problem, method
+    def __init__(self, problem: Problem, method: Frame, start: Callable[[FarFrame], FarFrame] = lambda far: far) -> None:
+        self.problem, self.method, self._start = problem, method, start
         self.evaluations = 0
         self._table: Table | None = None
+        self._far_error = 0.0
         self._rows = problem.wall_rows()
 
     def __call__(self, sigma: complex) -> Scaled:
@@ -47,23 +49,29 @@ class Shooting:
     def with_slope(self, sigma: complex) -> Value:
         return self._evaluate(complex(sigma), True)
 
-    def prepared(self, sigma: complex) -> Shooting:
-        """Itself, with a mesh that holds at sigma."""
-        self._evaluate(complex(sigma), False)
-        return self
-
     def refined(self) -> Shooting:
-        """The same on a mesh with every step halved, which it keeps: the difference is the error of this one."""
-        finer = Shooting(self.problem, replace(self.method, rtol=np.inf))
-        assert self._table is not None
-        finer._table = tabulate(self.problem, halved(self._table.nodes))
-        return finer
+        """The same on a mesh with every step halved: the difference is the error of this one."""
+        return self._variant(lambda far: far, halved(self._mesh), self.problem)
 
-    def restarted(self, factor: float, sigma: complex) -> Shooting:
-        """The same with the far-field start at a tolerance smaller by this factor, on an own mesh."""
-        other = Shooting(self.problem, self.method)
-        other._build(complex(sigma), self._far_tolerance * factor)
-        return other
+    def turned(self, seed: int) -> Shooting:
+        """The same from the far frame in another basis of determinant 1, chosen at random."""
+        k = self.problem.decaying
+        basis = _random(seed, k, k)
+        basis /= np.linalg.det(basis) ** (1 / k)
+        return self._variant(lambda far: replace(far, frame=far.frame @ basis, tangent=far.tangent @ basis), self._mesh, self.problem)
+
+    def jiggled(self, seed: int, size: float) -> Shooting:
+        """The same from a far frame with every component changed by a random relative amount of this size."""
+        noise = 1 + size * _random(seed, self.problem.size, self.problem.decaying)
+        return self._variant(lambda far: replace(far, frame=far.frame * noise), self._mesh, self.problem)
+
+    def of(self, problem: Problem) -> Shooting:
+        """Of another problem, on the same mesh."""
+        return self._variant(lambda far: far, self._mesh, problem)
+
+    @property
+    def far_error(self) -> float:
+        return self._far_error
 
     @property
     def steps(self) -> int:
@@ -71,14 +79,21 @@ class Shooting:
         return 0 if self._table is None else len(self._table.nodes) - 1
 
     @property
-    def start(self) -> complex:
-        """Where the far-field frame is taken."""
-        assert self._table is not None
-        return complex(self._table.nodes[0])
+    def _mesh(self) -> ComplexArray:
+        if self._table is None:
+            raise ValueError("no mesh yet: D has not been asked for")
+        return self._table.nodes
+
+    def _variant(self, start: Callable[[FarFrame], FarFrame], nodes: ComplexArray, problem: Problem) -> Shooting:
+        """The same on a given mesh, which it keeps, from a far frame changed on the way."""
+        same = problem is self.problem and nodes is self._mesh
+        other = Shooting(problem, replace(self.method, rtol=np.inf), start)
+        other._table = self._table if same else tabulate(problem, nodes)
+        return other
 
     @property
     def _far_tolerance(self) -> float:
-        return min(1e-3 * self.method.rtol, 1e-14)
+        return min(1e-3 * self.method.rtol, 1e-14)  # an infinite rtol marks a variant, which keeps its mesh
 
     def _build(self, sigma: complex, far_tolerance: float) -> None:
         """A mesh for σ: from the problem's own first mesh, redistributed until the local errors hold."""
@@ -112,7 +127,8 @@ class Shooting:
     def _shoot(self, sigma: complex, tangent: bool) -> tuple[Value, np.ndarray]:
         assert self._table is not None
         table = self._table
-        far = self.problem.far_frame(table.nodes[0].real, sigma)
+        far = self._start(self.problem.far_frame(table.nodes[0].real, sigma))
+        self._far_error = far.error
         if far.error > 10 * self._far_tolerance:
             self._build(sigma, self._far_tolerance)
             return self._shoot(sigma, tangent)
@@ -121,8 +137,24 @@ class Shooting:
         errors = np.empty(len(table.nodes) - 1)
         log_det, trace = transport(table.steps, table.X, table.V, table.G, table.T, sigma, Y, dY, tangent, errors)
         W = self._rows[0] + sigma * self._rows[1]
-        at_wall = W @ Y
-        D = Scaled(complex(np.linalg.det(at_wall)), log_det + far.log_scale)
-        slope = complex(trace + np.trace(np.linalg.solve(at_wall, self._rows[1] @ Y + W @ dY))) if tangent else 0j
-        return Value(sigma, D, slope), errors
+        det, slope = det_with_slope(W @ Y, self._rows[1] @ Y + W @ dY)
+        return Value(sigma, Scaled(det, log_det + far.log_scale), slope + trace * det), errors
+
+
+def det_with_slope(M: ComplexArray, dM: ComplexArray) -> tuple[complex, complex]:
+    """det M and its derivative, the sum of the determinants with one column differentiated.
+
+    It holds where M is singular, and elimination keeps the accuracy of rows of very different size.
+    """
+    k = len(M)
+    stack = np.repeat(M[None], k + 1, axis=0)
+    for j in range(k):
+        stack[j + 1, :, j] = dM[:, j]
+    dets = np.linalg.det(stack)
+    return complex(dets[0]), complex(dets[1:].sum())
+
+
+def _random(seed: int, *shape: int) -> ComplexArray:
+    """Complex numbers of modulus 1."""
+    return np.asarray(np.exp(2j * np.pi * np.random.default_rng(seed).random(shape)))
 

@@ -11,11 +11,23 @@ from shootstab.vocabulary.scaled import Scaled
 
 @dataclass(frozen=True)
 class Value:
-    """D(σ) and d ln D/dσ at one σ."""
+    """D(σ) and dD/dσ at one σ; dD is a mantissa at the scale of D."""
 
     sigma: complex
     D: Scaled
-    slope: complex
+    dD: complex
+
+    @property
+    def slope(self) -> complex:
+        """d ln D/dσ; infinite at a zero."""
+        return self.dD / self.D.mantissa if self.D.mantissa != 0.0 else complex("inf")
+
+    @property
+    def newton_step(self) -> complex:
+        """−D/D′."""
+        if self.dD == 0.0:
+            return 0j if self.D.mantissa == 0.0 else complex("inf")
+        return -self.D.mantissa / self.dD
 
 
 class Discriminant(Protocol):
@@ -35,12 +47,37 @@ class Discriminant(Protocol):
         ...
 
 
+class Examinable(Discriminant, Protocol):
+    """A discriminant that can be asked for its errors: each method below answers with a variant whose zero lies elsewhere by one of them."""
+
+    @property
+    def far_error(self) -> float:
+        """The relative error of the far-field frame at the last σ."""
+        ...
+
+    def refined(self) -> Examinable:
+        """On a mesh with every step halved."""
+        ...
+
+    def turned(self, seed: int) -> Examinable:
+        """On the same mesh, from the far frame in another basis of determinant 1: the same D but for rounding."""
+        ...
+
+    def jiggled(self, seed: int, size: float) -> Examinable:
+        """On the same mesh, from a far frame with every component changed by a random relative amount of this size."""
+        ...
+
+    def of(self, problem: Problem) -> Examinable:
+        """Of another problem, on the same mesh."""
+        ...
+
+
 class Method(Protocol):
     """A way to compute D(σ): a small object with a tolerance."""
 
     @property
     def name(self) -> str: ...
 
-    def on(self, problem: Problem) -> Discriminant:
+    def on(self, problem: Problem) -> Examinable:
         """The discriminant of a problem."""
         ...

@@ -206,7 +206,7 @@ def transport(h, X, V, G, T, sigma, Y, dY, tangent, errors):  # type: ignore[no-
 
 @njit(cache=True, error_model="numpy")
 def _local_error(length, K, Y):  # type: ignore[no-untyped-def]
-    """The estimate of Dormand & Prince, largest over the components, each relative to the largest entry of its row in the frame."""
+    """The estimate of Dormand & Prince, largest over the components, each relative to the size of its row in the frame."""
     stages, n, k = K.shape
     worst = 0.0
     floor = 0.0
@@ -217,7 +217,8 @@ def _local_error(length, K, Y):  # type: ignore[no-untyped-def]
     for c in range(n):
         size, e5, e3 = floor, 0.0, 0.0
         for d in range(k):
-            size = max(size, abs(Y[c, d]))
+            # a row that starts from zero is as large as the step makes it
+            size = max(size, abs(Y[c, d]), length * abs(K[0, c, d]), length * abs(K[stages - 1, c, d]))
             sum5, sum3 = 0j, 0j
             for i in range(stages):
                 sum5 += E5[i] * K[i, c, d]

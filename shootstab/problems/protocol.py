@@ -67,6 +67,10 @@ class Problem(Protocol):
         """W0, W1 (k, n): (W0 + σ W1) ψ = 0 at the wall."""
         ...
 
+    def cruder(self, factor: float) -> Problem:
+        """The same problem with its base flow computed less accurately by this factor; itself if the base flow is in closed form."""
+        ...
+
     def continuum(self, points: int) -> ComplexArray | None:
         """The continuous spectrum σ_c as a polyline of so many points, or None if there is none."""
         ...

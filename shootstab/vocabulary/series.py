@@ -64,16 +64,20 @@ class Series:
 
     def __truediv__(self, other: Any) -> Series:
         if depth(other) > self.depth:
-            return _quotient((self,), other)
+            return _quotient((self,), other, len(other))
         if self._is_constant(other):
             return Series(a / other for a in self.coefficients)
-        return _quotient(self.coefficients, other)
+        return _quotient(self.coefficients, other, min(len(self), len(other)))
 
     def __rtruediv__(self, other: Any) -> Series:
-        return _quotient((other,), self)
+        return _quotient((other,), self, len(self))
 
     def __pow__(self, exponent: Any) -> Series:
-        """a^r from a c′ = r a′ c with c = a^r; integer r ≤ 3 by multiplication, so that a0 = 0 is allowed."""
+        """a^r from a c′ = r a′ c with c = a^r; r = 0, 1, 2, 3 by multiplication, so that a0 = 0 is allowed."""
+        if exponent == 0:
+            return constant(1 + 0 * self[0], len(self))
+        if exponent == 1:
+            return self
         if exponent == 2:
             return self * self
         if exponent == 3:
@@ -99,11 +103,11 @@ def constant(value: Any, terms: int) -> Series:
     return Series((value, *((0 * value,) * (terms - 1))))
 
 
-def _quotient(a: tuple[Any, ...], divisor: Series) -> Series:
-    """c b = a, order by order; a of one term is a constant."""
+def _quotient(a: tuple[Any, ...], divisor: Series, terms: int) -> Series:
+    """c b = a, order by order; terms of a that are not given are zero."""
     b = divisor.coefficients
     c: list[Any] = [a[0] / b[0]]
-    for m in range(1, len(b) if len(a) == 1 else min(len(a), len(b))):
+    for m in range(1, terms):
         carried = sum(b[j] * c[m - j] for j in range(1, m + 1))
         c.append((a[m] - carried if m < len(a) else -carried) / b[0])
     return Series(c)

@@ -118,9 +118,9 @@ def wall_shear(nu: Any, g0: Any, pi: Any) -> Any:
 
 @register_jitable
 def slip_coefficient(r: Any) -> Any:
-    """κ(r) of (A 15)."""
+    """κ(r) of (A 15), with the cancellation of 2/(1 + s) − s, s = √(1 − r²), at small r carried out: ⅔ r² (2 + s)/(1 + s)²."""
     s = (1 - r * r) ** 0.5
-    return 2 * (2 / (1 + s) - s) / 3
+    return 2 * r * r * (2 + s) / (3 * (1 + s) * (1 + s))
 
 
 def wall_normal(A: Any, r: Any) -> Any:

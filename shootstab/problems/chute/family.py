@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from shootstab.problems.chute.parameters import Chute
@@ -27,8 +29,9 @@ def flows(chute: Chute, mass_flux: float) -> list[Flow]:
             continue
         inner = _fold_between(chute, mass_flux, logs, misfit, i)
         points = [logs[i], *inner, logs[i + 1]]
-        values = [_misfit(chute, x, mass_flux) for x in points]
-        brackets += [(points[j], points[j + 1]) for j in range(len(points) - 1) if values[j] * values[j + 1] < 0.0]
+        below = [misfit[i] < 0.0, *(_misfit(chute, x, mass_flux) < 0.0 for x in inner), misfit[i + 1] < 0.0]
+        # a misfit of exactly zero counts as positive, so that a flow that sits on a point of the scan is found once
+        brackets += [(points[j], points[j + 1]) for j in range(len(points) - 1) if below[j] != below[j + 1]]
     return [_solve(chute, mass_flux, *b) for b in brackets]
 
 
@@ -83,4 +86,17 @@ def _solve(chute: Chute, mass_flux: float, low: float, high: float) -> Flow:
     from scipy.optimize import brentq
 
     x = brentq(lambda x: _misfit(chute, x, mass_flux), low, high, xtol=1e-15, rtol=1e-15)
-    return descend(chute, float(np.exp(x)))
+    return replace(descend(chute, float(np.exp(x))), asked_flux=mass_flux)
+
+
+def cruder(flow: Flow, factor: float) -> Flow:
+    """The same flow, of the same T_∞ or the same mass flux, integrated with a tolerance larger by this factor."""
+    tolerance = factor * flow.tolerance
+    other = descend(flow.chute, flow.far_temperature, tolerance)
+    if flow.asked_flux is None:
+        return other
+    # one Newton step in ln T_∞ brings the flux back
+    step = 1e-5
+    rate = (descend(flow.chute, flow.far_temperature * (1 + step)).mass_flux - flow.mass_flux) / step
+    shift = (flow.asked_flux - other.mass_flux) / rate
+    return replace(descend(flow.chute, flow.far_temperature * (1 + shift), tolerance), asked_flux=flow.asked_flux)

@@ -110,7 +110,7 @@ class FarField:
         """Σ P_m ν0^m, its σ-derivative, and a bound on its relative error from the last terms."""
         P, dP = self.terms(sigma)
         powers = nu ** np.arange(TERMS)
-        tail = (_row_sizes(P[-4:]) * np.abs(powers[-4:])).max()
+        tail = (_row_sizes(P) * np.abs(powers))[-4:].max()
         return np.tensordot(powers, P, 1), np.tensordot(powers, dP, 1), float(tail)
 
 

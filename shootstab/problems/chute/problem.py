@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from shootstab.problems.chute import system
 from shootstab.problems.chute.background import Background, background
 from shootstab.problems.chute.far_field import FarField
+from shootstab.problems.chute.family import cruder
 from shootstab.problems.chute.steady import Flow
 from shootstab.problems.chute.wall import wall_rows
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
@@ -66,6 +67,10 @@ class ChuteProblem:
     def wall_rows(self) -> tuple[ComplexArray, ComplexArray]:
         base = _scalars(self._background(np.array([0.0 + 0j])))
         return wall_rows(self.flow.chute, base, self.kx, self.ky, math.pi)
+
+    def cruder(self, factor: float) -> ChuteProblem:
+        """The same problem on a steady flow computed with a tolerance larger by this factor."""
+        return ChuteProblem(cruder(self.flow, factor), self.kx, self.ky)
 
     def continuum(self, points: int) -> ComplexArray | None:
         """σ_c(z) of (2.13) from the base to ν0 = 1e−14, at so many heights."""

@@ -176,6 +176,8 @@ class Flow:
     nodes: NDArray[np.float64]
     states: NDArray[np.complex128]
     far_velocity: float
+    tolerance: float = TOLERANCE
+    asked_flux: float | None = None  # the mass flux by which the flow was chosen, if it was
 
     def at(self, z: Any, order: str = "any") -> NDArray[np.complex128]:
         """States (…, 6) at z. With order='path' the points are followed one after the other, from the first one on:
@@ -196,7 +198,7 @@ class Flow:
     def _continue(self, z: NDArray[np.complex128], out: NDArray[np.complex128]) -> None:
         first = z[:1]
         self._near_nodes(first, out[:1])
-        reached = _follow(out[0].copy(), first[0], z, self.chute.numbers, TOLERANCE, out)
+        reached = _follow(out[0].copy(), first[0], z, self.chute.numbers, self.tolerance, out)
         if reached < z.size:
             raise ConvergenceError(f"the steady flow cannot be continued to z = {z[reached]:.6g}: a singularity of the flow lies there")
 
@@ -212,7 +214,7 @@ class Flow:
             self._from_node(int(i), z[k : k + 1], out[k : k + 1])
 
     def _from_node(self, i: int, z: NDArray[np.complex128], out: NDArray[np.complex128]) -> None:
-        if _follow(self.states[i], complex(self.nodes[i]), z, self.chute.numbers, TOLERANCE, out) < z.size:
+        if _follow(self.states[i], complex(self.nodes[i]), z, self.chute.numbers, self.tolerance, out) < z.size:
             raise ConvergenceError(f"the steady flow cannot be continued to z = {z[0]:.6g}")
 
     def _beyond_top(self, z: NDArray[np.complex128]) -> NDArray[np.complex128]:
@@ -283,16 +285,18 @@ def top_state(chute: Chute, far_temperature: float, log_nu: NDArray[np.complex12
     return out
 
 
-def descend(chute: Chute, far_temperature: float) -> Flow:
-    """The flow that decays to T_∞ = far_temperature.
+def descend(chute: Chute, far_temperature: float, tolerance: float = TOLERANCE) -> Flow:
+    """The flow that decays to T_∞ = far_temperature, integrated with local errors below tolerance.
 
-    Raises NoFlowError where the curve never meets the energy condition of the base.
+    Raises NoFlowError where the curve never meets the energy condition of the base, and for a smooth base.
     """
     chute.require_temperature(far_temperature)
+    if law.slip_coefficient(chute.r) == 0.0:
+        raise NoFlowError(f"r = {chute.r:g}: no steady flow, for a smooth base bears no shear; r must be above 0")
     z = np.zeros(6000)
     states = np.empty((z.size, SIZE), dtype=np.complex128)
     y0 = top_state(chute, far_temperature, np.array([math.log(NU_TOP) + 0j]))[0]
-    count, found = _descend(y0, chute.numbers, far_temperature, TOLERANCE, z, states)
+    count, found = _descend(y0, chute.numbers, far_temperature, tolerance, z, states)
     if not found:
         nu = math.exp(states[count, 0].real)
         raise NoFlowError(
@@ -301,7 +305,7 @@ def descend(chute: Chute, far_temperature: float) -> Flow:
         )
     z, states = z[: count + 1], states[: count + 1]
     _place_base(chute, z, states)
-    return _with_slip(chute, far_temperature, z - z[-1], states)
+    return _with_slip(chute, far_temperature, z - z[-1], states, tolerance)
 
 
 def _place_base(chute: Chute, z: NDArray[np.float64], states: NDArray[np.complex128]) -> None:
@@ -321,7 +325,7 @@ def _place_base(chute: Chute, z: NDArray[np.float64], states: NDArray[np.complex
     states[-1] = trial
 
 
-def _with_slip(chute: Chute, far_temperature: float, z: NDArray[np.float64], states: NDArray[np.complex128]) -> Flow:
+def _with_slip(chute: Chute, far_temperature: float, z: NDArray[np.float64], states: NDArray[np.complex128], tolerance: float) -> Flow:
     """Add the constant to u that the slip condition asks for, and carry it into ∫νu."""
     log_nu, T, u, Q = states[-1, :4].real
     nu = math.exp(log_nu)
@@ -334,4 +338,4 @@ def _with_slip(chute: Chute, far_temperature: float, z: NDArray[np.float64], sta
     nus = np.exp(states[:, 0])
     g0s, _ = law.radial(nus, chute.nu_max, chute.model)
     states[:, 5] += far_velocity * nus * law.f1(nus, g0s, chute.ep) * states[:, 1]
-    return Flow(chute, far_temperature, z, states, float(far_velocity))
+    return Flow(chute, far_temperature, z, states, float(far_velocity), tolerance)

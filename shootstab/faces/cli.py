@@ -1,0 +1,187 @@
+"""The command line: what may be asked, and what the exit status says.
+
+0: done, no bad news. 1: bad news. 2: bad input, with one line on standard error. Nothing heavy is imported here, so that help and
+refusals come at once.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+from shootstab.faces import commands
+from shootstab.faces.notation import complex_from, floats_from
+from shootstab.vocabulary.errors import InputError, ShootstabError
+
+BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 2, 130, 141
+SCENE_HELP = "a built-in name (see `shootstab scenes`), a TOML file, or module:object"
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command; the exit status."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")  # a σ must not stop a terminal that has none
+    try:
+        options = parser().parse_args(_with_values(sys.argv[1:] if argv is None else argv))
+        commands.prepare(options)
+        status: int = options.run(options)
+        sys.stdout.flush()
+        return status
+    except InputError as error:
+        return _say(error, BAD_INPUT)
+    except ShootstabError as error:
+        return _say(error, commands.BAD_NEWS)
+    except KeyboardInterrupt:
+        return _say("interrupted", INTERRUPTED)
+    except BrokenPipeError:
+        # whoever read has gone; keep Python from flushing into the broken pipe at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return BROKEN_PIPE
+
+
+def _say(error: object, status: int) -> int:
+    print("shootstab:", " ".join(str(error).split()), file=sys.stderr)
+    return status
+
+
+class _Parser(argparse.ArgumentParser):
+    """An ArgumentParser that refuses in one line, by the same way as everything else."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**{"allow_abbrev": False, **settings})
+
+    def error(self, message: str) -> NoReturn:
+        raise InputError(f"{message} (see {self.prog} --help)")
+
+
+class _Version(argparse.Action):
+    def __init__(self, option_strings: Sequence[str], dest: str, help: str | None = None) -> None:
+        super().__init__(option_strings, dest, nargs=0, help=help)
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        from importlib.metadata import version
+
+        print("shootstab", version("shootstab"))
+        parser.exit()
+
+
+def parser() -> argparse.ArgumentParser:
+    """All commands and their options."""
+    top = _Parser(prog="shootstab", description="An independent second opinion on eigenvalues of linear stability problems.")
+    top.add_argument("--version", action=_Version, help="show the version and stop")
+    subparsers = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
+
+    verify = _command(subparsers, commands.verify, "a verdict on each eigenvalue, and the modes that are missing")
+    verify.add_argument(
+        "eigenvalues", nargs="?", metavar="EIGENVALUES", help="csv, text, json, npy or npz (default: the bundled reference)"
+    )
+    verify.add_argument("--digits", type=_integer(1, 14), default=6, metavar="N", help="digits that an eigenvalue must have (default 6)")
+    verify.add_argument("--strict", action="store_true", help="`continuum` is bad news too")
+    verify.add_argument("--plot", type=_plot_path, metavar="FILE", help="draw the complex plane into a png, pdf or svg file")
+    verify.add_argument("-M", dest="truncation", type=_integer(4, 5000), metavar="N", help="truncation of the bundled reference")
+    verify.add_argument("--region", type=_numbers(4), metavar="RE0,IM0,RE1,IM1", help="look for missing modes in this rectangle")
+
+    refine = _command(subparsers, commands.refine, "one mode, with its error bar")
+    refine.add_argument("--guess", type=_guess, required=True, metavar="RE[,IM]", help="where to start")
+    accuracy = refine.add_mutually_exclusive_group()
+    accuracy.add_argument("--rtol", type=_tolerance, default=1e-10, metavar="X", help="relative accuracy asked for (default 1e-10)")
+    accuracy.add_argument("--digits", type=_integer(1, 100_000), metavar="N", help="the same in digits")
+    refine.add_argument("--method", choices=tuple(commands.METHODS), help="how the determinant is formed (default: as the program chooses)")
+
+    count = _command(subparsers, commands.count, "how many modes a region of the complex plane holds")
+    count.add_argument("--region", choices=("rectangle", "disc"), required=True, help="the shape")
+    count.add_argument("--corners", type=_numbers(4), metavar="RE0,IM0,RE1,IM1", help="of the rectangle: lower left, upper right")
+    count.add_argument("--centre", type=_numbers(2), metavar="RE,IM", help="of the disc")
+    count.add_argument("--radius", type=_numbers(1), metavar="R", help="of the disc")
+
+    _command(subparsers, commands.steady, "the steady flow of the scene")
+
+    spectrum = _command(subparsers, commands.spectrum, "the pseudospectral spectrum")
+    spectrum.add_argument("-M", dest="truncation", type=_integer(4, 5000), metavar="N", help="truncation")
+    spectrum.add_argument("--raw", action="store_true", help="all eigenvalues of the pencil, unfiltered")
+
+    _command(subparsers, commands.scenes, "what is built in", scene=False)
+    return top
+
+
+def _command(subparsers: Any, run: Callable[[argparse.Namespace], int], says: str, scene: bool = True) -> argparse.ArgumentParser:
+    """A command, named after the function that runs it."""
+    made: argparse.ArgumentParser = subparsers.add_parser(run.__name__, help=says, description=says[0].upper() + says[1:] + ".")
+    made.set_defaults(run=run)
+    if scene:
+        made.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
+    made.add_argument("--json", metavar="FILE", help="write the answer as JSON; - is standard output, which then holds nothing else")
+    return made
+
+
+def _with_values(argv: Sequence[str]) -> list[str]:
+    """Join an option to a value that begins with a minus sign, which argparse would take for an option: --guess -0.1,0.2."""
+    joined: list[str] = []
+    for word in argv:
+        if joined and re.fullmatch(r"--[a-z]+", joined[-1]) and re.match(r"-[\d.]", word):
+            joined[-1] += f"={word}"
+        else:
+            joined.append(word)
+    return joined
+
+
+# the values of options, refused in words
+
+
+def _refused(text: str, allowed: str) -> argparse.ArgumentTypeError:
+    return argparse.ArgumentTypeError(f"{text!r}: allowed is {allowed}")
+
+
+def _integer(least: int, most: int) -> Callable[[str], int]:
+    def parse(text: str) -> int:
+        if not re.fullmatch(r"\d{1,9}", text, re.ASCII) or not least <= int(text) <= most:
+            raise _refused(text, f"an integer from {least} to {most}")
+        return int(text)
+
+    return parse
+
+
+def _numbers(count: int) -> Callable[[str], tuple[float, ...]]:
+    def parse(text: str) -> tuple[float, ...]:
+        try:
+            return floats_from(text, count)
+        except ValueError:
+            raise _refused(text, "a finite number" if count == 1 else f"{count} finite numbers with commas between them") from None
+
+    return parse
+
+
+def _guess(text: str) -> complex:
+    try:
+        if "," in text:
+            return complex(*floats_from(text, 2))
+        guess = complex_from(text)
+    except ValueError:
+        guess = complex("nan")
+    if guess - guess != 0:
+        raise _refused(text, "RE, RE,IM or RE+IMi, finite")
+    return guess
+
+
+def _tolerance(text: str) -> float:
+    value = _numbers(1)(text)[0]
+    if not 1e-14 <= value <= 0.1:
+        raise _refused(text, "a number from 1e-14 to 0.1")
+    return value
+
+
+def _plot_path(text: str) -> Path:
+    path = Path(text)
+    if path.suffix.lower() not in (".png", ".pdf", ".svg"):
+        raise _refused(text, "a file name that ends in .png, .pdf or .svg")
+    return path
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,193 @@
+"""The commands: each asks its question and hands the answer to the JSON or to the table."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from argparse import Namespace
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from shootstab.faces import scenes as scene_files
+from shootstab.faces.files import require_writable, write_whole
+from shootstab.vocabulary.errors import InputError
+from shootstab.vocabulary.regions import Disc, Rectangle, Region
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+DONE, BAD_NEWS = 0, 1
+
+# what the command line calls the methods: module and class; None is the method that `refine` takes by itself, and tunes
+METHODS: dict[str, tuple[str, str] | None] = {"frame": None}
+
+
+def verify(options: Namespace) -> int:
+    """A verdict on each eigenvalue in the file, or on those of the bundled reference."""
+    from shootstab.faces import documents, readers
+    from shootstab.faces.terminal import progress
+
+    if options.eigenvalues is not None and options.truncation is not None:
+        raise InputError("-M is the truncation of the bundled reference: allowed only without EIGENVALUES")
+    if options.plot is not None:
+        from shootstab.faces import plots
+
+        plots.require(options.plot)
+    region = None if options.region is None else _rectangle(options.region)
+    claimed = None if options.eigenvalues is None else readers.read(options.eigenvalues)
+    scene = scene_files.load(options.scene)
+    from shootstab.questions.reference import spectrum
+    from shootstab.questions.verify import verify as question
+
+    with progress(f"verifying {scene.name}") as told:
+        if claimed is None:
+            claimed = spectrum(scene.problem, M=options.truncation).eigenvalues
+        report = question(scene.problem, claimed, digits=options.digits, region=region, progress=told)
+    if options.plot is not None:
+        from shootstab.faces import plots
+
+        plots.save(report, scene, options.plot)
+
+    def tables() -> list[RenderableType]:
+        from shootstab.faces import tables
+
+        return tables.report(report, scene)
+
+    _answer(options, documents.report(report), tables)
+    return BAD_NEWS if report.bad_news(options.strict) else DONE
+
+
+def refine(options: Namespace) -> int:
+    """One mode, with its error bar."""
+    from shootstab.faces import documents
+
+    scene = scene_files.load(options.scene)
+    from shootstab.questions.refine import refine as question
+
+    found = question(scene.problem, options.guess, rtol=options.rtol, digits=options.digits, method=_method(options.method))
+
+    def tables() -> list[RenderableType]:
+        from shootstab.faces import tables
+
+        return tables.mode(found, scene)
+
+    _answer(options, documents.mode(found), tables)
+    return DONE if found.converged else BAD_NEWS
+
+
+def _method(name: str | None) -> Any:
+    """The method of that name, at its own tolerance; None leaves method and tolerance to `refine`."""
+    place = METHODS[name] if name is not None else None
+    if place is None:
+        return None
+    module, method = place
+    return getattr(importlib.import_module(module), method)()
+
+
+def count(options: Namespace) -> int:
+    """How many modes a region holds."""
+    from shootstab.faces import documents
+
+    region = _region(options)
+    scene = scene_files.load(options.scene)
+    from shootstab.questions.count import count as question
+
+    modes = question(scene.problem, region)
+
+    def tables() -> list[RenderableType]:
+        from shootstab.faces import tables
+
+        return tables.count(region, modes, scene)
+
+    _answer(options, documents.count(region, modes), tables)
+    return DONE
+
+
+def _region(options: Namespace) -> Region:
+    wanted = {"rectangle": ("corners",), "disc": ("centre", "radius")}[options.region]
+    for name in ("corners", "centre", "radius"):
+        if (getattr(options, name) is not None) != (name in wanted):
+            raise InputError(f"--region {options.region}: needed is {' and '.join(f'--{w}' for w in wanted)}, and no other")
+    if options.region == "disc":
+        return Disc(complex(*options.centre), options.radius[0])
+    return _rectangle(options.corners)
+
+
+def _rectangle(corners: tuple[float, float, float, float]) -> Rectangle:
+    return Rectangle(complex(*corners[:2]), complex(*corners[2:]))
+
+
+def steady(options: Namespace) -> int:
+    """The steady flow of the scene."""
+    from shootstab.faces import documents
+
+    scene = scene_files.load(options.scene)
+    flow = scene.flow
+    if flow is None:
+        raise InputError(f"{options.scene}: has no steady flow of grains: allowed is a scene with a [flow]")
+    document = documents.steady(flow)
+
+    def tables() -> list[RenderableType]:
+        from shootstab.faces import tables
+
+        return tables.steady(flow, document["profiles"], scene)
+
+    _answer(options, document, tables)
+    return DONE
+
+
+def spectrum(options: Namespace) -> int:
+    """The pseudospectral spectrum."""
+    from shootstab.faces import documents
+
+    scene = scene_files.load(options.scene)
+    from shootstab.questions.reference import spectrum as question
+
+    found = question(scene.problem, M=options.truncation)
+
+    def tables() -> list[RenderableType]:
+        from shootstab.faces import tables
+
+        return tables.spectrum(found, options.raw, scene)
+
+    _answer(options, documents.spectrum(found, options.raw), tables)
+    return DONE
+
+
+def scenes(options: Namespace) -> int:
+    """What is built in."""
+    if options.json is not None:
+        built_in = [{"name": name, "description": description} for name, (description, _) in scene_files.BUILT_IN.items()]
+        _write_json(options, {"scenes": built_in})
+    if options.json != "-":
+        for name, (description, _) in scene_files.BUILT_IN.items():
+            print(f"{name:<12}{description}")
+    return DONE
+
+
+def prepare(options: Namespace) -> None:
+    """Refuse a file that could not be written before any work is done."""
+    for path in (options.json, getattr(options, "plot", None)):
+        if path is not None and path != "-":
+            require_writable(Path(path))
+
+
+def _answer(options: Namespace, document: dict[str, Any], tables: Callable[[], list[RenderableType]]) -> None:
+    """JSON where it was asked for, and tables on standard output unless JSON takes it."""
+    if options.json is not None:
+        _write_json(options, document)
+    if options.json != "-":
+        from shootstab.faces.terminal import show
+
+        show(tables())
+
+
+def _write_json(options: Namespace, document: dict[str, Any]) -> None:
+    from shootstab.faces import documents
+
+    text = documents.text(document)
+    if options.json == "-":
+        sys.stdout.write(text)
+    else:
+        write_whole(Path(options.json), lambda path: path.write_text(text, encoding="utf-8"))

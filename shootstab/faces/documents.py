@@ -1,0 +1,107 @@
+"""JSON of DESIGN.md 3.3: what each command answers with, for programs to read."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+from shootstab.faces.notation import as_strings
+from shootstab.vocabulary.records import Mode, Report, Verdict
+from shootstab.vocabulary.regions import Region
+
+if TYPE_CHECKING:
+    from shootstab.problems.chute import Flow
+
+PROFILE_POINTS = 101
+PROFILE_TOP = 1e-6  # profiles end where ν has fallen to this
+
+
+def mode(found: Mode) -> dict[str, Any]:
+    """What `refine` answers."""
+    return {
+        "sigma": as_strings(found.sigma, found.error),
+        "error": found.error,
+        "budget": found.budget.as_dict(),
+        "digits": found.digits,
+        "status": found.status,
+        "method": found.method,
+        "evaluations": found.evaluations,
+        "seconds": found.seconds,
+        "continuum_distance": found.continuum_distance,
+        "path": found.path,
+    }
+
+
+def report(found: Report) -> dict[str, Any]:
+    """What `verify` answers."""
+    return {
+        "verdicts": [_verdict(v) for v in found.verdicts],
+        "missing": [{"sigma": as_strings(m.sigma, m.error), "error": m.error} for m in found.missing],
+        "summary": dict(found.summary),
+        "digits": found.digits,
+        "searched": found.searched,
+        "undecided": list(found.undecided),
+    }
+
+
+def _verdict(verdict: Verdict) -> dict[str, Any]:
+    return {
+        "claimed": as_strings(verdict.claimed),
+        "verdict": verdict.verdict,
+        "sigma": None if verdict.sigma is None else as_strings(verdict.sigma, verdict.error),
+        "error": verdict.error,
+        "digits_agreed": verdict.digits_agreed,
+        "why": verdict.why,
+        "continuum_distance": verdict.continuum_distance,
+    }
+
+
+def count(region: Region, modes: int) -> dict[str, Any]:
+    """What `count` answers."""
+    return {"region": region.as_dict(), "count": modes}
+
+
+def steady(flow: Flow) -> dict[str, Any]:
+    """What `steady` answers: the flow, and profiles from the base to where ν has fallen to 1e−6."""
+    import numpy as np
+
+    z = np.linspace(0.0, flow.height(PROFILE_TOP), PROFILE_POINTS)
+    states = flow.at(z).real
+    return {
+        "far_temperature": flow.far_temperature,
+        "base": dict(flow.base),
+        "mass_flux": flow.mass_flux,
+        "hold_up": flow.hold_up,
+        "centre_of_mass": flow.centre_of_mass,
+        "profiles": {"z": z.tolist(), "nu": np.exp(states[:, 0]).tolist(), "T": states[:, 1].tolist(), "u": states[:, 2].tolist()},
+    }
+
+
+def spectrum(found: Any, raw: bool) -> dict[str, Any]:
+    """What `spectrum` answers: the filtered eigenvalues with their evidence, and with raw all that QZ gave."""
+    document: dict[str, Any] = {
+        "truncation": found.truncation,
+        "eigenvalues": [as_strings(s) for s in found.eigenvalues],
+        "drift": [float(x) for x in found.drift],
+        "tail": [float(x) for x in found.tail],
+    }
+    if raw:
+        document["raw"] = [as_strings(s) for s in found.raw]
+    return document
+
+
+def text(document: Any) -> str:
+    """The document as JSON; NaN and infinities, which JSON does not know, as null."""
+    return json.dumps(_plain(document), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, str | int | None):  # bool is an int
+        return value
+    number = float(value)  # NumPy's and mpmath's too
+    return number if math.isfinite(number) else None

@@ -1,0 +1,1 @@
+"""Solved problems with their published digits."""

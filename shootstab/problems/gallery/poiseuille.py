@@ -1,0 +1,77 @@
+"""Plane Poiseuille flow U = 1 − y²: the Orr–Sommerfeld equation as a first-order system.
+
+(D² − α²)² φ = R [(σ + iαU)(D² − α²) − iαU″] φ with φ = φ′ = 0 at the walls; σ = −iαc.
+Source: S. A. Orszag, J. Fluid Mech. 50 (1971) 689: R = 10000, α = 1, c = 0.23752649 + 0.00373967i.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
+from shootstab.vocabulary.errors import InputError
+
+
+@dataclass(frozen=True)
+class PlanePoiseuille:
+    """Normal modes exp(σt + iαx); lengths in half-channels, velocities in the centreline velocity.
+
+    half=True takes half the channel, from the centre to the wall, and the even φ that carry the unstable mode; half=False the whole
+    channel, from wall to wall. State (φ, φ′, φ″, φ‴).
+    """
+
+    reynolds: float = 10000.0
+    alpha: float = 1.0
+    half: bool = True
+
+    def __post_init__(self) -> None:
+        for name, value in (("reynolds", self.reynolds), ("alpha", self.alpha)):
+            if not 0.0 < value < math.inf:
+                raise InputError(f"{name} = {value!r}: allowed is a finite number above 0")
+
+    @property
+    def size(self) -> int:
+        return 4
+
+    @property
+    def decaying(self) -> int:
+        return 2
+
+    def pencil(self, z: ComplexArray) -> Pencil:
+        a2, R, advect = self.alpha**2, self.reynolds, 1j * self.alpha * self.reynolds
+        U = 1 - z * z
+        C0, C1, D0, D1 = (np.zeros((len(z), 4, 4), dtype=np.complex128) for _ in range(4))
+        C0[:] = np.eye(4)
+        D0[:, [0, 1, 2], [1, 2, 3]] = 1.0
+        D0[:, 3, 0] = -a2 * a2 - advect * (U * a2 - 2)
+        D0[:, 3, 2] = 2 * a2 + advect * U
+        D1[:, 3, 0], D1[:, 3, 2] = -R * a2, R
+        return Pencil(C0, C1, D0, D1)
+
+    def start(self, sigma: complex, tolerance: float) -> float:
+        """The centre, or the other wall."""
+        return 0.0 if self.half else -1.0
+
+    def far_frame(self, z: float, sigma: complex) -> FarFrame:
+        """Even solutions at the centre; at a wall those with φ = φ′ = 0."""
+        free = [0, 2] if self.half else [2, 3]
+        frame = np.eye(4, dtype=np.complex128)[:, free]
+        return FarFrame(frame, np.zeros_like(frame), 0.0, 0.0)
+
+    def mesh(self, start: float) -> NDArray[np.float64]:
+        return np.linspace(start, 1.0, 17 if self.half else 33)
+
+    def wall_rows(self) -> tuple[ComplexArray, ComplexArray]:
+        W0 = np.eye(4, dtype=np.complex128)[:2]
+        return W0, np.zeros_like(W0)
+
+    def cruder(self, factor: float) -> PlanePoiseuille:
+        """Itself: the base flow is in closed form."""
+        return self
+
+    def continuum(self, points: int) -> ComplexArray | None:
+        return None

@@ -1,0 +1,103 @@
+"""One mode to the accuracy asked for, with an error bound made of named parts."""
+
+from __future__ import annotations
+
+import cmath
+import math
+import time
+from typing import Any
+
+from shootstab.discriminants.frame import Frame
+from shootstab.discriminants.protocol import Examinable, Method
+from shootstab.problems.protocol import Problem
+from shootstab.questions.bounds import budget
+from shootstab.questions.continuum import distance_to_continuum
+from shootstab.roots.iterations import Root, muller, newton
+from shootstab.roots.winding import wind
+from shootstab.vocabulary.errors import ConvergenceError, InputError
+from shootstab.vocabulary.records import CONVERGED, Budget, Mode
+from shootstab.vocabulary.regions import Disc
+
+TIGHTEST = 1e-13  # the local error below which rounding takes over
+LOOSEST = 1e-5
+ATTEMPTS = 3
+PROOF = 32.0  # the circle of the proof, in error bounds: the noise of D must be small on it
+UNKNOWN = Budget(math.inf, math.inf, math.inf, math.inf, math.inf)
+
+
+def refine(problem: Problem, guess: Any, rtol: float = 1e-10, digits: int | None = None, method: Method | None = None) -> Mode:
+    """The mode next to guess, with |true − sigma| ≤ error and error ≤ rtol·|sigma| if its status is 'converged'.
+
+    digits=N stands for rtol = 10^−N. method defaults to orthonormalized shooting with a tolerance chosen from rtol. The iteration finds
+    the mode, the argument principle proves that there is one: a failed search is a Mode whose status says why.
+    """
+    began = time.perf_counter()
+    guess = complex(guess)
+    if not cmath.isfinite(guess):
+        raise InputError(f"guess = {guess}: allowed is a finite number")
+    if digits is not None:
+        if not 1 <= digits <= 13:
+            raise InputError(f"digits = {digits}: allowed is 1 to 13 in double precision")
+        rtol = 10.0**-digits
+    if not 1e-14 <= rtol < 1.0:
+        raise InputError(f"rtol = {rtol!r}: allowed is a number from 1e-14 to 1")
+    tried: Method = method or Frame(rtol=min(max(0.1 * rtol, TIGHTEST), LOOSEST))
+    evaluations = 0
+    for _ in range(ATTEMPTS):
+        mode, count = _attempt(problem, guess, rtol, tried, began)
+        evaluations += count
+        tighter = isinstance(tried, Frame) and method is None and tried.rtol > TIGHTEST
+        if mode.converged or not tighter or not math.isfinite(mode.error):
+            break
+        assert isinstance(tried, Frame)
+        tried = Frame(rtol=max(tried.rtol * 1e-2, TIGHTEST))
+        guess = complex(mode.sigma)
+    return Mode(**{**vars(mode), "evaluations": evaluations, "seconds": time.perf_counter() - began})
+
+
+def _attempt(problem: Problem, guess: complex, rtol: float, method: Method, began: float) -> tuple[Mode, int]:
+    """One search with one tolerance; the number of evaluations is returned beside the mode."""
+    discriminant = method.on(problem)
+    try:
+        root = find_near(discriminant, guess, 1e-3 * rtol)
+        mode = _examined(problem, discriminant, root, rtol, method)
+    except ConvergenceError as error:
+        mode = Mode(guess, math.inf, UNKNOWN, f"not converged: {error}", method.name, 0, 0.0)
+    return mode, discriminant.evaluations
+
+
+def find_near(discriminant: Examinable, guess: complex, tolerance: float) -> Root:
+    """Newton from the guess; Muller if that fails.
+
+    Raises ConvergenceError if both do.
+    """
+    for iteration in (newton, muller):
+        root = iteration(discriminant, guess, tolerance)
+        if root.converged:
+            return root
+    raise ConvergenceError(f"neither Newton nor Muller arrives anywhere from {guess:.6g}; the last step was {root.step:.1e}")
+
+
+def _examined(problem: Problem, coarse: Examinable, root: Root, rtol: float, method: Method) -> Mode:
+    """The zero on a finer mesh, its error bound, and the proof that it is one."""
+    fine = coarse.refined()
+    better = newton(fine, root.sigma, 1e-3 * rtol)
+    coarse_value, fine_value = coarse.with_slope(better.sigma), fine.with_slope(better.sigma)
+    parts = budget(problem, coarse, coarse_value, fine, fine_value, min(better.step, abs(fine_value.newton_step)))
+    status = _status(coarse, better.sigma, parts.total, rtol)
+    distance = distance_to_continuum(problem, better.sigma)
+    return Mode(better.sigma, parts.total, parts, status, method.name, 0, 0.0, distance)
+
+
+def _status(discriminant: Examinable, sigma: complex, error: float, rtol: float) -> str:
+    radius = max(PROOF * error, 1e-2 * rtol * abs(sigma))
+    if not math.isfinite(radius) or radius > 0.5 * abs(sigma):
+        return f"not converged: the error bound {error:.1e} is as large as the mode itself"
+    count = wind(discriminant, Disc(sigma, radius)).count
+    if count == 0:
+        return f"not converged: the iteration stopped at {sigma:.6g}, but no zero lies within {radius:.1e}"
+    if count > 1:
+        return f"not converged: {count} modes lie within {radius:.1e} of {sigma:.12g}"
+    if error > rtol * abs(sigma):
+        return f"not converged: the error bound {error:.1e} exceeds the {rtol * abs(sigma):.1e} asked for"
+    return CONVERGED

@@ -1,0 +1,1 @@
+"""The pseudospectral reference: matrix spectra from Chebyshev collocation, independent of the shooting path."""

@@ -1,0 +1,110 @@
+"""A whole spectrum by QZ, and which of its eigenvalues a second truncation and the eigenvectors bear out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.spectral import chebyshev
+from shootstab.vocabulary.errors import InputError
+
+Matrix = NDArray[Any]
+Assemble = Callable[[int], tuple[Matrix, Matrix]]
+Unfold = Callable[[Matrix], Matrix]
+
+GROWTH = 1.2  # the second truncation over the first
+TAIL_PART = 0.1  # the part of the coefficients that counts as the tail
+FAINT = 1e-3  # a field smaller than this part of the largest is measured by the largest
+DRIFT_TOLERANCE = 1e-5
+TAIL_TOLERANCE = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Eigenvalues of a discretized problem, most of which are not eigenvalues of the problem.
+
+    raw (n,): all that are finite. eigenvalues (k,): those kept, by falling real part; drift (k,): distance of each to the nearest
+    of the larger truncation; tail (k,): size of the last tenth of its Chebyshev coefficients against the largest, worst field.
+    Unfiltered, eigenvalues is raw in that order, drift and tail are NaN, and larger_truncation is 0.
+    """
+
+    raw: NDArray[np.complex128]
+    truncation: int
+    eigenvalues: NDArray[np.complex128]
+    drift: NDArray[np.float64]
+    tail: NDArray[np.float64]
+    larger_truncation: int = 0
+
+
+def spectrum(
+    assemble: Assemble,
+    M: int,
+    unfold: Unfold,
+    filtered: bool = True,
+    drift_tolerance: float = DRIFT_TOLERANCE,
+    tail_tolerance: float = TAIL_TOLERANCE,
+) -> Spectrum:
+    """The spectrum of A x = σ B x, (A, B) = assemble(M), by LAPACK's QZ; infinite eigenvalues are dropped.
+
+    unfold takes eigenvectors (n, k) to nodal values (k, fields, N + 1) on Chebyshev extrema. Kept is an eigenvalue whose drift
+    from M to ⌈1.2 M⌉ is at most drift_tolerance·|σ| and whose tail is at most tail_tolerance. Unfiltered: one QZ, no eigenvectors.
+    """
+    if not filtered:
+        raw = _by_growth(_finite(*assemble(M))[0])
+        unknown = np.full(len(raw), np.nan)
+        return Spectrum(raw, M, raw, unknown, unknown)
+    if not (drift_tolerance > 0.0 and tail_tolerance > 0.0):
+        raise InputError(f"drift_tolerance = {drift_tolerance!r}, tail_tolerance = {tail_tolerance!r}: allowed are numbers above 0")
+    larger = int(np.ceil(GROWTH * M))
+    others = _finite(*assemble(larger))[0]
+    raw, vectors = _finite(*assemble(M), vectors=True)
+    drift = _nearest(raw, others)
+    kept = np.flatnonzero(drift <= drift_tolerance * np.abs(raw))
+    tail = tails(unfold(vectors[:, kept])) if kept.size else np.empty(0)
+    kept, tail = kept[tail <= tail_tolerance], tail[tail <= tail_tolerance]
+    order = np.argsort(-raw[kept].real, kind="stable")
+    kept = kept[order]
+    return Spectrum(_by_growth(raw), M, raw[kept], drift[kept], tail[order], larger)
+
+
+def union(parts: list[Spectrum]) -> Spectrum:
+    """One spectrum from those of blocks that do not see each other."""
+    raw = _by_growth(np.concatenate([p.raw for p in parts]))
+    eigenvalues, drift, tail = (np.concatenate(columns) for columns in zip(*((p.eigenvalues, p.drift, p.tail) for p in parts), strict=True))
+    order = np.argsort(-eigenvalues.real, kind="stable")
+    return Spectrum(raw, parts[0].truncation, eigenvalues[order], drift[order], tail[order], parts[0].larger_truncation)
+
+
+def tails(nodal: Matrix) -> NDArray[np.float64]:
+    """(k,) from nodal values (k, fields, N + 1): the largest of the last tenth of the Chebyshev coefficients over the largest of all,
+    in the worst field. Fields below FAINT of the largest field are noise as likely as not, and are measured against FAINT of it.
+    """
+    sizes = np.abs(chebyshev.coefficients(nodal))
+    count = max(3, round(TAIL_PART * sizes.shape[-1]))
+    largest = sizes.max(axis=-1)
+    floor = FAINT * largest.max(axis=-1, keepdims=True)
+    return np.asarray((sizes[..., -count:].max(axis=-1) / np.maximum(largest, floor)).max(axis=-1))
+
+
+def _finite(A: Matrix, B: Matrix, vectors: bool = False) -> tuple[NDArray[np.complex128], Matrix]:
+    """Finite eigenvalues and, if asked for, their right eigenvectors as columns."""
+    from scipy.linalg import eig, eigvals
+
+    if vectors:
+        sigma, x = eig(A, B, check_finite=False)
+        finite = np.isfinite(sigma)
+        return sigma[finite], x[:, finite]
+    sigma = eigvals(A, B, check_finite=False)
+    return sigma[np.isfinite(sigma)], np.empty((0, 0))
+
+
+def _by_growth(sigma: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    return sigma[np.argsort(-sigma.real, kind="stable")]
+
+
+def _nearest(sigma: NDArray[np.complex128], others: NDArray[np.complex128]) -> NDArray[np.float64]:
+    return np.asarray(np.abs(sigma[:, None] - others[None, :]).min(axis=1))
