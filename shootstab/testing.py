@@ -5,17 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from shootstab.faces.notation import claimed_digits, held_complex
-from shootstab.vocabulary.errors import InputError
 from shootstab.vocabulary.records import CONFIRMED, Verdict, digits_between
 
 if TYPE_CHECKING:
     from shootstab.problems.protocol import Problem
 
-MOST_DIGITS = 14
-
 
 def assert_eigenvalue(problem: Problem, claimed: complex, digits: int = 8) -> None:
-    """Raise AssertionError unless `claimed` is an eigenvalue of the problem to so many digits (1 to 14).
+    """Raise AssertionError unless `claimed` is an eigenvalue of the problem to so many digits (1 to 12).
 
     The verdict is that of `verify`: exactly one zero of D inside the circle that these digits mean. The error says the verdict and
     why, the true value, its own error, and how many digits agree. Raises InputError for digits out of range.
@@ -23,8 +20,6 @@ def assert_eigenvalue(problem: Problem, claimed: complex, digits: int = 8) -> No
     __tracebackhide__ = True
     from shootstab.questions.verify import verify
 
-    if not 1 <= digits <= MOST_DIGITS:
-        raise InputError(f"digits = {digits}: allowed is an integer from 1 to {MOST_DIGITS}")
     verdict = verify(problem, [complex(claimed)], digits=digits).verdicts[0]
     if verdict.verdict != CONFIRMED:
         raise AssertionError(_failure(problem, verdict, digits))

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from shootstab.discriminants.mesh import halved, redistribute
+from shootstab.discriminants.mesh import halved, redistribute, split
 from shootstab.discriminants.protocol import Value
 from shootstab.discriminants.table import Table, tabulate
 from shootstab.kernels.transport import transport
@@ -16,6 +16,8 @@ from shootstab.vocabulary.errors import ConvergenceError
 from shootstab.vocabulary.scaled import Scaled
 
 MOST_STEPS = 40_000
+TURNS = 30  # attempts at a mesh
+REDISTRIBUTIONS = 3  # of them, those that move every node
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,8 @@ class Shooting:
         self.evaluations = 0
         self._table: Table | None = None
         self._far_error = 0.0
+        self._tables: dict[tuple[int, int], Table] = {}
+        self._tables_of: Table | None = None
         self._rows = problem.wall_rows()
 
     def __call__(self, sigma: complex) -> Scaled:
@@ -86,10 +90,20 @@ class Shooting:
 
     def _variant(self, start: Callable[[FarFrame], FarFrame], nodes: ComplexArray, problem: Problem) -> Shooting:
         """The same on a given mesh, which it keeps, from a far frame changed on the way."""
-        same = problem is self.problem and nodes is self._mesh
         other = Shooting(problem, replace(self.method, rtol=np.inf), start)
-        other._table = self._table if same else tabulate(problem, nodes)
+        other._table = self._shared_table(problem, nodes)
         return other
+
+    def _shared_table(self, problem: Problem, nodes: ComplexArray) -> Table | None:
+        """A table of its own mesh, of the halved one, or of another problem's on its own: each is made once for each mesh."""
+        if problem is self.problem and nodes is self._mesh:
+            return self._table
+        if self._tables_of is not self._table:
+            self._tables, self._tables_of = {}, self._table
+        key = (id(problem), len(nodes))
+        if key not in self._tables:
+            self._tables[key] = tabulate(problem, nodes)
+        return self._tables[key]
 
     @property
     def _far_tolerance(self) -> float:
@@ -99,16 +113,16 @@ class Shooting:
         """A mesh for σ: from the problem's own first mesh, redistributed until the local errors hold."""
         start = self.problem.start(sigma, far_tolerance)
         self._table = tabulate(self.problem, self.problem.mesh(start).astype(np.complex128))
-        for turn in range(20):
-            value, errors = self._shoot(sigma, False)
+        for turn in range(TURNS):
+            _, errors = self._shoot(sigma, False)
             if turn > 0 and (errors <= self.method.rtol).all():
                 return
-            self._regrid(errors, coarsen=turn < 2)
+            self._regrid(errors, everywhere=turn < REDISTRIBUTIONS)
         raise ConvergenceError(f"no mesh found that holds local errors of {self.method.rtol:.1e} at sigma = {sigma:.6g}")
 
-    def _regrid(self, errors: np.ndarray, coarsen: bool) -> None:
-        assert self._table is not None
-        nodes = redistribute(self._table.nodes, errors, self.method.rtol, coarsen)
+    def _regrid(self, errors: np.ndarray, everywhere: bool) -> None:
+        """Spread the steps anew, or only split those that err too much."""
+        nodes = (redistribute if everywhere else split)(self._mesh, errors, self.method.rtol)
         if len(nodes) > MOST_STEPS:
             raise ConvergenceError(f"the mesh would need more than {MOST_STEPS} steps: sigma lies on a singularity of the system")
         self._table = tabulate(self.problem, nodes)
@@ -117,10 +131,10 @@ class Shooting:
         if self._table is None:
             self._build(sigma, self._far_tolerance)
         value, errors = self._shoot(sigma, tangent)
-        for _ in range(20):
+        for _ in range(TURNS):
             if (errors <= self.method.rtol).all():
                 return value
-            self._regrid(errors, coarsen=False)
+            self._regrid(errors, everywhere=False)
             value, errors = self._shoot(sigma, tangent)
         raise ConvergenceError(f"local errors of {self.method.rtol:.1e} cannot be held at sigma = {sigma:.6g}")
 

@@ -8,17 +8,15 @@ from numpy.typing import NDArray
 from shootstab.kernels.tableau import ORDER
 
 
-def redistribute(
-    nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolerance: float, coarsen: bool
-) -> NDArray[np.complex128]:
-    """A mesh on the same polygon on which the local errors, which go with the 8th power of the step, meet the tolerance.
+def redistribute(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolerance: float) -> NDArray[np.complex128]:
+    """A mesh on the same polygon on which the local errors, which go with the 8th power of the step, are alike and meet the tolerance.
 
-    With coarsen=False no place gets longer steps than it had. The corners of the polygon stay nodes.
+    The corners of the polygon stay nodes.
     """
     h = np.diff(nodes)
     lengths = np.abs(h)
     shrink = (np.where(np.isfinite(errors), errors, np.inf) / (0.5 * tolerance)) ** (1 / ORDER)
-    shrink = np.clip(shrink, 0.25 if coarsen else 1.0, 6.0)
+    shrink = np.clip(shrink, 0.25, 6.0)
     density = shrink / lengths
     # a step cannot know what happens in its neighbour
     near = np.maximum(np.append(density[1:], 0.0), np.insert(density[:-1], 0, 0.0))
@@ -26,6 +24,18 @@ def redistribute(
     pieces = [nodes[:1]]
     for first, last in _legs(h):
         pieces.append(_equidistribute(nodes[first : last + 1], density[first:last]))
+    return np.concatenate(pieces)
+
+
+def split(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolerance: float) -> NDArray[np.complex128]:
+    """Only the steps whose error exceeds the tolerance, each cut into as many equal parts as the error asks for, two at least."""
+    pieces = [nodes[:1]]
+    for start, end, error in zip(nodes[:-1], nodes[1:], errors, strict=True):
+        parts = 1
+        if not error <= tolerance:
+            parts = max(2, min(6, int(np.ceil((error / (0.5 * tolerance)) ** (1 / ORDER))))) if np.isfinite(error) else 6
+        pieces.append(start + (end - start) * np.arange(1, parts + 1) / parts)
+        pieces[-1][-1] = end
     return np.concatenate(pieces)
 
 

@@ -81,10 +81,10 @@ def parser() -> argparse.ArgumentParser:
     verify.add_argument(
         "eigenvalues", nargs="?", metavar="EIGENVALUES", help="csv, text, json, npy or npz (default: the bundled reference)"
     )
-    verify.add_argument("--digits", type=_integer(1, 14), default=6, metavar="N", help="digits that an eigenvalue must have (default 6)")
+    verify.add_argument("--digits", type=_integer(1, 12), default=6, metavar="N", help="digits that an eigenvalue must have (default 6)")
     verify.add_argument("--strict", action="store_true", help="`continuum` is bad news too")
     verify.add_argument("--plot", type=_plot_path, metavar="FILE", help="draw the complex plane into a png, pdf or svg file")
-    verify.add_argument("-M", dest="truncation", type=_integer(4, 5000), metavar="N", help="truncation of the bundled reference")
+    verify.add_argument("-M", dest="truncation", type=_integer(0, 999_999), metavar="N", help="truncation of the bundled reference")
     verify.add_argument("--region", type=_numbers(4), metavar="RE0,IM0,RE1,IM1", help="look for missing modes in this rectangle")
 
     refine = _command(subparsers, commands.refine, "one mode, with its error bar")
@@ -103,7 +103,7 @@ def parser() -> argparse.ArgumentParser:
     _command(subparsers, commands.steady, "the steady flow of the scene")
 
     spectrum = _command(subparsers, commands.spectrum, "the pseudospectral spectrum")
-    spectrum.add_argument("-M", dest="truncation", type=_integer(4, 5000), metavar="N", help="truncation")
+    spectrum.add_argument("-M", dest="truncation", type=_integer(0, 999_999), metavar="N", help="truncation")
     spectrum.add_argument("--raw", action="store_true", help="all eigenvalues of the pencil, unfiltered")
 
     _command(subparsers, commands.scenes, "what is built in", scene=False)

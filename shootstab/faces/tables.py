@@ -56,7 +56,7 @@ def _agreement(verdict: Verdict) -> str:
     if verdict.digits_agreed is None or verdict.sigma is None:
         return ABSENT
     known = digits_between(verdict.error or 0.0, abs(verdict.sigma))
-    return f">{known:.1f}" if verdict.digits_agreed > known else f"{verdict.digits_agreed:.1f}"
+    return f"≥{known:.1f}" if verdict.digits_agreed >= known - 1e-9 else f"{verdict.digits_agreed:.1f}"
 
 
 def _reasons(found: Report) -> Parts:
@@ -73,7 +73,7 @@ def _sentence(found: Report) -> str:
     total, counts = len(found.verdicts), dict(found.summary)
     missing, confirmed = counts.pop("missing"), counts.pop(CONFIRMED)
     others = "".join(f", {n} {verdict}" for verdict, n in counts.items() if n)
-    lost = "no mode is missing" if missing == 0 else f"{missing} mode{'s are' if missing > 1 else ' is'} missing"
+    lost = "no missing mode was found" if missing == 0 else f"{missing} mode{'s are' if missing > 1 else ' is'} missing"
     where = f" ({found.searched})" if found.searched else ""
     return f"{confirmed} of {total} eigenvalue{'s' * (total != 1)} confirmed to {found.digits} digits{others}; {lost}{where}."
 

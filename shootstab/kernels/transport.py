@@ -69,7 +69,7 @@ def reduce_tangent(Y, dY, R):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def _solve_small(G, T):  # type: ignore[no-untyped-def]
+def solve_small(G, T):  # type: ignore[no-untyped-def]
     """T ← G⁻¹ T for m×m G, by elimination with partial pivoting; G is destroyed."""
     m, n = T.shape
     for p in range(m):
@@ -114,7 +114,7 @@ def system_matrix(X, V, G, T, sigma, A, dA, work, tangent):  # type: ignore[no-u
             small[i, j] = G[0, i, j] + sigma * G[1, i, j]
         for j in range(n):
             right[i, j] = T[0, i, j] + sigma * (T[1, i, j] + sigma * T[2, i, j])
-    _solve_small(small, right)
+    solve_small(small, right)
     if tangent:
         # (γ⁻¹ t)′ = γ⁻¹ (t′ − γ1 γ⁻¹ t)
         for i in range(m):
@@ -124,7 +124,7 @@ def system_matrix(X, V, G, T, sigma, A, dA, work, tangent):  # type: ignore[no-u
                 slope[i, j] = T[1, i, j] + 2.0 * sigma * T[2, i, j]
                 for q in range(m):
                     slope[i, j] -= G[1, i, q] * right[q, j]
-        _solve_small(small, slope)
+        solve_small(small, slope)
     for i in range(n):
         for q in range(m):
             v = V[i, q]

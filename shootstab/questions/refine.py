@@ -60,7 +60,7 @@ def _attempt(problem: Problem, guess: complex, rtol: float, method: Method, bega
     discriminant = method.on(problem)
     try:
         root = find_near(discriminant, guess, 1e-3 * rtol)
-        mode = _examined(problem, discriminant, root, rtol, method)
+        mode = examine(problem, discriminant, root, rtol, method.name)
     except ConvergenceError as error:
         mode = Mode(guess, math.inf, UNKNOWN, f"not converged: {error}", method.name, 0, 0.0)
     return mode, discriminant.evaluations
@@ -78,15 +78,15 @@ def find_near(discriminant: Examinable, guess: complex, tolerance: float) -> Roo
     raise ConvergenceError(f"neither Newton nor Muller arrives anywhere from {guess:.6g}; the last step was {root.step:.1e}")
 
 
-def _examined(problem: Problem, coarse: Examinable, root: Root, rtol: float, method: Method) -> Mode:
-    """The zero on a finer mesh, its error bound, and the proof that it is one."""
+def examine(problem: Problem, coarse: Examinable, root: Root, rtol: float, method: str) -> Mode:
+    """What the root of a discriminant is worth: the zero on a finer mesh, its error bound, and the proof that it is one."""
     fine = coarse.refined()
     better = newton(fine, root.sigma, 1e-3 * rtol)
     coarse_value, fine_value = coarse.with_slope(better.sigma), fine.with_slope(better.sigma)
     parts = budget(problem, coarse, coarse_value, fine, fine_value, min(better.step, abs(fine_value.newton_step)))
     status = _status(coarse, better.sigma, parts.total, rtol)
     distance = distance_to_continuum(problem, better.sigma)
-    return Mode(better.sigma, parts.total, parts, status, method.name, 0, 0.0, distance)
+    return Mode(better.sigma, parts.total, parts, status, method, 0, 0.0, distance)
 
 
 def _status(discriminant: Examinable, sigma: complex, error: float, rtol: float) -> str:

@@ -18,7 +18,7 @@ from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.protocol import Examinable, Method
 from shootstab.problems.protocol import ComplexArray, Problem
 from shootstab.questions.continuum import POINTS, distance_to_curve
-from shootstab.questions.refine import refine
+from shootstab.questions.refine import examine, find_near, refine
 from shootstab.roots.find import find
 from shootstab.roots.iterations import newton
 from shootstab.roots.winding import wind
@@ -62,14 +62,15 @@ def verify(
             raise InputError(f"eigenvalue {i + 1} is {c}: allowed is a finite number")
     if not 1 <= digits <= 12:
         raise InputError(f"digits = {digits}: allowed is 1 to 12")
-    tolerance = 10.0 ** -(digits + 3)
-    judge = Judge(problem, method or Frame(rtol=max(min(tolerance, 1e-9), 1e-13)), digits)
-    verdicts = []
-    for i, claim in enumerate(claims):
-        verdicts.append(judge.verdict(claim))
+    tolerance = 10.0 ** -(digits + 2)
+    judge = Judge(problem, method or Frame(rtol=max(tolerance, 1e-13)), digits)
+    judged: dict[int, Verdict] = {}
+    # the mesh only grows, and large σ need a finer one: small σ first
+    for i in sorted(range(len(claims)), key=lambda i: abs(claims[i])):
+        judged[i] = judge.verdict(claims[i])
         if progress is not None:
-            progress(i + 1, len(claims))
-    verdicts = _one_claim_a_mode(verdicts)
+            progress(len(judged), len(claims))
+    verdicts = _one_claim_a_mode([judged[i] for i in range(len(claims))])
     missing, searched, undecided = _missing(problem, judge.discriminant, verdicts, region)
     return Report(tuple(verdicts), missing, digits, searched, undecided)
 
@@ -140,7 +141,11 @@ class Judge:
         return self._polish(min(zeros, key=lambda z: abs(z - claim)))
 
     def _polish(self, near: complex) -> Mode:
-        mode = refine(self.problem, near, rtol=10.0 ** -(self.digits + 2))
+        rtol = 10.0 ** -(self.digits + 2)
+        root = find_near(self.discriminant, near, 1e-3 * rtol)
+        mode = examine(self.problem, self.discriminant, root, rtol, "frame")
+        if not mode.converged:
+            mode = refine(self.problem, near, rtol)
         if not math.isfinite(mode.error):
             raise ConvergenceError(mode.status)
         return mode

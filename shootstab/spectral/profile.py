@@ -14,7 +14,7 @@ from shootstab.problems.chute.steady import Flow, slopes
 from shootstab.spectral import chebyshev
 from shootstab.spectral.chebyshev import Array
 
-NU_TRUNCATED = 1e-12  # ν0(z_m); (2.20)–(2.22) cost a relative error in σ of 10 to 300 ν0(z_m), as measured on the paper's flows
+NU_TRUNCATED = 1e-14  # ν0(z_m); (2.20)–(2.22) cost a relative error in σ of 10 to 1500 ν0(z_m), as measured on the paper's flows
 FOCI = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0)
 PROBE = 64  # the degree at which candidate grids are compared
 

@@ -25,7 +25,13 @@ def flows(chute: Chute, mass_flux: float) -> list[Flow]:
     misfit = np.array([_misfit(chute, x, mass_flux) for x in logs])
     brackets = []
     for i in range(len(logs) - 1):
-        if not np.isfinite(misfit[i : i + 2]).all():
+        exists = np.isfinite(misfit[i : i + 2])
+        if not exists.all():
+            if exists.any():  # the family ends between these points
+                inside, outside = (i, i + 1) if exists[0] else (i + 1, i)
+                end = _last_member(chute, mass_flux, logs[inside], logs[outside])
+                if (_misfit(chute, end, mass_flux) < 0.0) != (misfit[inside] < 0.0):
+                    brackets.append((min(end, logs[inside]), max(end, logs[inside])))
             continue
         inner = _fold_between(chute, mass_flux, logs, misfit, i)
         points = [logs[i], *inner, logs[i + 1]]
@@ -64,6 +70,17 @@ def _misfit(chute: Chute, log_temperature: float, mass_flux: float) -> float:
         return descend(chute, float(np.exp(log_temperature))).mass_flux - mass_flux
     except NoFlowError:
         return float("nan")
+
+
+def _last_member(chute: Chute, mass_flux: float, inside: float, outside: float) -> float:
+    """The ln T_∞ next to the end of the family between inside, where a flow exists, and outside, where none does."""
+    for _ in range(40):
+        middle = (inside + outside) / 2
+        if np.isfinite(_misfit(chute, middle, mass_flux)):
+            inside = middle
+        else:
+            outside = middle
+    return inside
 
 
 def _fold_between(chute: Chute, mass_flux: float, logs: np.ndarray, misfit: np.ndarray, i: int) -> list[float]:

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from shootstab.kernels.regular_singular import series_terms
 from shootstab.problems.chute.background import background
 from shootstab.problems.chute.parameters import Chute
 from shootstab.problems.chute.steady import slopes
@@ -52,8 +53,8 @@ class FarField:
         bg = background(chute, nu, T, u, Q, math.pi)
         decay = bg.decay[0]
         C0, C1, D0, D1 = pencil_entries(bg, chute.tan_theta, kx, ky)
-        self._C = _matrices({k: v * decay for k, v in C0.items()}), _matrices({k: v * decay for k, v in C1.items()})
-        self._D = _matrices(D0), _matrices(D1)
+        self._C = np.stack([_matrices({k: v * decay for k, v in part.items()}) for part in (C0, C1)])
+        self._D = np.stack([_matrices(part) for part in (D0, D1)])
         self._conductivity = float(bg.K[0][0])
         self._far_temperature, self._far_velocity = far_temperature, far_velocity
         self._kx, self._ky = kx, ky
@@ -76,26 +77,11 @@ class FarField:
 
     def terms(self, sigma: complex) -> tuple[ComplexArray, ComplexArray]:
         """P_m and dP_m/dσ, each (TERMS, 8, 4)."""
-        C, dC = self._C[0] + sigma * self._C[1], self._C[1]
-        D, dD = self._D[0] + sigma * self._D[1], self._D[1]
-        Lam = self.exponents
-        rate = Lam[3, 3].real
-        nilpotent = Lam - rate * np.eye(DECAYING)
+        rate = self.exponents[3, 3].real
         P = np.zeros((TERMS, SIZE, DECAYING), dtype=np.complex128)
         dP = np.zeros_like(P)
-        S, dS = np.zeros_like(P), np.zeros_like(P)  # m P_m + P_m Λ
         P[0], dP[0] = self.leading(sigma)
-        S[0], dS[0] = P[0] @ Lam, dP[0] @ Lam
-        for m in range(1, TERMS):
-            back = slice(m - 1, None, -1) if m > 1 else slice(0, None, -1)
-            past, dpast, spast, dspast = P[back][:m], dP[back][:m], S[back][:m], dS[back][:m]
-            right = (D[1 : m + 1] @ past - C[1 : m + 1] @ spast).sum(axis=0)
-            dright = (D[1 : m + 1] @ dpast + dD[1 : m + 1] @ past - C[1 : m + 1] @ dspast - dC[1 : m + 1] @ spast).sum(axis=0)
-            E = np.linalg.inv((m + rate) * C[0] - D[0])
-            P[m] = E @ (right - C[0] @ (E @ (right @ nilpotent)))
-            dright -= ((m + rate) * dC[0] - dD[0]) @ P[m] + dC[0] @ P[m] @ nilpotent
-            dP[m] = E @ (dright - C[0] @ (E @ (dright @ nilpotent)))
-            S[m], dS[m] = m * P[m] + P[m] @ Lam, m * dP[m] + dP[m] @ Lam
+        series_terms(self._C, self._D, complex(sigma), rate, self.exponents - rate * np.eye(DECAYING), P, dP)
         return P, dP
 
     def reach(self, sigma: complex, tolerance: float) -> float:

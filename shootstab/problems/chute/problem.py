@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -29,6 +29,8 @@ class ChuteProblem:
     flow: Flow
     kx: float
     ky: float
+    _crude: dict[float, ChuteProblem] = field(default_factory=dict, repr=False)
+    _curves: dict[int, ComplexArray] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         for name, value in (("kx", self.kx), ("ky", self.ky)):
@@ -70,12 +72,16 @@ class ChuteProblem:
 
     def cruder(self, factor: float) -> ChuteProblem:
         """The same problem on a steady flow computed with a tolerance larger by this factor."""
-        return ChuteProblem(cruder(self.flow, factor), self.kx, self.ky)
+        if factor not in self._crude:
+            self._crude[factor] = ChuteProblem(cruder(self.flow, factor), self.kx, self.ky)
+        return self._crude[factor]
 
     def continuum(self, points: int) -> ComplexArray | None:
         """σ_c(z) of (2.13) from the base to ν0 = 1e−14, at so many heights."""
-        z = np.linspace(0.0, self.flow.height(1e-14), points)
-        return self.continuum_at(z.astype(np.complex128))
+        if points not in self._curves:
+            z = np.linspace(0.0, self.flow.height(1e-14), points)
+            self._curves[points] = self.continuum_at(z.astype(np.complex128))
+        return self._curves[points]
 
     def continuum_at(self, z: ComplexArray) -> ComplexArray:
         """σ_c at the points z."""

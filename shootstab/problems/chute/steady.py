@@ -54,6 +54,9 @@ def slip(nu: Any, T: Any, u_z: Any, g0: Any, r: Any, tan_theta: Any, pi: Any) ->
 
 @njit(cache=True, error_model="numpy")
 def _rhs(y, chute, out):  # type: ignore[no-untyped-def]
+    if not (y[0].real < 50.0 and 1e-100 < abs(y[1]) < 1e100):  # a wild stage: complex division by an underflowed zero would raise
+        out[:] = np.nan
+        return
     ep, tan_theta, nu_max, model = chute[0], chute[1], chute[2], int(chute[3])
     nu = np.exp(y[0])
     out[0], out[1], out[2], out[3] = slopes(nu, y[1], y[3], ep, tan_theta, nu_max, model, math.pi)
@@ -100,7 +103,7 @@ def _step(y, h, chute, stages, out):  # type: ignore[no-untyped-def]
         else:
             scale = abs(y[c])
         e5, e3 = abs(error5) ** 2, abs(error3) ** 2
-        error = abs(h) * e5 / np.sqrt(e5 + 0.01 * e3) / scale if e5 > 0.0 else 0.0
+        error = 0.0 if e5 == 0.0 else abs(h) * e5 / np.sqrt(e5 + 0.01 * e3) / scale
         if not error <= worst:  # a NaN must win
             worst = error
     return worst
@@ -164,6 +167,16 @@ def _follow(y, start, nodes, chute, tolerance, out):  # type: ignore[no-untyped-
     return len(nodes)
 
 
+@njit(cache=True, error_model="numpy")
+def _from_nodes(nodes, states, place, z, chute, tolerance, out):  # type: ignore[no-untyped-def]
+    """The state at each z, from the node at its place. Returns the number of points reached."""
+    for k in range(len(z)):
+        i = place[k]
+        if _follow(states[i], complex(nodes[i]), z[k : k + 1], chute, tolerance, out[k : k + 1]) < 1:
+            return k
+    return len(z)
+
+
 @dataclass(frozen=True, eq=False)
 class Flow:
     """One steady flow, known at any z, real or complex.
@@ -210,12 +223,11 @@ class Flow:
         inside = np.flatnonzero(~above)
         # nodes descend: the last node with nodes[i] ≥ Re z
         place = np.clip(np.searchsorted(-self.nodes, -z[inside].real, side="right") - 1, 0, len(self.nodes) - 1)
-        for k, i in zip(inside, place, strict=True):
-            self._from_node(int(i), z[k : k + 1], out[k : k + 1])
-
-    def _from_node(self, i: int, z: NDArray[np.complex128], out: NDArray[np.complex128]) -> None:
-        if _follow(self.states[i], complex(self.nodes[i]), z, self.chute.numbers, self.tolerance, out) < z.size:
-            raise ConvergenceError(f"the steady flow cannot be continued to z = {z[0]:.6g}")
+        points, found = z[inside], np.empty((inside.size, SIZE), dtype=np.complex128)
+        reached = _from_nodes(self.nodes, self.states, place, points, self.chute.numbers, self.tolerance, found)
+        if reached < inside.size:
+            raise ConvergenceError(f"the steady flow cannot be continued to z = {points[reached]:.6g}: a singularity of the flow lies near")
+        out[inside] = found
 
     def _beyond_top(self, z: NDArray[np.complex128]) -> NDArray[np.complex128]:
         log_nu = math.log(NU_TOP) - (z - self.nodes[0]) / self.far_temperature

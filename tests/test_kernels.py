@@ -1,0 +1,152 @@
+"""The tableau, and the transport of frames: identities, observed order, compiled against uncompiled."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+from shootstab.kernels import regular_singular, tableau, transport
+
+RNG = np.random.default_rng(5)
+
+
+def random_complex(*shape: int) -> np.ndarray:
+    return RNG.standard_normal(shape) + 1j * RNG.standard_normal(shape)
+
+
+def test_quadrature_conditions_to_order_8() -> None:
+    for q in range(8):
+        assert tableau.B @ tableau.C**q == pytest.approx(1 / (q + 1), abs=2e-15)
+
+
+def test_stages_are_consistent() -> None:
+    np.testing.assert_allclose(tableau.A.sum(axis=1), tableau.C, atol=2e-15)
+    assert np.triu(tableau.A).max() == 0.0
+
+
+def test_linear_order_conditions() -> None:
+    """The tall trees, bᵀ A^{q−1} 1 = 1/q!, which are what a linear system with constant coefficients sees."""
+    vector, factorial = np.ones(tableau.STAGES), 1.0
+    for q in range(1, tableau.ORDER + 1):
+        factorial *= q
+        assert tableau.B @ vector == pytest.approx(1 / factorial, rel=1e-13)
+        vector = tableau.A @ vector
+
+
+def test_error_weights_vanish_on_constants_and_see_more() -> None:
+    for weights, order in ((tableau.E5, 5), (tableau.E3, 3)):
+        for q in range(order):
+            assert abs(weights @ tableau.C**q) < 1e-13
+        assert abs(weights @ tableau.C**8) > 1e-6
+
+
+def constant_table(A: np.ndarray, dA: np.ndarray, length: complex, steps: int) -> tuple[np.ndarray, ...]:
+    """The table of ψ′ = (A + σ dA) ψ."""
+    n = len(A)
+    h = np.full(steps, length / steps, dtype=complex)
+    X = np.broadcast_to(np.stack((A, dA)), (steps, 12, 2, n, n)).copy()
+    return h, X, np.zeros((steps, 12, n, 0), complex), np.zeros((steps, 12, 2, 0, 0), complex), np.zeros((steps, 12, 3, 0, n), complex)
+
+
+def run(table: tuple[np.ndarray, ...], sigma: complex, Y: np.ndarray, dY: np.ndarray | None = None, kernel=transport.transport):
+    Y, slope = Y.copy(), np.zeros_like(Y) if dY is None else dY.copy()
+    errors = np.empty(len(table[0]))
+    log_det, trace = kernel(*table, sigma, Y, slope, True, errors)
+    return Y, slope, log_det, trace, errors
+
+
+def det_and_slope(W: np.ndarray, result: tuple) -> tuple[complex, complex]:
+    Y, dY, log_det, trace, _ = result
+    M = W @ Y
+    return np.linalg.det(M) * np.exp(log_det), trace + np.trace(np.linalg.solve(M, W @ dY))
+
+
+def test_transport_is_the_matrix_exponential_in_any_direction() -> None:
+    A, dA, Y, W = random_complex(5, 5), random_complex(5, 5), random_complex(5, 2), random_complex(2, 5)
+    sigma, length = 0.3 - 0.2j, 0.8 + 0.6j
+    D, slope = det_and_slope(W, run(constant_table(A, dA, length, 60), sigma, Y))
+
+    def exact(s: complex) -> complex:
+        return np.linalg.det(W @ scipy.linalg.expm(length * (A + s * dA)) @ Y)
+
+    assert D == pytest.approx(exact(sigma), rel=1e-11)
+    eps = 1e-5
+    difference = (np.log(exact(sigma + eps)) - np.log(exact(sigma - eps))) / (2 * eps)
+    assert slope == pytest.approx(difference, rel=1e-8)
+
+
+def test_observed_order_is_8() -> None:
+    A, Y, W = random_complex(4, 4), random_complex(4, 2), random_complex(2, 4)
+    exact = np.linalg.det(W @ scipy.linalg.expm(2.0 * A) @ Y)
+    errors = [abs(det_and_slope(W, run(constant_table(A, 0 * A, 2.0, steps), 0j, Y))[0] / exact - 1) for steps in (4, 8)]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(8.0, abs=0.9)
+
+
+def test_frame_leaves_orthonormal_and_strong_growth_does_not_overflow() -> None:
+    A = np.diag([300.0, 200.0, -100.0, -400.0]).astype(complex)
+    Y, _, log_det, _, _ = run(constant_table(A, 0 * A, 10.0, 4000), 0j, random_complex(4, 2))
+    np.testing.assert_allclose(Y.conj().T @ Y, np.eye(2), atol=1e-14)
+    assert log_det == pytest.approx(5000.0, rel=1e-2)
+
+
+def test_a_scheme_on_a_fixed_mesh_is_analytic_however_coarse() -> None:
+    """Cauchy–Riemann: the derivative along the imaginary axis is i times that along the real one, and both are the exact slope."""
+    A, dA, Y, W = random_complex(5, 5), random_complex(5, 5), random_complex(5, 3), random_complex(3, 5)
+    table, eps = constant_table(A, dA, 1.0, 2), 1e-4
+
+    def log_D(s: complex) -> complex:
+        return np.log(det_and_slope(W, run(table, s, Y))[0])
+
+    s = 0.1 + 0.2j
+    along_real = (log_D(s + eps) - log_D(s - eps)) / (2 * eps)
+    along_imag = (log_D(s + 1j * eps) - log_D(s - 1j * eps)) / (2j * eps)
+    assert along_imag == pytest.approx(along_real, rel=1e-6)
+    assert det_and_slope(W, run(table, s, Y))[1] == pytest.approx(along_real, rel=1e-6)
+
+
+def test_resolvent_part_equals_its_dense_form() -> None:
+    n, m = 5, 2
+    X, V, G, T = random_complex(2, n, n), random_complex(n, m), random_complex(2, m, m), random_complex(3, m, n)
+    sigma, A, dA, work = 0.7 + 0.1j, np.empty((n, n), complex), np.empty((n, n), complex), np.empty((3, m, n), complex)
+
+    def dense(s: complex) -> np.ndarray:
+        return X[0] + s * X[1] + V @ np.linalg.solve(G[0] + s * G[1], T[0] + s * T[1] + s * s * T[2])
+
+    for kernel in (transport.system_matrix, transport.system_matrix.py_func):
+        kernel(X, V, G, T, sigma, A, dA, work, True)
+        np.testing.assert_allclose(A, dense(sigma), rtol=1e-12)
+        np.testing.assert_allclose(dA, (dense(sigma + 1e-5) - dense(sigma - 1e-5)) / 2e-5, rtol=1e-7)
+
+
+def test_compiled_equals_uncompiled() -> None:
+    table = constant_table(random_complex(4, 4), random_complex(4, 4), 0.5, 2)
+    Y = random_complex(4, 2)
+    for a, b in zip(run(table, 0.3j, Y), run(table, 0.3j, Y, kernel=transport.transport.py_func), strict=True):
+        np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-12)
+
+
+def test_series_at_a_regular_singular_point() -> None:
+    """C(x) x P′ + C(x) P Λ = D(x) P, term by term, and the σ-derivative by differences; compiled and uncompiled."""
+    n, k, terms, rate = 4, 2, 6, 0.3
+    C, D = random_complex(2, terms, n, n), random_complex(2, terms, n, n)
+    nilpotent = np.array([[0, 0.7], [0, 0]], complex)
+    Lam = rate * np.eye(k) + nilpotent
+    P0, dP0 = random_complex(n, k), random_complex(n, k)
+
+    def solve(sigma: complex, kernel=regular_singular.series_terms) -> tuple[np.ndarray, np.ndarray]:
+        P, dP = np.zeros((terms, n, k), complex), np.zeros((terms, n, k), complex)
+        P[0], dP[0] = P0 + sigma * dP0, dP0
+        kernel(C, D, sigma, rate, nilpotent, P, dP)
+        return P, dP
+
+    sigma = 0.2 - 0.4j
+    P, dP = solve(sigma)
+    c, d = C[0] + sigma * C[1], D[0] + sigma * D[1]
+    for m in range(1, terms):
+        residual = sum(c[j] @ ((m - j) * P[m - j] + P[m - j] @ Lam) - d[j] @ P[m - j] for j in range(m + 1))
+        assert np.abs(residual).max() < 1e-10 * max(np.abs(P[: m + 1]).max(), 1.0)
+    difference = (solve(sigma + 1e-5)[0] - solve(sigma - 1e-5)[0]) / 2e-5
+    np.testing.assert_allclose(dP, difference, rtol=1e-5, atol=1e-6 * np.abs(dP).max())
+    for a, b in zip((P, dP), solve(sigma, regular_singular.series_terms.py_func), strict=True):
+        np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-10 * np.abs(a).max())

@@ -1,0 +1,111 @@
+"""Iterations and counts on functions whose zeros are known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from shootstab.discriminants.protocol import Value
+from shootstab.roots.find import find
+from shootstab.roots.iterations import muller, newton
+from shootstab.roots.winding import wind
+from shootstab.vocabulary.errors import ConvergenceError
+from shootstab.vocabulary.regions import Disc, Rectangle
+from shootstab.vocabulary.scaled import Scaled
+
+
+class Known:
+    """c Π (σ − z) e^{aσ}, scaled so that it would overflow as a number."""
+
+    def __init__(self, zeros: Sequence[complex], exponent: complex = 0.0) -> None:
+        self.zeros, self.exponent, self.evaluations = zeros, exponent, 0
+
+    def __call__(self, sigma: complex) -> Scaled:
+        return self.with_slope(sigma).D
+
+    def with_slope(self, sigma: complex) -> Value:
+        self.evaluations += 1
+        product, slope = 1 + 0j, 0j
+        for z in self.zeros:
+            slope = slope * (sigma - z) + product
+            product *= sigma - z
+        turn = self.exponent * sigma
+        phase = complex(0, turn.imag)
+        import cmath
+
+        return Value(
+            sigma,
+            Scaled(product * cmath.exp(phase), 900.0 + turn.real),
+            (slope + self.exponent * product) * cmath.exp(phase),
+        )
+
+
+@pytest.mark.parametrize("iteration", [newton, muller])
+def test_iterations_find_a_zero_to_rounding(iteration) -> None:
+    root = iteration(Known([0.3 + 0.4j, -1.0, 2j], exponent=3 - 1j), 0.33 + 0.35j, 1e-13)
+    assert root.converged
+    assert root.sigma == pytest.approx(0.3 + 0.4j, abs=1e-13)
+
+
+def test_newton_converges_quadratically() -> None:
+    assert newton(Known([1.0, -1.0]), 1.1, 1e-14).iterations <= 5
+
+
+def test_an_exact_hit_is_a_root() -> None:
+    for iteration in (newton, muller):
+        assert iteration(Known([0.5]), 0.5, 1e-12).converged
+
+
+def test_a_function_without_zeros_does_not_converge() -> None:
+    for iteration in (newton, muller):
+        assert not iteration(Known([], exponent=1.0), 1.0, 1e-12).converged
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.lists(st.complex_numbers(max_magnitude=2.0, allow_nan=False, allow_infinity=False), max_size=6),
+    st.complex_numbers(max_magnitude=20.0, allow_nan=False, allow_infinity=False),
+)
+def test_count_in_a_disc_is_the_number_of_zeros(zeros: list[complex], exponent: complex) -> None:
+    disc = Disc(0.2 + 0.1j, 1.0)
+    if any(abs(abs(z - disc.centre) - 1) < 1e-3 for z in zeros):
+        return
+    winding = wind(Known(zeros, exponent), disc)
+    assert winding.count == sum(disc.contains(z) for z in zeros)
+    assert winding.closure < 0.5
+
+
+def test_count_in_a_rectangle_with_steep_phase_between_samples() -> None:
+    """e^{300σ} turns the phase by some hundred times on the way: no turn may be missed."""
+    box = Rectangle(-1 - 1j, 1 + 1j)
+    assert wind(Known([0.5j, 0.5j, -0.9, 3.0], exponent=300.0), box).count == 3
+
+
+def test_a_zero_next_to_the_boundary_is_counted_on_its_side() -> None:
+    for offset, count in ((-1e-9, 1), (1e-9, 0)):
+        assert wind(Known([1.0 + offset]), Disc(0j, 1.0)).count == count
+
+
+def test_a_zero_on_the_boundary_is_refused() -> None:
+    with pytest.raises(ConvergenceError, match="boundary"):
+        wind(Known([1.0]), Disc(0j, 1.0))
+    with pytest.raises(ConvergenceError, match="boundary"):
+        wind(Known([0.3 - 1j]), Rectangle(-1 - 1j, 1 + 1j))
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.lists(st.tuples(st.integers(-9, 9), st.integers(-9, 9)), max_size=6, unique=True))
+def test_find_returns_all_zeros_and_no_other(cells: list[tuple[int, int]]) -> None:
+    zeros = [complex(a / 10 + 0.013, b / 10 + 0.007) for a, b in cells]
+    found = find(Known(zeros, exponent=5 + 2j), Rectangle(-1 - 1j, 1 + 1j))
+    key = lambda z: (round(z.real, 6), round(z.imag, 6))  # noqa: E731
+    assert sorted(map(key, found)) == sorted(map(key, zeros))
+
+
+def test_a_double_zero_is_found_twice() -> None:
+    found = find(Known([0.2 + 0.1j, 0.2 + 0.1j]), Rectangle(-1 - 1j, 1 + 1j))
+    assert len(found) == 2
+    assert all(abs(z - 0.2 - 0.1j) < 1e-6 for z in found)
