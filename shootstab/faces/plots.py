@@ -31,7 +31,7 @@ MARKS = {
     UNRESOLVED: ("D", "#CC79A7", 5),
 }
 CONTINUUM_POINTS = 2000
-NEAREST = 3  # so many modes at least are to be seen in the magnified panel
+NEAREST = 2  # so many modes at least are to be seen in the magnified panel
 BALLOON = 10.0  # the balloon is shown up to this many times the distance of the nearest mode
 DECADES = 5.0  # claims that reach this many times further than the magnified part are worth a second panel
 

@@ -20,7 +20,7 @@ GROWTH = 1.2  # the second truncation over the first
 TAIL_PART = 0.1  # the part of the coefficients that counts as the tail
 FAINT = 1e-3  # a field smaller than this part of the largest is measured by the largest
 DRIFT_TOLERANCE = 1e-5
-TAIL_TOLERANCE = 1e-4
+TAIL_TOLERANCE = 3e-4
 
 
 @dataclass(frozen=True, eq=False)
