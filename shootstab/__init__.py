@@ -65,9 +65,6 @@ def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         raise AttributeError(f"module 'shootstab' has no attribute {name!r}")
     home = _HOMES[name]
-    if name in ("chute", "gallery", "testing"):
-        value = import_module(f"{home}.{name}")
-    else:
-        value = getattr(import_module(home), name)
+    value = import_module(f"{home}.{name}") if name in ("chute", "gallery", "testing") else getattr(import_module(home), name)
     globals()[name] = value
     return value

@@ -75,7 +75,7 @@ def test_values(radial, nu, e):
         expected = evaluator(radial, NAMES, 0, "mpmath")(mpmath.mpf(nu), mpmath.mpf(ep), mpmath.mpf(NU_M))
     for function in (direct, compiled):
         for name, got, value in zip(NAMES, function(nu, ep, NU_M, model, math.pi), expected, strict=True):
-            assert got == pytest.approx(float(value), rel=2e-14), name
+            assert got == pytest.approx(float(value), rel=2e-14, abs=0.0), name
 
 
 @pytest.mark.parametrize("radial", RADIAL)
@@ -93,7 +93,7 @@ def test_arrays_and_scalars_agree(radial):
     whole = direct(nu, 0.9, NU_M, model, math.pi)
     for i, value in enumerate(NUS):
         for name, a, b in zip(NAMES, whole, direct(value, 0.9, NU_M, model, math.pi), strict=True):
-            assert a[i] == pytest.approx(b, rel=1e-14), name
+            assert a[i] == pytest.approx(b, rel=1e-14, abs=0.0), name
 
 
 @pytest.mark.parametrize("radial", RADIAL)
@@ -143,7 +143,7 @@ def test_derivatives(radial, nu, e):
     for name in NAMES[1:7]:
         value, slope = getattr(g, name).coefficients
         size = abs(float(slopes[name])) + abs(float(values[name]))  # a derivative may vanish where the function does not
-        assert value == pytest.approx(float(values[name]), rel=2e-14), name
+        assert value == pytest.approx(float(values[name]), rel=2e-14, abs=0.0), name
         assert slope == pytest.approx(float(slopes[name]), rel=1e-12, abs=1e-13 * size), name
         assert slope == pytest.approx(step[name].imag / 1e-50, rel=1e-12, abs=1e-13 * size), name
 
@@ -156,17 +156,17 @@ def test_radial_derivative(radial, nu):
             expected = evaluator(radial, ("g0",), order, "mpmath")(mpmath.mpf(nu), mpmath.mpf(1), mpmath.mpf(NU_M))[0]
             g0, dg0 = law.radial(Series((nu, 1.0)), NU_M, model)
             got = (g0[1], dg0[1])[order - 1]
-            assert got == pytest.approx(float(expected), rel=1e-13)
-            assert dg0[0] == pytest.approx(g0[1], rel=1e-14)
+            assert got == pytest.approx(float(expected), rel=1e-13, abs=0.0)
+            assert dg0[0] == pytest.approx(g0[1], rel=1e-14, abs=0.0)
 
 
 def test_reduced_functions_are_g1_g5_g6_without_their_powers_of_nu():
     """They hold their value where g1, g5, g6 underflow."""
     g = law.coefficients(1e-200, 0.9, NU_M, law.LUN_SAVAGE, math.pi)
     assert g.f1[0] == 1.0 and g.g5[0] == 0.0
-    assert g.f5[0] == pytest.approx(48 * 0.9 * 0.1 / math.sqrt(math.pi), rel=1e-15)
+    assert g.f5[0] == pytest.approx(48 * 0.9 * 0.1 / math.sqrt(math.pi), rel=1e-15, abs=0.0)
     g = law.coefficients(0.2, 0.9, NU_M, law.LUN_SAVAGE, math.pi)
-    assert g.g1[0] == pytest.approx(0.2 * g.f1[0], rel=1e-15) and g.g5[0] == pytest.approx(0.04 * g.f5[0], rel=1e-15)
+    assert g.g1[0] == pytest.approx(0.2 * g.f1[0], rel=1e-15, abs=0.0) and g.g5[0] == pytest.approx(0.04 * g.f5[0], rel=1e-15, abs=0.0)
 
 
 # ------------------------------------------------------------------------------------------------ limits
@@ -186,14 +186,14 @@ def test_dilute_limits(radial, e):
     at_zero = dict(zip(NAMES, direct(np.array(1e-200), ep, NU_M, model, math.pi), strict=True))
     for name, value in limit.items():
         assert float(at_zero[name]) == pytest.approx(value, rel=1e-14, abs=1e-300), name
-    assert law.radial(1e-200, NU_M, model)[1] == pytest.approx(dg0, rel=1e-14)
+    assert law.radial(1e-200, NU_M, model)[1] == pytest.approx(dg0, rel=1e-14, abs=0.0)
     for nu, bound in ((1e-4, 1e-2), (1e-6, 1e-4)):
         g = dict(zip(NAMES, direct(nu, ep, NU_M, model, math.pi), strict=True))
         for name, value in limit.items():
             assert abs(g[name] - value) <= bound * max(abs(value), 1e-12)
         assert abs(g["g1"] / nu - 1) <= bound
-        assert g["g5"] / nu**2 == pytest.approx(48 / root_pi * ep * (1 - ep), rel=bound)
-        assert g["g6"] / nu**2 == pytest.approx(8 / (3 * root_pi) * ep, rel=bound)
+        assert g["g5"] / nu**2 == pytest.approx(48 / root_pi * ep * (1 - ep), rel=bound, abs=0.0)
+        assert g["g6"] / nu**2 == pytest.approx(8 / (3 * root_pi) * ep, rel=bound, abs=0.0)
 
 
 def test_elastic_grains_dissipate_nothing_and_carry_no_heat_along_grad_nu():
@@ -204,7 +204,7 @@ def test_elastic_grains_dissipate_nothing_and_carry_no_heat_along_grad_nu():
 
 def test_lun_savage_diverges_at_nu_max_and_carnahan_starling_does_not():
     assert law.radial(NU_M * (1 - 1e-12), NU_M, law.LUN_SAVAGE)[0] > 1e18
-    assert law.radial(NU_M, NU_M, law.CARNAHAN_STARLING)[0] == pytest.approx((2 - NU_M) / (2 * (1 - NU_M) ** 3), rel=1e-15)
+    assert law.radial(NU_M, NU_M, law.CARNAHAN_STARLING)[0] == pytest.approx((2 - NU_M) / (2 * (1 - NU_M) ** 3), rel=1e-15, abs=0.0)
 
 
 # ------------------------------------------------------------------------------------------------ parameters
@@ -236,7 +236,7 @@ def test_unphysical_far_temperature(temperature):
 def test_chute_numbers():
     chute = Chute(**GOOD, radial="carnahan-starling")
     delta = math.sqrt(2 / math.pi) * 2 * 0.2 / (1 + 0.8)
-    assert chute.numbers == pytest.approx([0.9, 0.3, 0.62, law.CARNAHAN_STARLING, 0.6, delta], rel=1e-15)
+    assert chute.numbers == pytest.approx([0.9, 0.3, 0.62, law.CARNAHAN_STARLING, 0.6, delta], rel=1e-15, abs=0.0)
     assert chute.model == law.CARNAHAN_STARLING and Chute(**GOOD).model == law.LUN_SAVAGE
     assert (Chute(**GOOD).nu_max, Chute(**GOOD).wall) == (0.62, "printed")
     for e, e_w in ((1.0, 1.0), (1e-3, 1e-3)):

@@ -47,7 +47,7 @@ def test_reduction_is_the_solved_pencil(moving: tuple[int, ...], sparse: bool) -
 
 def test_reduction_of_the_chute_is_singular_on_the_continuous_spectrum_only(scenes: dict[str, ChuteProblem]) -> None:
     problem, z = scenes["fig2"], np.array([15.0 + 0j])
-    X, V, G, T = reduce_pencil(problem.pencil(z), 8)
+    _X, V, G, T = reduce_pencil(problem.pencil(z), 8)
     assert V.shape[2] == 1
     assert np.all(T[0, 2] == 0)
     sigma_c = -G[0, 0, 0, 0] / G[0, 1, 0, 0]
@@ -77,7 +77,11 @@ def test_determinant_and_derivative_also_where_it_vanishes() -> None:
 
 def test_meshes_keep_their_ends_and_corners() -> None:
     nodes = np.array([3.0, 2.0, 1.0 + 1j, 0.5j, 0.0])
-    for new in (redistribute(nodes, np.array([1e-3, 1e-20, 1e-5, 1e-9]), 1e-10), split(nodes, np.array([1e-3, 0, np.nan, 0]), 1e-10), halved(nodes)):
+    for new in (
+        redistribute(nodes, np.array([1e-3, 1e-20, 1e-5, 1e-9]), 1e-10),
+        split(nodes, np.array([1e-3, 0, np.nan, 0]), 1e-10),
+        halved(nodes),
+    ):
         assert new[0] == 3.0
         assert new[-1] == 0.0
         assert {2.0, 1.0 + 1j, 0.5j} <= set(new.tolist())
@@ -103,7 +107,7 @@ def test_decay_matrix_solves_the_stokes_equations_at_infinity(kx: float, ky: flo
 
 
 def test_far_frame_is_carried_by_the_system(scenes: dict[str, ChuteProblem]) -> None:
-    """The space spanned at one height, carried down, is the space spanned at the other, and so is its σ-derivative: D does not know where it began."""
+    """The space spanned at one height, carried down, is the space spanned at the other, as is its σ-derivative."""
     problem, sigma = scenes["fig2"], 0.0017 - 0.0016j
     values = []
     for nu in (1e-5, 1e-7, 1e-9):

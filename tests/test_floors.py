@@ -67,7 +67,7 @@ def reachable(start: str) -> set[str]:
         name = todo.pop()
         if name not in seen:
             seen.add(name)
-            todo += [n for n in imports(known[name]) if not (known[n].name == "__init__.py")]
+            todo += [n for n in imports(known[name]) if known[n].name != "__init__.py"]
     return seen
 
 

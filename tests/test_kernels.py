@@ -70,7 +70,7 @@ def test_transport_is_the_matrix_exponential_in_any_direction() -> None:
     def exact(s: complex) -> complex:
         return np.linalg.det(W @ scipy.linalg.expm(length * (A + s * dA)) @ Y)
 
-    assert D == pytest.approx(exact(sigma), rel=1e-11)
+    assert pytest.approx(exact(sigma), rel=1e-11) == D
     eps = 1e-5
     difference = (np.log(exact(sigma + eps)) - np.log(exact(sigma - eps))) / (2 * eps)
     assert slope == pytest.approx(difference, rel=1e-8)

@@ -43,7 +43,9 @@ def test_the_isotropic_wall_moves_the_mid_flow(flows) -> None:
 
 
 def test_growth_of_the_high_flow_is_largest_at_ky_0_0100(flows) -> None:
-    rates = {ky: st.refine(st.chute.problem(flows["high"], 0.0, ky), guess=0.00397, rtol=1e-8).sigma.real for ky in (0.0099, 0.0100, 0.0101)}
+    rates = {
+        ky: st.refine(st.chute.problem(flows["high"], 0.0, ky), guess=0.00397, rtol=1e-8).sigma.real for ky in (0.0099, 0.0100, 0.0101)
+    }
     assert max(rates, key=rates.__getitem__) == 0.0100
 
 
@@ -79,7 +81,9 @@ def test_ten_digits_of_a_sigma_of_order_1e_9(flows) -> None:
     assert turned.sigma.real == pytest.approx(mode.sigma.real, rel=1e-2)
 
 
-@pytest.mark.parametrize(("temperature", "kx", "ky", "guess"), [(0.03, 0.01, 0.0, 0.0075 + 0.0056j), (20.0, 0.0, 0.004, 0.003), (60.0, 0.0, 0.001, 0.0018)])
+@pytest.mark.parametrize(
+    ("temperature", "kx", "ky", "guess"), [(0.03, 0.01, 0.0, 0.0075 + 0.0056j), (20.0, 0.0, 0.004, 0.003), (60.0, 0.0, 0.001, 0.0018)]
+)
 def test_dense_and_dilute_flows(temperature: float, kx: float, ky: float, guess: complex) -> None:
     problem = st.chute.problem(st.chute.steady(far_temperature=temperature, **GRAINS), kx, ky)
     mode = st.refine(problem, guess=guess, rtol=1e-10)

@@ -115,7 +115,7 @@ def test_base_conditions(chute, far_temperature):
     kappa, delta = 2 / 3 * (2 / (1 + s) - s), math.sqrt(2 / math.pi) * 2 * (1 - chute.e_w) / (1 + s)
     u_z = chute.tan_theta * f.p / f.eta
     slip = math.sqrt(2 / (math.pi * f.T)) * (kappa * f.u - (kappa - f.A * chute.r**2 / 2) * u_z)
-    assert slip == pytest.approx(chute.tan_theta, rel=1e-12)
+    assert slip == pytest.approx(chute.tan_theta, rel=1e-12, abs=0.0)
     gain, loss = chute.tan_theta * f.p * f.u, delta * f.p * f.T**0.5
     assert abs(f.q - gain + loss) <= 1e-12 * (gain + loss)
 
@@ -125,7 +125,7 @@ def test_decay_at_infinity(chute, far_temperature):
     """T → T_∞ (1 + (g4/g3) ν), q = −(tanθ²/g2 − g5/ν²) T_∞^{5/2} ν²/2, ν → e^{−z/T_∞}; the same below and above the top node."""
     flow = flow_of(chute, far_temperature)
     top = flow.nodes[0]
-    assert math.exp(flow.states[0, 0].real) == pytest.approx(NU_TOP, rel=1e-13)
+    assert math.exp(flow.states[0, 0].real) == pytest.approx(NU_TOP, rel=1e-13, abs=0.0)
     g2, g3, g4, g5 = evaluator(chute.radial, ("g2", "g3", "g4", "g5"), 0, "mpmath")(
         mpmath.mpf("1e-60"), mpmath.mpf(chute.ep), mpmath.mpf(chute.nu_max)
     )
@@ -134,14 +134,15 @@ def test_decay_at_infinity(chute, far_temperature):
         y = flow.at(z).real
         nu = math.exp(y[0])
         assert y[0] == pytest.approx(math.log(NU_TOP) - (z - top) / far_temperature, abs=1e-11)
-        assert y[1] == pytest.approx(far_temperature * (1 + g4 / g3 * nu), rel=1e-13)
-        assert y[2] == pytest.approx(flow.far_velocity - chute.tan_theta / g2 * far_temperature**1.5 * nu, rel=1e-13)
+        assert y[1] == pytest.approx(far_temperature * (1 + g4 / g3 * nu), rel=1e-13, abs=0.0)
+        assert y[2] == pytest.approx(flow.far_velocity - chute.tan_theta / g2 * far_temperature**1.5 * nu, rel=1e-13, abs=0.0)
         if z < top:
             assert y[3] == pytest.approx(
-                -(chute.tan_theta**2 / g2 - f5) * far_temperature**2.5 * nu / 2, rel=1e-6 + 1e3 * nu * far_temperature**2
+                -(chute.tan_theta**2 / g2 - f5) * far_temperature**2.5 * nu / 2, rel=1e-6 + 1e3 * nu * far_temperature**2, abs=0.0
             )
-        assert y[4] == pytest.approx(nu * far_temperature**2, rel=1e-11)
-        assert y[5] == pytest.approx(nu * far_temperature * flow.far_velocity, rel=1e-11)
+        assert y[4] == pytest.approx(nu * far_temperature**2, rel=1e-11, abs=0.0)
+        mean = flow.far_velocity - chute.tan_theta / g2 * far_temperature**1.5 * nu / 2
+        assert y[5] == pytest.approx(nu * far_temperature * mean, rel=1e-11, abs=0.0)
 
 
 # ------------------------------------------------------------------------------------------------ the integrals of (2.8)
@@ -155,12 +156,12 @@ def test_integrals_by_quadrature(chute, far_temperature):
     weights = np.diff(edges)[:, None] / 2 * w
     f = Fields(flow, z)
     M0, Q0, moment = (float((weights * g).sum()) for g in (f.nu, f.nu * f.u, f.nu * z))
-    assert flow.hold_up == pytest.approx(M0, rel=2e-12)
-    assert flow.mass_flux == pytest.approx(Q0, rel=2e-12)
-    assert flow.centre_of_mass == pytest.approx(moment / M0, rel=2e-12)
+    assert flow.hold_up == pytest.approx(M0, rel=2e-12, abs=0.0)
+    assert flow.mass_flux == pytest.approx(Q0, rel=2e-12, abs=0.0)
+    assert flow.centre_of_mass == pytest.approx(moment / M0, rel=2e-12, abs=0.0)
     base = Fields(flow, 0.0)
-    assert flow.hold_up == pytest.approx(float(base.p), rel=1e-14)
-    assert flow.base == {"nu": pytest.approx(base.nu, rel=1e-14), "T": base.T, "u": base.u}
+    assert flow.hold_up == pytest.approx(float(base.p), rel=1e-14, abs=0.0)
+    assert flow.base == {"nu": pytest.approx(base.nu, rel=1e-14, abs=0.0), "T": base.T, "u": base.u}
 
 
 # ------------------------------------------------------------------------------------------------ independent collocation
@@ -303,8 +304,8 @@ def test_independent_collocation(chute, far_temperature, heights):
         q = panel["nu"][finite] * panel["Q"][finite]
         assert np.all(np.abs(f.q - q) <= 1e-11 * np.abs(f.q).max())
     infinity = solution[-1]
-    assert infinity["T"][-1] == pytest.approx(far_temperature, rel=1e-12)
-    assert infinity["u"][-1] == pytest.approx(flow.far_velocity, rel=1e-11)
+    assert infinity["T"][-1] == pytest.approx(far_temperature, rel=1e-12, abs=0.0)
+    assert infinity["u"][-1] == pytest.approx(flow.far_velocity, rel=1e-11, abs=0.0)
     assert infinity["nu"][-1] == 0.0
 
 
@@ -386,7 +387,7 @@ def test_taylor_integration_in_thirty_digits():
     flow = flow_of(PAPER, 7.338568375902416)
     with mpmath.workdps(30):
         pieces, far_velocity = precise_flow(PAPER, flow.far_temperature)
-        assert flow.far_velocity == pytest.approx(float(far_velocity), rel=1e-12)
+        assert flow.far_velocity == pytest.approx(float(far_velocity), rel=1e-12, abs=0.0)
         for z0, h, (nu, T, u, q) in pieces:
             for fraction in (mpmath.mpf("0.31"), mpmath.mpf("0.83")):
                 z = z0 - fraction * h
@@ -398,10 +399,10 @@ def test_taylor_integration_in_thirty_digits():
                 decay, T_z, u_z, _ = slopes(np.exp(y[0]), y[1], y[3], PAPER.ep, PAPER.tan_theta, PAPER.nu_max, PAPER.model, math.pi)
                 got = (np.exp(y[0]), y[1], y[2], np.exp(y[0]) * y[3])
                 for a, b in zip(got[:3], exact[:3], strict=True):
-                    assert a == pytest.approx(float(b), rel=1e-12)
+                    assert a == pytest.approx(float(b), rel=1e-12, abs=0.0)
                 assert got[3] == pytest.approx(float(exact[3]), rel=1e-12, abs=1e-12 * float(exact[0] * exact[1] ** mpmath.mpf(1.5)))
-                assert got[0] * decay == pytest.approx(float(exact_z[0]), rel=1e-12)
-                assert u_z == pytest.approx(float(exact_z[2]), rel=1e-12)
+                assert got[0] * decay == pytest.approx(float(exact_z[0]), rel=1e-12, abs=0.0)
+                assert u_z == pytest.approx(float(exact_z[2]), rel=1e-12, abs=0.0)
                 # T′ changes sign: it is held against νT/T_∞
                 assert T_z == pytest.approx(float(exact_z[1]), rel=1e-12, abs=1e-12 * float(exact[0]))
 
@@ -529,7 +530,7 @@ def test_three_flows_carry_the_mass_flux_of_the_paper():
     temperatures = [f.far_temperature for f in found]
     assert len(found) == 3 and temperatures == sorted(temperatures)
     for f in found:
-        assert f.mass_flux == pytest.approx(3.0, rel=1e-13)
+        assert f.mass_flux == pytest.approx(3.0, rel=1e-13, abs=0.0)
     # hotter is more dilute, thicker, faster
     for quantity in ("centre_of_mass", "far_velocity"):
         values = [getattr(f, quantity) for f in found[1:]]
@@ -549,7 +550,7 @@ def test_branches_are_named_by_temperature():
 
 def test_mass_flux_with_one_flow_needs_no_branch():
     flow = steady_by_flux(PAPER, 15.0, None)
-    assert flow.mass_flux == pytest.approx(15.0, rel=1e-13)
+    assert flow.mass_flux == pytest.approx(15.0, rel=1e-13, abs=0.0)
     assert steady_by_flux(PAPER, 15.0, "high").far_temperature == flow.far_temperature
 
 
@@ -572,7 +573,7 @@ def test_a_flow_next_to_the_end_of_the_family_is_found():
     scan = np.geomspace(*SCAN)
     assert not np.any((scan > 0.0357) & (scan < 0.0361))
     found = [f.far_temperature for f in flows(CARNAHAN_STARLING, descend(CARNAHAN_STARLING, 0.0361).mass_flux)]
-    assert min(found) == pytest.approx(0.0361, rel=1e-9)
+    assert min(found) == pytest.approx(0.0361, rel=1e-9, abs=0.0)
 
 
 def test_errors_of_the_family():
@@ -622,5 +623,5 @@ def test_unphysical_far_temperature(bad):
 def test_height_is_where_nu_is(chute, far_temperature):
     flow = flow_of(chute, far_temperature)
     for nu in (1e-25, 1e-12, 1e-4 * flow.base["nu"]):
-        assert math.exp(flow.at(flow.height(nu))[0].real) == pytest.approx(nu, rel=1e-10)
+        assert math.exp(flow.at(flow.height(nu))[0].real) == pytest.approx(nu, rel=1e-10, abs=0.0)
     assert float(radial(flow.base["nu"], chute.nu_max, chute.model)[0]) > 1.0

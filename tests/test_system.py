@@ -327,7 +327,7 @@ def test_background_of_series_is_differentiated_by_them():
     nested = background(PAPER, *along, math.pi)
     for name in Background.__dataclass_fields__:
         inner = getattr(nested, name)
-        assert inner[0][0] == pytest.approx(getattr(bg, name)[0], rel=1e-13)
+        assert inner[0][0] == pytest.approx(getattr(bg, name)[0], rel=1e-13, abs=0.0)
         assert inner[0][1] == pytest.approx(getattr(bg, name)[1], rel=1e-10, abs=1e-13), name
 
 
@@ -477,7 +477,7 @@ def test_nothing_underflows_and_infinity_is_regular():
 
     limit = propagator(1e-200)
     assert np.all(np.isfinite(limit))
-    assert limit[0, 0] == pytest.approx(-1 / 7.3, rel=1e-13)
+    assert limit[0, 0] == pytest.approx(-1 / 7.3, rel=1e-13, abs=0.0)
     far = [np.abs(propagator(nu) - limit).max() for nu in (1e-7, 1e-8, 1e-9)]
-    assert far[0] / far[1] == pytest.approx(10, rel=1e-2)
-    assert far[1] / far[2] == pytest.approx(10, rel=1e-2)
+    assert far[0] / far[1] == pytest.approx(10, rel=1e-2, abs=0.0)
+    assert far[1] / far[2] == pytest.approx(10, rel=1e-2, abs=0.0)

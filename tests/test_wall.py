@@ -186,17 +186,17 @@ def test_boundary_functions_are_A15_A16_A18():
         for nu in (0.05, 0.3, 0.55):
             g0, _ = law.radial(nu, 0.62, law.RADIAL_DISTRIBUTIONS[radial])
             A = 1 + math.pi / (12 * math.sqrt(2)) * (1 + 5 / (8 * nu * g0))
-            assert law.wall_shear(nu, g0, math.pi) == pytest.approx(A, rel=1e-15)
+            assert law.wall_shear(nu, g0, math.pi) == pytest.approx(A, rel=1e-15, abs=0.0)
     for r in (0.0, 0.2, 0.6, 0.95):
         s = math.sqrt(1 - r * r)
         kappa = 2 / 3 * (2 / (1 + s) - s)
         assert law.slip_coefficient(r) == pytest.approx(kappa, rel=1e-14, abs=1e-15)
-        assert law.wall_normal(1.7, r) == pytest.approx(1.7 * (r * r - 2) + kappa + 2 * s, rel=1e-15)
-        assert law.wall_dissipation(r, 0.7, math.pi) == pytest.approx(math.sqrt(2 / math.pi) * 0.6 / (1 + s), rel=1e-15)
+        assert law.wall_normal(1.7, r) == pytest.approx(1.7 * (r * r - 2) + kappa + 2 * s, rel=1e-15, abs=0.0)
+        assert law.wall_dissipation(r, 0.7, math.pi) == pytest.approx(math.sqrt(2 / math.pi) * 0.6 / (1 + s), rel=1e-15, abs=0.0)
     # a smooth base bears no shear: κ = ½ r² + O(r⁴), without cancellation
     assert law.slip_coefficient(0.0) == 0.0
     for r in (1e-9, 1e-5):
-        assert law.slip_coefficient(r) == pytest.approx(r * r / 2, rel=1e-9)
+        assert law.slip_coefficient(r) == pytest.approx(r * r / 2, rel=1e-9, abs=0.0)
 
 
 # ------------------------------------------------------------------------------------------------ complex step

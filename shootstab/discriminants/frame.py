@@ -171,4 +171,3 @@ def det_with_slope(M: ComplexArray, dM: ComplexArray) -> tuple[complex, complex]
 def _random(seed: int, *shape: int) -> ComplexArray:
     """Complex numbers of modulus 1."""
     return np.asarray(np.exp(2j * np.pi * np.random.default_rng(seed).random(shape)))
-

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -52,7 +54,7 @@ def _legs(h: NDArray[np.complex128]) -> list[tuple[int, int]]:
     direction = h / np.abs(h)
     turns = np.flatnonzero(np.abs(np.diff(direction)) > 1e-9) + 1
     bounds = [0, *turns.tolist(), len(h)]
-    return list(zip(bounds[:-1], bounds[1:], strict=True))
+    return list(itertools.pairwise(bounds))
 
 
 def _equidistribute(nodes: NDArray[np.complex128], density: NDArray[np.float64]) -> NDArray[np.complex128]:

@@ -48,7 +48,7 @@ class Discriminant(Protocol):
 
 
 class Examinable(Discriminant, Protocol):
-    """A discriminant that can be asked for its errors: each method below answers with a variant whose zero lies elsewhere by one of them."""
+    """A discriminant that can be asked for its errors: its methods give variants whose zeros lie elsewhere by one of them."""
 
     @property
     def far_error(self) -> float:

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shootstab.kernels.tableau import C as ABSCISSAE
 from shootstab.kernels.tableau import STAGES
+from shootstab.kernels.tableau import C as ABSCISSAE
 from shootstab.problems.protocol import ComplexArray, Pencil, Problem
 from shootstab.vocabulary.errors import InputError
 
@@ -45,14 +45,14 @@ def tabulate(problem: Problem, nodes: NDArray[np.complexfloating]) -> Table:
 
     Raises InputError where the pencil is of the wrong shape, not finite, or of deficient rank.
     """
-    nodes = np.asarray(nodes, dtype=np.complex128)
-    h = np.diff(nodes)
+    at: ComplexArray = np.asarray(nodes, dtype=np.complex128)
+    h = np.diff(at)
     order = np.argsort(ABSCISSAE)
-    points = nodes[:-1, None] + h[:, None] * ABSCISSAE[order]
+    points: ComplexArray = at[:-1, None] + h[:, None] * ABSCISSAE[order]
     reduced = reduce_pencil(problem.pencil(points.ravel()), problem.size)
     steps = len(h)
     back = np.argsort(order)
-    return Table(nodes, *(a.reshape(steps, STAGES, *a.shape[1:])[:, back].copy() for a in reduced))
+    return Table(at, *(a.reshape(steps, STAGES, *a.shape[1:])[:, back].copy() for a in reduced))
 
 
 def reduce_pencil(pencil: Pencil, n: int) -> tuple[ComplexArray, ComplexArray, ComplexArray, ComplexArray]:
@@ -82,7 +82,7 @@ def reduce_pencil(pencil: Pencil, n: int) -> tuple[ComplexArray, ComplexArray, C
         solved = np.linalg.solve(complete, right)
     except np.linalg.LinAlgError:
         raise InputError("the pencil's C has rows of deficient rank, whatever sigma is") from None
-    X0, X1, V = solved[:, :, :n], solved[:, :, n : 2 * n], solved[:, :, 2 * n :]
+    X0, X1, V = (np.asarray(part, dtype=np.complex128) for part in np.split(solved, (n, 2 * n), axis=2))
     G0, G1 = C0[:, moving] @ V, C1[:, moving] @ V
     T0 = D0[:, moving] - C0[:, moving] @ X0
     T1 = D1[:, moving] - C0[:, moving] @ X1 - C1[:, moving] @ X0

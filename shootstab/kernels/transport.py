@@ -14,9 +14,9 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from shootstab.kernels.tableau import E3, E5, STAGES
 from shootstab.kernels.tableau import A as RK_A
 from shootstab.kernels.tableau import B as RK_B
-from shootstab.kernels.tableau import E3, E5, STAGES
 
 
 @njit(cache=True, error_model="numpy")
@@ -139,8 +139,8 @@ def system_matrix(X, V, G, T, sigma, A, dA, work, tangent):  # type: ignore[no-u
 def transport(h, X, V, G, T, sigma, Y, dY, tangent, errors):  # type: ignore[no-untyped-def]
     """Carry Y (n×k), and dY if tangent, through all steps; both are overwritten, Y by an orthonormal frame.
 
-    h (N,), X (N,12,2,n,n), V (N,12,n,m), G (N,12,2,m,m), T (N,12,3,m,n). errors (N,) receives the local error of every step, each row of the
-    frame relative to its own size. Returns (log_det, trace): the frame that Y stands for is Y·R with ln det R = log_det, and
+    h (N,), X (N,12,2,n,n), V (N,12,n,m), G (N,12,2,m,m), T (N,12,3,m,n). errors (N,) receives the local error of every step,
+    each row of the frame relative to its own size. Returns (log_det, trace): what Y stands for is Y·R with ln det R = log_det, and
     d ln D/dσ = trace + what Y and dY give.
     """
     steps = len(h)

@@ -34,4 +34,3 @@ def budget(problem: Problem, coarse: Examinable, coarse_value: Value, fine: Exam
     flow = 0.0 if crude is problem else displacement(coarse.of(crude), coarse_value) / FLOW_GAIN
     rounding = SAFETY * max(displacement(fine.turned(seed), fine_value) for seed in (1, 2, 3)) + 4 * EPSILON * abs(sigma)
     return Budget(integration, far, flow, root, rounding)
-

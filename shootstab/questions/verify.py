@@ -126,7 +126,7 @@ class Judge:
         mode = self._polish(claim)
         off = abs(claim - mode.sigma)
         if off + mode.error > radius:
-            why = f"the mode at a distance of {off:.1e} with an error of {mode.error:.1e} may lie on either side of the circle of {radius:.1e}"
+            why = f"the mode, {off:.1e} away and known to {mode.error:.1e}, may lie on either side of the circle of {radius:.1e}"
             return Verdict(claim, UNRESOLVED, why, complex(mode.sigma), mode.error)
         agreed = digits_between(max(off, mode.error), abs(mode.sigma))
         return Verdict(claim, CONFIRMED, f"exactly one zero of D within {radius:.1e}", complex(mode.sigma), mode.error, agreed)
@@ -164,7 +164,8 @@ def _one_claim_a_mode(verdicts: list[Verdict]) -> list[Verdict]:
             assert other is not None
             if abs(v.sigma - other) <= (v.error or 0.0) + (verdicts[j].error or 0.0) + 1e-12 * abs(other):
                 what = "repeats" if v.verdict == CONFIRMED else "is farther from the mode than"
-                out[i] = replace(v, verdict=SPURIOUS, why=f"{what} claim {j + 1}, and the mode is simple", sigma=None, error=None, digits_agreed=None)
+                why = f"{what} claim {j + 1}, and the mode is simple"
+                out[i] = replace(v, verdict=SPURIOUS, why=why, sigma=None, error=None, digits_agreed=None)
                 break
         else:
             owners[i] = i
@@ -181,7 +182,8 @@ def _missing(
     where = f"missing modes were looked for from {complex(box.lower_left):.6g} to {complex(box.upper_right):.6g}"
     curve = problem.continuum(POINTS)
     if curve is not None and any(box.contains(complex(s)) for s in curve):
-        return (), "missing modes were not looked for", (f"the region from {box.lower_left} to {box.upper_right} holds continuous spectrum",)
+        held = f"the region from {box.lower_left} to {box.upper_right} holds continuous spectrum"
+        return (), "missing modes were not looked for", (held,)
     try:
         zeros = find(discriminant, box)
     except ConvergenceError as error:
@@ -202,4 +204,3 @@ def _unstable_box(problem: Problem, claims: list[complex]) -> Rectangle | None:
     left = max(edge, 0.0) + 1e-3 * unstable.real.max()
     height = max(unstable.imag.max() - unstable.imag.min(), right)
     return Rectangle(complex(left, unstable.imag.min() - 0.25 * height), complex(right, unstable.imag.max() + 0.25 * height))
-

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from shootstab.discriminants.protocol import Discriminant
 from shootstab.vocabulary.scaled import Scaled
 
-
 NOISE = 1e-6  # relative steps below this that stop shrinking have reached the noise of D
 
 

@@ -1,13 +1,14 @@
 """The argument principle: how many zeros of D a closed curve holds.
 
 The change of ln D between neighbouring samples is known twice: from the two values, up to a multiple of 2πi, and from the exact
-logarithmic derivatives at the two ends by the trapezoidal rule. A piece of the curve is accepted when both agree and are short, and is halved
-otherwise, so that no turn is missed between samples.
+logarithmic derivatives at the two ends by the trapezoidal rule. A piece of the curve is accepted when both agree and are short,
+and is halved otherwise, so that no turn is missed between samples.
 """
 
 from __future__ import annotations
 
 import cmath
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -42,20 +43,20 @@ def wind(discriminant: Discriminant, region: Region) -> Winding:
     """
     corners = region.corners
     pieces = FIRST_PIECES if len(corners) == 2 else 2
-    stops = [a + (b - a) * i / pieces for a, b in zip(corners[:-1], corners[1:], strict=True) for i in range(pieces)]
+    stops = [a + (b - a) * i / pieces for a, b in itertools.pairwise(corners) for i in range(pieces)]
     samples = [(t, discriminant.with_slope(region.boundary(t))) for t in stops]
     samples.append((1.0, samples[0][1]))
     followed = [samples[0]]
     for ahead in samples[1:]:
         _follow(discriminant, region, followed, ahead, 0)
     values = [v for _, v in followed]
-    turns = sum(_change(a, b).imag for a, b in zip(values[:-1], values[1:], strict=True)) / (2 * math.pi)
+    turns = sum(_change(a, b).imag for a, b in itertools.pairwise(values)) / (2 * math.pi)
     count = round(turns)
     if abs(turns - count) > 1e-6:
         raise ConvergenceError(f"the phase of D does not close: {turns:.6f} turns")
     centre = sum(v.sigma for v in values[:-1]) / (len(values) - 1)
     total, moment = 0j, 0j
-    for a, b in zip(values[:-1], values[1:], strict=True):
+    for a, b in itertools.pairwise(values):
         total += _predicted(a, b)
         moment += 0.5 * (a.sigma + b.sigma - 2 * centre) * _change(a, b)
     closure = abs(total / (2j * math.pi) - count)

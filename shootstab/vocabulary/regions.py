@@ -40,7 +40,7 @@ class Disc:
 
     def __post_init__(self) -> None:
         if not (cmath.isfinite(self.centre) and 0.0 < self.radius < math.inf):
-            raise InputError(f"disc with centre {self.centre} and radius {self.radius}: allowed is a finite centre and a finite radius above 0")
+            raise InputError(f"disc with centre {self.centre} and radius {self.radius}: allowed are finite numbers, the radius above 0")
 
     @property
     def corners(self) -> tuple[float, ...]:

@@ -37,7 +37,7 @@ class Series:
     def __neg__(self) -> Series:
         return Series(-c for c in self.coefficients)
 
-    def __add__(self, other: Any) -> Series:
+    def __add__(self, other: Any) -> Any:
         if depth(other) > self.depth:
             return other + self
         if self._is_constant(other):
@@ -46,13 +46,13 @@ class Series:
 
     __radd__ = __add__
 
-    def __sub__(self, other: Any) -> Series:
+    def __sub__(self, other: Any) -> Any:
         return self + (-other)
 
-    def __rsub__(self, other: Any) -> Series:
+    def __rsub__(self, other: Any) -> Any:
         return (-self) + other
 
-    def __mul__(self, other: Any) -> Series:
+    def __mul__(self, other: Any) -> Any:
         if depth(other) > self.depth:
             return other * self
         if self._is_constant(other):
@@ -72,7 +72,7 @@ class Series:
     def __rtruediv__(self, other: Any) -> Series:
         return _quotient((other,), self, len(self))
 
-    def __pow__(self, exponent: Any) -> Series:
+    def __pow__(self, exponent: Any) -> Any:
         """a^r from a c′ = r a′ c with c = a^r; r = 0, 1, 2, 3 by multiplication, so that a0 = 0 is allowed."""
         if exponent == 0:
             return constant(1 + 0 * self[0], len(self))

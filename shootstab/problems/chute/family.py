@@ -50,12 +50,16 @@ def steady_by_flux(chute: Chute, mass_flux: float, branch: str | None) -> Flow:
     if branch is None:
         if len(found) > 1:
             raise InputError(
-                f"mass_flux = {mass_flux:g} has {len(found)} flows, far_temperature {temperatures}: branch must be one of {_names(len(found))}"
+                f"mass_flux = {mass_flux:g} has {len(found)} flows, far_temperature {temperatures}: "
+                f"branch is needed, one of {', '.join(_names(len(found)))}"
             )
         return found[0]
     names = _names(len(found))
     if branch not in names:
-        raise InputError(f"branch = {branch!r}: mass_flux = {mass_flux:g} has {len(found)} flows, far_temperature {temperatures}: allowed is {names}")
+        raise InputError(
+            f"branch = {branch!r}: mass_flux = {mass_flux:g} has {len(found)} flows, far_temperature {temperatures}: "
+            f"allowed is {', '.join(names)}"
+        )
     return found[names[::-1].index(branch)]
 
 

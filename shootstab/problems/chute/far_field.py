@@ -1,7 +1,7 @@
 """The decaying space of the perturbations at infinity, as a convergent series in ν0 (DESIGN.md 2, Far field).
 
-In x = ν0 the system is C̃(x) x dψ/dx = D(x) ψ with C̃ = (ν0′/ν0) C, and infinity is a regular singular point. The decaying space is the range of
-P(x) x^Λ, P = Σ P_m x^m, where Λ = T_∞ diag(B, K), B = K I − s sᵀ/(7K), s = (i k_x, i k_y, −K), and
+In x = ν0 the system is C̃(x) x dψ/dx = D(x) ψ with C̃ = (ν0′/ν0) C, and infinity is a regular singular point. The decaying
+space is the range of P(x) x^Λ, P = Σ P_m x^m, where Λ = T_∞ diag(B, K), B = K I − s sᵀ/(7K), s = (i k_x, i k_y, −K), and
 
     (m C̃_0 − D_0) P_m + C̃_0 P_m Λ = Σ_{j≥1} [D_j P_{m−j} − C̃_j ((m−j) P_{m−j} + P_{m−j} Λ)].
 
@@ -95,7 +95,7 @@ class FarField:
     def at(self, nu: complex, sigma: complex) -> tuple[ComplexArray, ComplexArray, float]:
         """Σ P_m ν0^m, its σ-derivative, and a bound on its relative error from the last terms."""
         P, dP = self.terms(sigma)
-        powers = nu ** np.arange(TERMS)
+        powers: ComplexArray = np.asarray(nu, dtype=np.complex128) ** np.arange(TERMS)
         tail = (_row_sizes(P) * np.abs(powers))[-4:].max()
         return np.tensordot(powers, P, 1), np.tensordot(powers, dP, 1), float(tail)
 
@@ -104,7 +104,7 @@ def decay_matrix(kx: float, ky: float) -> ComplexArray:
     """diag(B, K) (4, 4): û, v̂, ŵ decay as e^{−Bz} and T̂ as e^{−Kz}, (2.20)–(2.22) in the form of DESIGN.md 1.3."""
     K = math.hypot(kx, ky)
     s = np.array([1j * kx, 1j * ky, -K, 0.0])
-    return K * np.eye(4) - np.outer(s, s) / (7 * K)
+    return np.asarray(K * np.eye(4) - np.outer(s, s) / (7 * K), dtype=np.complex128)
 
 
 def _row_sizes(P: ComplexArray) -> NDArray[np.float64]:

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from shootstab.problems.chute import system
 from shootstab.problems.chute.background import Background, background
-from shootstab.problems.chute.far_field import FarField
 from shootstab.problems.chute.family import cruder
+from shootstab.problems.chute.far_field import FarField
 from shootstab.problems.chute.steady import Flow
 from shootstab.problems.chute.wall import wall_rows
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil

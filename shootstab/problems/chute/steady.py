@@ -14,9 +14,10 @@ from typing import Any
 
 import numpy as np
 from numba import njit
+from numba.extending import register_jitable
 from numpy.typing import NDArray
 
-from shootstab.kernels.tableau import A, B, C, E3, E5, STAGES
+from shootstab.kernels.tableau import E3, E5, STAGES, A, B
 from shootstab.problems.chute import constitutive as law
 from shootstab.problems.chute.parameters import Chute
 from shootstab.vocabulary.errors import ConvergenceError, InputError, NoFlowError
@@ -26,7 +27,7 @@ TOLERANCE = 2e-14
 SIZE = 6  # ln ν, T, u, Q, ∫p, ∫νu
 
 
-@law.register_jitable
+@register_jitable
 def slopes(nu: Any, T: Any, Q: Any, ep: Any, tan_theta: Any, nu_max: Any, model: int, pi: Any) -> Any:
     """(ν′/ν, T′, u′, Q′) at a state, for numbers, arrays and series alike; Q = q/ν.
 
@@ -45,7 +46,7 @@ def slopes(nu: Any, T: Any, Q: Any, ep: Any, tan_theta: Any, nu_max: Any, model:
     return log_nu_z, T_z, u_z, Q_z
 
 
-@law.register_jitable
+@register_jitable
 def slip(nu: Any, T: Any, u_z: Any, g0: Any, r: Any, tan_theta: Any, pi: Any) -> Any:
     """The velocity that the base allows: tanθ = T^(−1/2) √(2/π) (κu − (κ − ½A r²)u′)."""
     kappa = law.slip_coefficient(r)
@@ -252,7 +253,7 @@ class Flow:
             step = (target - y[0].real) / rate.real
             z += step
             if abs(step) < 1e-12 * (self.far_temperature + abs(z)):
-                return z
+                return float(z)
         raise ConvergenceError(f"no height found at which nu = {nu:g}")
 
     @cached_property
