@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from shootstab.discriminants.mesh import halved, redistribute, split
 from shootstab.discriminants.protocol import Value
-from shootstab.discriminants.table import Table, tabulate
+from shootstab.discriminants.shooting import Shooting
+from shootstab.discriminants.table import Table
 from shootstab.kernels.transport import transport
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
-from shootstab.vocabulary.errors import ConvergenceError
 from shootstab.vocabulary.scaled import Scaled
-
-MOST_STEPS = 40_000
-TURNS = 30  # attempts at a mesh
-REDISTRIBUTIONS = 3  # of them, those that move every node
 
 
 @dataclass(frozen=True)
@@ -31,127 +25,15 @@ class Frame:
         """D(σ) of the problem; the mesh is made at the first σ asked for and grows where another σ needs it."""
         return Shooting(problem, self)
 
-
-class Shooting:
-    """D(σ) = det[(W0 + σW1) Y(0; σ)], Y the decaying space normalized in the far field.
-
-    The mesh stays the same from one σ to the next as long as its local errors hold, and on a given mesh D is analytic to rounding.
-    """
-
-    def __init__(self, problem: Problem, method: Frame, start: Callable[[FarFrame], FarFrame] = lambda far: far) -> None:
-        self.problem, self.method, self._start = problem, method, start
-        self.evaluations = 0
-        self._table: Table | None = None
-        self._far_error = 0.0
-        self._tables: dict[tuple[int, int], Table] = {}
-        self._tables_of: Table | None = None
-        self._rows = problem.wall_rows()
-
-    def __call__(self, sigma: complex) -> Scaled:
-        return self._evaluate(complex(sigma), False).D
-
-    def with_slope(self, sigma: complex) -> Value:
-        return self._evaluate(complex(sigma), True)
-
-    def refined(self) -> Shooting:
-        """The same on a mesh with every step halved: the difference is the error of this one."""
-        return self._variant(lambda far: far, halved(self._mesh), self.problem)
-
-    def turned(self, seed: int) -> Shooting:
-        """The same from the far frame in another basis of determinant 1, chosen at random."""
-        k = self.problem.decaying
-        basis = _random(seed, k, k)
-        basis /= np.linalg.det(basis) ** (1 / k)
-        return self._variant(lambda far: replace(far, frame=far.frame @ basis, tangent=far.tangent @ basis), self._mesh, self.problem)
-
-    def jiggled(self, seed: int, size: float) -> Shooting:
-        """The same from a far frame with every component changed by a random relative amount of this size."""
-        noise = 1 + size * _random(seed, self.problem.size, self.problem.decaying)
-        return self._variant(lambda far: replace(far, frame=far.frame * noise), self._mesh, self.problem)
-
-    def of(self, problem: Problem) -> Shooting:
-        """Of another problem, on the same mesh."""
-        return self._variant(lambda far: far, self._mesh, problem)
-
-    @property
-    def far_error(self) -> float:
-        return self._far_error
-
-    @property
-    def steps(self) -> int:
-        """How many steps the mesh has."""
-        return 0 if self._table is None else len(self._table.nodes) - 1
-
-    @property
-    def _mesh(self) -> ComplexArray:
-        if self._table is None:
-            raise ValueError("no mesh yet: D has not been asked for")
-        return self._table.nodes
-
-    def _variant(self, start: Callable[[FarFrame], FarFrame], nodes: ComplexArray, problem: Problem) -> Shooting:
-        """The same on a given mesh, which it keeps, from a far frame changed on the way."""
-        other = Shooting(problem, replace(self.method, rtol=np.inf), start)
-        other._table = self._shared_table(problem, nodes)
-        return other
-
-    def _shared_table(self, problem: Problem, nodes: ComplexArray) -> Table | None:
-        """A table of its own mesh, of the halved one, or of another problem's on its own: each is made once for each mesh."""
-        if problem is self.problem and nodes is self._mesh:
-            return self._table
-        if self._tables_of is not self._table:
-            self._tables, self._tables_of = {}, self._table
-        key = (id(problem), len(nodes))
-        if key not in self._tables:
-            self._tables[key] = tabulate(problem, nodes)
-        return self._tables[key]
-
-    @property
-    def _far_tolerance(self) -> float:
-        return min(1e-3 * self.method.rtol, 1e-14)  # an infinite rtol marks a variant, which keeps its mesh
-
-    def _build(self, sigma: complex, far_tolerance: float) -> None:
-        """A mesh for σ: from the problem's own first mesh, redistributed until the local errors hold."""
-        start = self.problem.start(sigma, far_tolerance)
-        self._table = tabulate(self.problem, self.problem.mesh(start).astype(np.complex128))
-        for turn in range(TURNS):
-            _, errors = self._shoot(sigma, False)
-            if turn > 0 and (errors <= self.method.rtol).all():
-                return
-            self._regrid(errors, everywhere=turn < REDISTRIBUTIONS)
-        raise ConvergenceError(f"no mesh found that holds local errors of {self.method.rtol:.1e} at sigma = {sigma:.6g}")
-
-    def _regrid(self, errors: np.ndarray, everywhere: bool) -> None:
-        """Spread the steps anew, or only split those that err too much."""
-        nodes = (redistribute if everywhere else split)(self._mesh, errors, self.method.rtol)
-        if len(nodes) > MOST_STEPS:
-            raise ConvergenceError(f"the mesh would need more than {MOST_STEPS} steps: sigma lies on a singularity of the system")
-        self._table = tabulate(self.problem, nodes)
-
-    def _evaluate(self, sigma: complex, tangent: bool) -> Value:
-        if self._table is None:
-            self._build(sigma, self._far_tolerance)
-        value, errors = self._shoot(sigma, tangent)
-        for _ in range(TURNS):
-            if (errors <= self.method.rtol).all():
-                return value
-            self._regrid(errors, everywhere=False)
-            value, errors = self._shoot(sigma, tangent)
-        raise ConvergenceError(f"local errors of {self.method.rtol:.1e} cannot be held at sigma = {sigma:.6g}")
-
-    def _shoot(self, sigma: complex, tangent: bool) -> tuple[Value, np.ndarray]:
-        assert self._table is not None
-        table = self._table
-        far = self._start(self.problem.far_frame(table.nodes[0].real, sigma))
-        self._far_error = far.error
-        if far.error > 10 * self._far_tolerance:
-            self._build(sigma, self._far_tolerance)
-            return self._shoot(sigma, tangent)
-        self.evaluations += 1
+    def carry(
+        self, table: Table, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
+    ) -> tuple[Value, np.ndarray]:
+        """D = det[(W0 + σW1) Y]; the R factors of the orthonormalizations are carried along, so that D is analytic."""
         Y, dY = far.frame.copy(), far.tangent.copy()
         errors = np.empty(len(table.nodes) - 1)
         log_det, trace = transport(table.steps, table.X, table.V, table.G, table.T, sigma, Y, dY, tangent, errors)
-        W = self._rows[0] + sigma * self._rows[1]
-        det, slope = det_with_slope(W @ Y, self._rows[1] @ Y + W @ dY)
+        W = rows[0] + sigma * rows[1]
+        det, slope = det_with_slope(W @ Y, rows[1] @ Y + W @ dY)
         return Value(sigma, Scaled(det, log_det + far.log_scale), slope + trace * det), errors
 
 
@@ -166,8 +48,3 @@ def det_with_slope(M: ComplexArray, dM: ComplexArray) -> tuple[complex, complex]
         stack[j + 1, :, j] = dM[:, j]
     dets = np.linalg.det(stack)
     return complex(dets[0]), complex(dets[1:].sum())
-
-
-def _random(seed: int, *shape: int) -> ComplexArray:
-    """Complex numbers of modulus 1."""
-    return np.asarray(np.exp(2j * np.pi * np.random.default_rng(seed).random(shape)))

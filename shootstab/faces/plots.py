@@ -80,7 +80,9 @@ def draw(report: Report, scene: Scene) -> Any:
         panels[1].set_title("magnified", fontsize="medium")
         _decades(panels[0], everything, near)
     figure.suptitle(f"{scene.name}: {_counts(report)}\n{scene.description}", fontsize="medium")
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False, fontsize="small")
+    figure.legend(
+        *panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=6 if two else 4, frameon=False, fontsize="small"
+    )
     return figure
 
 
@@ -154,14 +156,18 @@ def _look_at(panel: Any, near: Box) -> None:
 def _decades(panel: Any, points: Points, near: Box) -> None:
     """Axes that are linear in the magnified square, which is framed, and logarithmic beyond."""
     from matplotlib.patches import Rectangle
+    from matplotlib.ticker import SymmetricalLogLocator
 
     centre, width, height = near
-    for scale, limits, values, middle, half in (
-        (panel.set_xscale, panel.set_xlim, points.real, centre.real, width),
-        (panel.set_yscale, panel.set_ylim, points.imag, centre.imag, height),
+    for axis, scale, limits, values, middle, half in (
+        (panel.xaxis, panel.set_xscale, panel.set_xlim, points.real, centre.real, width),
+        (panel.yaxis, panel.set_yscale, panel.set_ylim, points.imag, centre.imag, height),
     ):
         linear = 10.0 ** math.ceil(math.log10(abs(middle) + half))
         scale("symlog", linthresh=linear, linscale=1.0)
+        ticks = SymmetricalLogLocator(base=10, linthresh=linear)
+        ticks.set_params(numticks=9)
+        axis.set_major_locator(ticks)
         low, high = min(values.min(), middle - half), max(values.max(), middle + half)
         limits(_beyond(low, linear), _beyond(high, linear, upwards=True))
     corner = (centre.real - width, centre.imag - height)
