@@ -76,7 +76,7 @@ def test_shooting_and_pseudospectral_paths_share_the_steady_flow_only() -> None:
     shooting = set().union(*(reachable(f"shootstab.{n}") for n in ("discriminants.frame", "problems.chute.problem", "roots.find")))
     shared = {n for n in spectral & shooting if not n.startswith("shootstab.vocabulary")}
     chute = "shootstab.problems.chute"
-    allowed = {f"{chute}.{m}" for m in ("constitutive", "parameters", "steady", "family")}
+    allowed = {f"{chute}.{m}" for m in ("constitutive", "parameters", "balance", "descent", "steady", "family")}
     assert shared <= allowed | {"shootstab.kernels.tableau"}, shared - allowed
     assert not any(n.startswith("shootstab.spectral") for n in shooting)
 

@@ -119,6 +119,15 @@ def test_resolvent_part_equals_its_dense_form() -> None:
         np.testing.assert_allclose(dA, (dense(sigma + 1e-5) - dense(sigma - 1e-5)) / 2e-5, rtol=1e-7)
 
 
+def test_a_nan_is_an_error_not_a_zero() -> None:
+    A = random_complex(3, 3)
+    table = constant_table(A, 0 * A, 1.0, 3)
+    table[1][1, 4, 0, 1, 1] = np.nan
+    errors = run(table, 0j, random_complex(3, 2))[4]
+    assert np.isfinite(errors[0])
+    assert np.isnan(errors[1])
+
+
 def test_compiled_equals_uncompiled() -> None:
     table = constant_table(random_complex(4, 4), random_complex(4, 4), 0.5, 2)
     Y = random_complex(4, 2)

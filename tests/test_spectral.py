@@ -281,6 +281,8 @@ def test_filter_drops_what_does_not_decay() -> None:
 ROOT = Path(shootstab.__file__).parent
 ALLOWED = {
     "shootstab.problems.chute.constitutive",
+    "shootstab.problems.chute.balance",
+    "shootstab.problems.chute.descent",
     "shootstab.problems.chute.steady",
     "shootstab.problems.chute.parameters",
     "shootstab.problems.chute.family",

@@ -11,21 +11,12 @@ import numpy as np
 import pytest
 from linearization import evaluator
 
+from shootstab.problems.chute import descent
+from shootstab.problems.chute.balance import slopes
 from shootstab.problems.chute.constitutive import radial, slip_coefficient
 from shootstab.problems.chute.family import BRANCHES, flows, steady_by_flux
 from shootstab.problems.chute.parameters import Chute
-from shootstab.problems.chute.steady import (
-    NU_TOP,
-    Flow,
-    _descend,
-    _energy_defect,
-    _place_base,
-    _rhs,
-    _step,
-    descend,
-    slopes,
-    top_state,
-)
+from shootstab.problems.chute.steady import NU_TOP, Flow, _place_base, descend, top_state
 from shootstab.vocabulary.errors import ConvergenceError, InputError, NoFlowError
 from shootstab.vocabulary.series import Series
 
@@ -412,7 +403,9 @@ def test_tolerance_is_converged():
     bases = []
     for tolerance in (1e-8, 1e-11, 2e-14):
         z, states = np.zeros(6000), np.empty((6000, 6), dtype=np.complex128)
-        count, found = _descend(top_state(PAPER, 2.54, np.array([math.log(NU_TOP) + 0j]))[0], PAPER.numbers, 2.54, tolerance, z, states)
+        count, found = descent.descend(
+            top_state(PAPER, 2.54, np.array([math.log(NU_TOP) + 0j]))[0], PAPER.numbers, 2.54, tolerance, z, states
+        )
         assert found
         z, states = z[: count + 1], states[: count + 1]
         _place_base(PAPER, z, states)
@@ -490,7 +483,7 @@ def test_wild_trial_steps_are_rejected():
     flow = flow_of(PAPER, 2.54)
     stages, out = np.empty((12, 6), complex), np.empty(6, complex)
     start = flow.at(10 * 2.54)
-    error = _step(start, -35 * 2.54 + 0j, PAPER.numbers, stages, out)
+    error = descent.step(start, -35 * 2.54 + 0j, PAPER.numbers, stages, out)
     assert not error <= 1.0
     z = np.linspace(10.0, -25.0, 36) * 2.54
     far, near = flow.at(z[[0, -1]], order="path")[-1], flow.at(z, order="path")[-1]
@@ -505,12 +498,14 @@ def test_kernels_agree_with_their_python_source():
     for z in (0.0, 0.7, 5.0):
         y = flow.at(z) * (1 + 1e-3j * rng.normal(size=6))
         a, b = np.empty((2, 6), complex)
-        _rhs(y, PAPER.numbers, a)
-        _rhs.py_func(y, PAPER.numbers, b)
+        descent.rhs(y, PAPER.numbers, a)
+        descent.rhs.py_func(y, PAPER.numbers, b)
         assert np.all(np.abs(a - b) <= 1e-13 * np.abs(a))
-        assert _energy_defect(y, PAPER.numbers) == pytest.approx(_energy_defect.py_func(y, PAPER.numbers), rel=1e-12, abs=1e-14)
+        assert descent.energy_defect(y, PAPER.numbers) == pytest.approx(
+            descent.energy_defect.py_func(y, PAPER.numbers), rel=1e-12, abs=1e-14
+        )
         outs, errors = [], []
-        for step in (_step, _step.py_func):
+        for step in (descent.step, descent.step.py_func):
             stages, out = np.empty((12, 6), complex), np.empty(6, complex)
             errors.append(step(y, -0.05 + 0.01j, PAPER.numbers, stages, out))
             outs.append(out)
@@ -577,9 +572,9 @@ def test_a_flow_next_to_the_end_of_the_family_is_found():
 
 
 def test_errors_of_the_family():
-    with pytest.raises(InputError, match=r"mass_flux = 3 has 3 flows, far_temperature .*: branch must be one of \('high', 'mid', 'low'\)"):
+    with pytest.raises(InputError, match=r"mass_flux = 3 has 3 flows, far_temperature .*: branch is needed, one of high, mid, low"):
         steady_by_flux(PAPER, 3.0, None)
-    with pytest.raises(InputError, match=r"branch = 'warm': mass_flux = 3 has 3 flows, .*: allowed is \('high', 'mid', 'low'\)"):
+    with pytest.raises(InputError, match=r"branch = 'warm': mass_flux = 3 has 3 flows, .*: allowed is high, mid, low"):
         steady_by_flux(PAPER, 3.0, "warm")
     with pytest.raises(NoFlowError, match=r"mass_flux = 1e\+06: no steady flow"):
         steady_by_flux(PAPER, 1e6, "high")

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -21,19 +22,30 @@ REDISTRIBUTIONS = 3  # of them, those that move every node
 
 
 class Carrier(Protocol):
-    """A method that carries the decaying space along a table; a frozen dataclass with the tolerance on local errors."""
+    """A method that carries the decaying space along a table, with the tolerance that it sets on local errors."""
 
     @property
     def rtol(self) -> float: ...
-
-    @property
-    def name(self) -> str: ...
 
     def carry(
         self, table: Table, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
     ) -> tuple[Value, np.ndarray]:
         """D(σ), with dD/dσ if tangent, and the local errors (N,) of the table's steps."""
         ...
+
+
+@dataclass(frozen=True)
+class Settled:
+    """A method on a mesh that is to stay: it carries as the method does and finds no local error too large."""
+
+    method: Carrier
+    rtol: float = math.inf
+
+    def carry(
+        self, table: Table, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
+    ) -> tuple[Value, np.ndarray]:
+        """As the method does."""
+        return self.method.carry(table, rows, far, sigma, tangent)
 
 
 class Shooting:
@@ -94,7 +106,7 @@ class Shooting:
 
     def _variant(self, start: Callable[[FarFrame], FarFrame], nodes: ComplexArray, problem: Problem) -> Shooting:
         """The same on a given mesh, which it keeps, from a far frame changed on the way."""
-        other = Shooting(problem, replace(self.method, rtol=np.inf), start)
+        other = Shooting(problem, Settled(self.method), start)
         other._table = self._shared_table(problem, nodes)
         return other
 

@@ -37,12 +37,12 @@ def verify(options: Namespace) -> int:
     region = None if options.region is None else _rectangle(options.region)
     claimed = None if options.eigenvalues is None else readers.read(options.eigenvalues)
     scene = scene_files.load(options.scene)
-    from shootstab.questions.reference import spectrum
+    from shootstab.questions.reference import claims
     from shootstab.questions.verify import verify as question
 
     with progress(f"verifying {scene.name}") as told:
         if claimed is None:
-            claimed = spectrum(scene.problem, M=options.truncation).eigenvalues
+            claimed = claims(scene.problem, options.digits, options.truncation)
         report = question(scene.problem, claimed, digits=options.digits, region=region, progress=told)
     if options.plot is not None:
         from shootstab.faces import plots

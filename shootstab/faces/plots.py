@@ -166,7 +166,7 @@ def _decades(panel: Any, points: Points, near: Box) -> None:
         linear = 10.0 ** math.ceil(math.log10(abs(middle) + half))
         scale("symlog", linthresh=linear, linscale=1.0)
         ticks = SymmetricalLogLocator(base=10, linthresh=linear)
-        ticks.set_params(numticks=9)
+        ticks.set_params(numticks=7)
         axis.set_major_locator(ticks)
         low, high = min(values.min(), middle - half), max(values.max(), middle + half)
         limits(_beyond(low, linear), _beyond(high, linear, upwards=True))

@@ -82,7 +82,8 @@ def solve_small(G, T):  # type: ignore[no-untyped-def]
                 G[p, c], G[best, c] = G[best, c], G[p, c]
             for c in range(n):
                 T[p, c], T[best, c] = T[best, c], T[p, c]
-        inverse = 1.0 / G[p, p]
+        # numba raises on complex division by zero: a singular matrix gives NaN here, and the step is refused
+        inverse = 1.0 / G[p, p] if G[p, p] != 0j else complex(np.nan, np.nan)
         for c in range(p, m):
             G[p, c] *= inverse
         for c in range(n):
@@ -223,9 +224,11 @@ def _local_error(length, K, Y):  # type: ignore[no-untyped-def]
             for i in range(stages):
                 sum5 += E5[i] * K[i, c, d]
                 sum3 += E3[i] * K[i, c, d]
-            e5 = max(e5, sum5.real**2 + sum5.imag**2)
-            e3 = max(e3, sum3.real**2 + sum3.imag**2)
-        error = length * e5 / np.sqrt(e5 + 0.01 * e3) / size if e5 > 0.0 else 0.0
-        if not error <= worst:  # a NaN must win
+            size5, size3 = sum5.real**2 + sum5.imag**2, sum3.real**2 + sum3.imag**2
+            # written so that a NaN wins
+            e5 = size5 if not size5 <= e5 else e5
+            e3 = size3 if not size3 <= e3 else e3
+        error = 0.0 if e5 == 0.0 else length * e5 / np.sqrt(e5 + 0.01 * e3) / size
+        if not error <= worst:
             worst = error
     return worst

@@ -10,7 +10,8 @@ from itertools import product
 import numpy as np
 
 from shootstab.problems.chute import constitutive as law
-from shootstab.problems.chute.steady import Flow, slopes
+from shootstab.problems.chute.balance import slopes
+from shootstab.problems.chute.steady import Flow
 from shootstab.spectral import chebyshev
 from shootstab.spectral.chebyshev import Array
 

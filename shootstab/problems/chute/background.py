@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from shootstab.problems.chute import constitutive as law
+from shootstab.problems.chute.balance import slopes
 from shootstab.problems.chute.parameters import Chute
-from shootstab.problems.chute.steady import slopes
 from shootstab.vocabulary.series import Series
 
 

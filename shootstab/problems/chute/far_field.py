@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from shootstab.kernels.regular_singular import series_terms
 from shootstab.problems.chute.background import background
+from shootstab.problems.chute.balance import slopes
 from shootstab.problems.chute.parameters import Chute
-from shootstab.problems.chute.steady import slopes
 from shootstab.problems.chute.system import DECAYING, SIZE, pencil_entries
 from shootstab.vocabulary.series import Series, constant
 

@@ -13,169 +13,18 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numba import njit
-from numba.extending import register_jitable
 from numpy.typing import NDArray
 
-from shootstab.kernels.tableau import E3, E5, STAGES, A, B
+from shootstab.kernels.tableau import STAGES
 from shootstab.problems.chute import constitutive as law
+from shootstab.problems.chute import descent
+from shootstab.problems.chute.balance import slip, slopes
+from shootstab.problems.chute.descent import SIZE
 from shootstab.problems.chute.parameters import Chute
 from shootstab.vocabulary.errors import ConvergenceError, InputError, NoFlowError
 
 NU_TOP = 1e-18
 TOLERANCE = 2e-14
-SIZE = 6  # ln ν, T, u, Q, ∫p, ∫νu
-
-
-@register_jitable
-def slopes(nu: Any, T: Any, Q: Any, ep: Any, tan_theta: Any, nu_max: Any, model: int, pi: Any) -> Any:
-    """(ν′/ν, T′, u′, Q′) at a state, for numbers, arrays and series alike; Q = q/ν.
-
-    T′ and ν′ follow from p = g1 T with p′ = −ν and from q = −K T′ + K* ν′.
-    """
-    g0, dg0 = law.radial(nu, nu_max, model)
-    f1, g2, g3 = law.f1(nu, g0, ep), law.g2(nu, g0, ep, pi), law.g3(nu, g0, ep, pi)
-    g4, f5 = law.g4(nu, g0, dg0, ep, pi), law.f5(g0, ep, pi)
-    g1, dg1 = nu * f1, 1 + 8 * ep * nu * g0 + 4 * ep * nu * nu * dg0
-    root_T = T**0.5
-    mixed = dg1 * g3 + g1 * g4  # (a K + b K*)/T^(3/2)
-    log_nu_z = (g1 * Q - g3 * root_T) / (mixed * T * root_T)
-    T_z = -nu * (dg1 * Q + g4 * root_T) / (mixed * root_T)
-    u_z = tan_theta * g1 * root_T / g2
-    Q_z = nu * T * root_T * (tan_theta * tan_theta * f1 * f1 / g2 - f5) - Q * log_nu_z
-    return log_nu_z, T_z, u_z, Q_z
-
-
-@register_jitable
-def slip(nu: Any, T: Any, u_z: Any, g0: Any, r: Any, tan_theta: Any, pi: Any) -> Any:
-    """The velocity that the base allows: tanθ = T^(−1/2) √(2/π) (κu − (κ − ½A r²)u′)."""
-    kappa = law.slip_coefficient(r)
-    return (tan_theta * (T * pi / 2) ** 0.5 + (kappa - law.wall_shear(nu, g0, pi) * r * r / 2) * u_z) / kappa
-
-
-@njit(cache=True, error_model="numpy")
-def _rhs(y, chute, out):  # type: ignore[no-untyped-def]
-    if not (y[0].real < 50.0 and 1e-100 < abs(y[1]) < 1e100):  # a wild stage: complex division by an underflowed zero would raise
-        out[:] = np.nan
-        return
-    ep, tan_theta, nu_max, model = chute[0], chute[1], chute[2], int(chute[3])
-    nu = np.exp(y[0])
-    out[0], out[1], out[2], out[3] = slopes(nu, y[1], y[3], ep, tan_theta, nu_max, model, math.pi)
-    g0, _ = law.radial(nu, nu_max, model)
-    out[4] = -nu * law.f1(nu, g0, ep) * y[1]
-    out[5] = -nu * y[2]
-
-
-@njit(cache=True, error_model="numpy")
-def _energy_defect(y, chute):  # type: ignore[no-untyped-def]
-    """(q − tanθ p u_slip + Δ p √T)/p, zero at the base."""
-    ep, tan_theta, nu_max, model, r, delta = chute[0], chute[1], chute[2], int(chute[3]), chute[4], chute[5]
-    nu, T, Q = np.exp(y[0]), y[1], y[3]
-    g0, _ = law.radial(nu, nu_max, model)
-    _, _, u_z, _ = slopes(nu, T, Q, ep, tan_theta, nu_max, model, math.pi)
-    defect = Q / (law.f1(nu, g0, ep) * T) - tan_theta * slip(nu, T, u_z, g0, r, tan_theta, math.pi) + delta * T**0.5
-    return defect.real
-
-
-@njit(cache=True, error_model="numpy")
-def _step(y, h, chute, stages, out):  # type: ignore[no-untyped-def]
-    """One Runge–Kutta step of length h (complex); returns its error relative to the tolerance."""
-    for i in range(STAGES):
-        for c in range(SIZE):
-            total = 0j
-            for j in range(i):
-                total += A[i, j] * stages[j, c]
-            out[c] = y[c] + h * total
-        _rhs(out, chute, stages[i])
-    worst = 0.0
-    for c in range(SIZE):
-        total, error5, error3 = 0j, 0j, 0j
-        for j in range(STAGES):
-            total += B[j] * stages[j, c]
-            error5 += E5[j] * stages[j, c]
-            error3 += E3[j] * stages[j, c]
-        out[c] = y[c] + h * total
-        if c == 0:
-            scale = 1.0
-        elif c == 2:
-            scale = abs(y[2]) + abs(y[1]) ** 0.5
-        elif c == 3:
-            scale = abs(y[3]) + 1e-2 * abs(np.exp(y[0])) * abs(y[1]) ** 0.5
-        else:
-            scale = abs(y[c])
-        e5, e3 = abs(error5) ** 2, abs(error3) ** 2
-        error = 0.0 if e5 == 0.0 else abs(h) * e5 / np.sqrt(e5 + 0.01 * e3) / scale
-        if not error <= worst:  # a NaN must win
-            worst = error
-    return worst
-
-
-@njit(cache=True, error_model="numpy")
-def _descend(y0, chute, far_temperature, tolerance, z, states):  # type: ignore[no-untyped-def]
-    """Follow the flow down from z = 0 until the base lies inside a step. Returns (steps taken, found)."""
-    states[0] = y0
-    stages = np.empty((STAGES, SIZE), dtype=np.complex128)
-    trial = np.empty(SIZE, dtype=np.complex128)
-    h = -0.3 * far_temperature
-    count = 0
-    side = _energy_defect(y0, chute) > 0.0
-    while count < len(z) - 1:
-        error = _step(states[count], h, chute, stages, trial) / tolerance
-        physical = trial[1].real > 0.0 and np.exp(trial[0].real) < 0.9999 * chute[2]
-        if error <= 1.0 and physical:
-            z[count + 1] = z[count] + h
-            states[count + 1] = trial
-            count += 1
-            if (_energy_defect(trial, chute) > 0.0) != side:
-                return count, True
-        if not physical and abs(h) < 1e-9 * far_temperature:
-            return count, False
-        grow = 5.0 if error == 0.0 else 0.9 * error ** (-0.125)
-        h *= min(5.0, max(0.2, grow)) if error == error and physical else 0.2
-        if abs(h) < 1e-14 * far_temperature:
-            return count, False
-    return count, False
-
-
-@njit(cache=True, error_model="numpy")
-def _follow(y, start, nodes, chute, tolerance, out):  # type: ignore[no-untyped-def]
-    """Carry the state y from the point start through the nodes, in their order, by steps as short as the tolerance asks.
-
-    Returns the number of nodes reached.
-    """
-    stages = np.empty((STAGES, SIZE), dtype=np.complex128)
-    trial = np.empty(SIZE, dtype=np.complex128)
-    current = y.copy()
-    here = start
-    longest = np.inf
-    for k in range(len(nodes)):
-        tries = 0
-        while here != nodes[k]:
-            left = nodes[k] - here
-            last = abs(left) <= longest
-            h = left if last else left / abs(left) * longest
-            error = _step(current, h, chute, stages, trial) / tolerance
-            tries += 1
-            if error <= 1.0:
-                current[:] = trial
-                here = nodes[k] if last else here + h
-                longest = max(longest, abs(h) * min(5.0, 0.9 * max(error, 1e-10) ** (-0.125)))
-            else:
-                longest = abs(h) * (max(0.2, 0.9 * error ** (-0.125)) if error == error else 0.2)
-            if tries > 10000:
-                return k
-        out[k] = current
-    return len(nodes)
-
-
-@njit(cache=True, error_model="numpy")
-def _from_nodes(nodes, states, place, z, chute, tolerance, out):  # type: ignore[no-untyped-def]
-    """The state at each z, from the node at its place. Returns the number of points reached."""
-    for k in range(len(z)):
-        i = place[k]
-        if _follow(states[i], complex(nodes[i]), z[k : k + 1], chute, tolerance, out[k : k + 1]) < 1:
-            return k
-    return len(z)
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,7 +61,7 @@ class Flow:
     def _continue(self, z: NDArray[np.complex128], out: NDArray[np.complex128]) -> None:
         first = z[:1]
         self._near_nodes(first, out[:1])
-        reached = _follow(out[0].copy(), first[0], z, self.chute.numbers, self.tolerance, out)
+        reached = descent.follow(out[0].copy(), first[0], z, self.chute.numbers, self.tolerance, out)
         if reached < z.size:
             raise ConvergenceError(f"the steady flow cannot be continued to z = {z[reached]:.6g}: a singularity of the flow lies there")
 
@@ -225,7 +74,7 @@ class Flow:
         # nodes descend: the last node with nodes[i] ≥ Re z
         place = np.clip(np.searchsorted(-self.nodes, -z[inside].real, side="right") - 1, 0, len(self.nodes) - 1)
         points, found = z[inside], np.empty((inside.size, SIZE), dtype=np.complex128)
-        reached = _from_nodes(self.nodes, self.states, place, points, self.chute.numbers, self.tolerance, found)
+        reached = descent.from_nodes(self.nodes, self.states, place, points, self.chute.numbers, self.tolerance, found)
         if reached < inside.size:
             raise ConvergenceError(f"the steady flow cannot be continued to z = {points[reached]:.6g}: a singularity of the flow lies near")
         out[inside] = found
@@ -309,7 +158,7 @@ def descend(chute: Chute, far_temperature: float, tolerance: float = TOLERANCE) 
     z = np.zeros(6000)
     states = np.empty((z.size, SIZE), dtype=np.complex128)
     y0 = top_state(chute, far_temperature, np.array([math.log(NU_TOP) + 0j]))[0]
-    count, found = _descend(y0, chute.numbers, far_temperature, tolerance, z, states)
+    count, found = descent.descend(y0, chute.numbers, far_temperature, tolerance, z, states)
     if not found:
         nu = math.exp(states[count, 0].real)
         raise NoFlowError(
@@ -329,8 +178,8 @@ def _place_base(chute: Chute, z: NDArray[np.float64], states: NDArray[np.complex
     start, length = states[-2], z[-1] - z[-2]
 
     def defect(fraction: float) -> float:
-        _step(start, fraction * length, chute.numbers, stages, trial)
-        return float(_energy_defect(trial, chute.numbers))
+        descent.step(start, fraction * length, chute.numbers, stages, trial)
+        return float(descent.energy_defect(trial, chute.numbers))
 
     fraction = brentq(defect, 0.0, 1.0, xtol=1e-16, rtol=1e-15)
     defect(fraction)
