@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import cmath
 import math
 
 import numpy as np
@@ -12,7 +11,7 @@ import shootstab as st
 from shootstab.problems.chute import ChuteProblem
 from shootstab.problems.gallery.poiseuille import PlanePoiseuille
 from shootstab.questions.bounds import displacement
-from shootstab.questions.continuum import distance_to_continuum, distance_to_curve
+from shootstab.discriminants.continuum import Continuum
 from shootstab.questions.reference import claims, spectrum
 from shootstab.questions.verify import radius_of
 from shootstab.spectral import chute as pseudospectral
@@ -203,11 +202,11 @@ def test_poiseuille_through_the_same_doors() -> None:
 
 
 def test_distances_to_the_continuous_spectrum(scenes: dict[str, ChuteProblem]) -> None:
-    square = np.array([0, 1, 1 + 1j])
-    assert distance_to_curve(square, 0.5 + 0.25j) == pytest.approx(0.25)
-    assert distance_to_curve(square, -3 - 4j) == pytest.approx(5.0)
-    assert distance_to_continuum(PlanePoiseuille(), 1j) == math.inf
-    assert cmath.isfinite(distance_to_continuum(scenes["fig2"], 0.001))
+    bent = Continuum(scenes["fig2"], np.array([0.0, 1.0, 3.0]), np.array([0, 1, 1 + 1j]))
+    assert bent.distance(0.5 + 0.25j) == pytest.approx(0.25)
+    assert bent.distance(-3 - 4j) == pytest.approx(5.0)
+    assert bent.nearest(1.5 + 0.5j) == pytest.approx(2.0)
+    assert Continuum.of(PlanePoiseuille()) is None
 
 
 def test_input_of_verify_is_checked(scenes: dict[str, ChuteProblem]) -> None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from shootstab.discriminants.paths import Bend
 from shootstab.discriminants.protocol import Value
 from shootstab.discriminants.shooting import Shooting
 from shootstab.discriminants.table import Table
@@ -21,9 +22,9 @@ class Frame:
     rtol: float = 1e-11
     name: str = "frame"
 
-    def on(self, problem: Problem) -> Shooting:
-        """D(σ) of the problem; the mesh is made at the first σ asked for and grows where another σ needs it."""
-        return Shooting(problem, self)
+    def on(self, problem: Problem, bend: Bend | None = None) -> Shooting:
+        """D(σ) of the problem, along the real axis or along a bend; the mesh is made at the first σ and grows where another needs it."""
+        return Shooting(problem, self, bend)
 
     def carry(
         self, table: Table, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+from shootstab.discriminants.paths import Bend
 from shootstab.problems.protocol import Problem
 from shootstab.vocabulary.scaled import Scaled
 
@@ -78,6 +79,6 @@ class Method(Protocol):
     @property
     def name(self) -> str: ...
 
-    def on(self, problem: Problem) -> Examinable:
-        """The discriminant of a problem."""
+    def on(self, problem: Problem, bend: Bend | None = None) -> Examinable:
+        """The discriminant of a problem, integrated along the real axis or along a bend."""
         ...

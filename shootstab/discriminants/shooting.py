@@ -10,6 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from shootstab.discriminants.mesh import halved, redistribute, split
+from shootstab.discriminants.paths import Bend
 from shootstab.discriminants.protocol import Value
 from shootstab.discriminants.table import Table, tabulate
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
@@ -52,10 +53,17 @@ class Shooting:
     """D(σ) = det[(W0 + σW1) Y(0; σ)], Y the decaying space normalized in the far field.
 
     The mesh stays the same from one σ to the next as long as its local errors hold, and on a given mesh D is analytic to rounding.
+    With a bend the path of integration leaves the real axis.
     """
 
-    def __init__(self, problem: Problem, method: Carrier, start: Callable[[FarFrame], FarFrame] = lambda far: far) -> None:
-        self.problem, self.method, self._start = problem, method, start
+    def __init__(
+        self,
+        problem: Problem,
+        method: Carrier,
+        bend: Bend | None = None,
+        start: Callable[[FarFrame], FarFrame] = lambda far: far,
+    ) -> None:
+        self.problem, self.method, self.bend, self._start = problem, method, bend, start
         self.evaluations = 0
         self._table: Table | None = None
         self._far_error = 0.0
@@ -106,7 +114,7 @@ class Shooting:
 
     def _variant(self, start: Callable[[FarFrame], FarFrame], nodes: ComplexArray, problem: Problem) -> Shooting:
         """The same on a given mesh, which it keeps, from a far frame changed on the way."""
-        other = Shooting(problem, Settled(self.method), start)
+        other = Shooting(problem, Settled(self.method), self.bend, start)
         other._table = self._shared_table(problem, nodes)
         return other
 
@@ -128,7 +136,8 @@ class Shooting:
     def _build(self, sigma: complex, far_tolerance: float) -> None:
         """A mesh for σ: from the problem's own first mesh, redistributed until the local errors hold."""
         start = self.problem.start(sigma, far_tolerance)
-        self._table = tabulate(self.problem, self.problem.mesh(start).astype(np.complex128))
+        straight = self.problem.mesh(start)
+        self._table = tabulate(self.problem, straight.astype(np.complex128) if self.bend is None else self.bend.of(straight))
         for turn in range(TURNS):
             _, errors = self._shoot(sigma, False)
             if turn > 0 and (errors <= self.method.rtol).all():

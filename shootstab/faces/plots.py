@@ -55,7 +55,8 @@ def draw(report: Report, scene: Scene) -> Any:
     """The picture, as a matplotlib Figure."""
     from matplotlib.figure import Figure
 
-    line = scene.problem.continuum(CONTINUUM_POINTS)
+    heights = scene.problem.heights(CONTINUUM_POINTS)
+    line = None if heights is None else scene.problem.continuum_at(heights.astype(np.complex128))
     modes = np.array([complex(v.sigma) for v in report.verdicts if v.sigma is not None], dtype=np.complex128)
     missing = np.array([complex(m.sigma) for m in report.missing], dtype=np.complex128)
     near = _magnified(line, np.concatenate([modes, missing]), report)

@@ -71,6 +71,10 @@ class Problem(Protocol):
         """The same problem with its base flow computed less accurately by this factor; itself if the base flow is in closed form."""
         ...
 
-    def continuum(self, points: int) -> ComplexArray | None:
-        """The continuous spectrum σ_c as a polyline of so many points, or None if there is none."""
+    def heights(self, points: int) -> NDArray[np.float64] | None:
+        """So many real points, rising from the wall, over which σ_c(z) is the continuous spectrum; None if there is none."""
+        ...
+
+    def continuum_at(self, z: ComplexArray) -> ComplexArray:
+        """σ_c at points z, real or complex; empty if there is no continuous spectrum."""
         ...

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
+from shootstab.discriminants.continuum import Continuum
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.protocol import Method
 from shootstab.problems.protocol import Problem
 from shootstab.roots.winding import wind
 from shootstab.vocabulary.errors import ConvergenceError
 from shootstab.vocabulary.regions import Region
-
-POINTS = 4001
 
 
 def count(problem: Problem, region: Region, method: Method | None = None) -> int:
@@ -23,9 +22,9 @@ def count(problem: Problem, region: Region, method: Method | None = None) -> int
 
 def require_clear(problem: Problem, region: Region) -> None:
     """Raise ConvergenceError if any point of the continuous spectrum lies in the region."""
-    curve = problem.continuum(POINTS)
+    curve = Continuum.of(problem)
     if curve is None:
         return
-    for sigma in curve:
+    for sigma in curve.sigma:
         if region.contains(complex(sigma)):
             raise ConvergenceError(f"the region holds a part of the continuous spectrum, {complex(sigma):.4g}: D is not analytic there")

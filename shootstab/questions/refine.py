@@ -7,11 +7,11 @@ import math
 import time
 from typing import Any
 
+from shootstab.discriminants.atlas import Atlas
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.protocol import Examinable, Method
 from shootstab.problems.protocol import Problem
 from shootstab.questions.bounds import budget
-from shootstab.questions.continuum import distance_to_continuum
 from shootstab.roots.iterations import Root, muller, newton
 from shootstab.roots.winding import wind
 from shootstab.vocabulary.errors import ConvergenceError, InputError
@@ -44,7 +44,7 @@ def refine(problem: Problem, guess: Any, rtol: float = 1e-10, digits: int | None
     tried: Method = method or Frame(rtol=min(max(0.1 * rtol, TIGHTEST), LOOSEST))
     evaluations = 0
     for _ in range(ATTEMPTS):
-        mode, count = _attempt(problem, guess, rtol, tried, began)
+        mode, count = _attempt(problem, guess, rtol, tried)
         evaluations += count
         tighter = isinstance(tried, Frame) and method is None and tried.rtol > TIGHTEST
         if mode.converged or not tighter or not math.isfinite(mode.error):
@@ -55,15 +55,16 @@ def refine(problem: Problem, guess: Any, rtol: float = 1e-10, digits: int | None
     return Mode(**{**vars(mode), "evaluations": evaluations, "seconds": time.perf_counter() - began})
 
 
-def _attempt(problem: Problem, guess: complex, rtol: float, method: Method, began: float) -> tuple[Mode, int]:
+def _attempt(problem: Problem, guess: complex, rtol: float, method: Method) -> tuple[Mode, int]:
     """One search with one tolerance; the number of evaluations is returned beside the mode."""
-    discriminant = method.on(problem)
+    atlas = Atlas(problem, method)
+    discriminant = atlas.at(guess).discriminant
     try:
         root = find_near(discriminant, guess, 1e-3 * rtol)
-        mode = examine(problem, discriminant, root, rtol, method.name)
+        mode, evaluations = examine(atlas, root, rtol)
     except ConvergenceError as error:
-        mode = Mode(guess, math.inf, UNKNOWN, f"not converged: {error}", method.name, 0, 0.0)
-    return mode, discriminant.evaluations
+        return Mode(guess, math.inf, UNKNOWN, f"not converged: {error}", method.name, 0, 0.0), discriminant.evaluations
+    return mode, evaluations + discriminant.evaluations
 
 
 def find_near(discriminant: Examinable, guess: complex, tolerance: float) -> Root:
@@ -78,18 +79,27 @@ def find_near(discriminant: Examinable, guess: complex, tolerance: float) -> Roo
     raise ConvergenceError(f"neither Newton nor Muller arrives anywhere from {guess:.6g}; the last step was {root.step:.1e}")
 
 
-def examine(problem: Problem, coarse: Examinable, root: Root, rtol: float, method: str) -> Mode:
-    """What the root of a discriminant is worth: the zero on a finer mesh, its error bound, and the proof that it is one."""
+def examine(atlas: Atlas, root: Root, rtol: float) -> tuple[Mode, int]:
+    """What a root is worth: the zero on a finer mesh along the path that suits it, its error bound, and the proof that it is one.
+
+    Returned beside the mode is how often D was evaluated for it.
+    """
+    chart = atlas.at(root.sigma)
+    coarse = chart.discriminant
+    before = coarse.evaluations
+    arrived = newton(coarse, root.sigma, 1e-3 * rtol)
+    if not arrived.converged:
+        raise ConvergenceError(f"the iteration does not settle at {root.sigma:.6g} along the path {chart.path}")
     fine = coarse.refined()
-    better = newton(fine, root.sigma, 1e-3 * rtol)
+    better = newton(fine, arrived.sigma, 1e-3 * rtol)
     coarse_value, fine_value = coarse.with_slope(better.sigma), fine.with_slope(better.sigma)
-    parts = budget(problem, coarse, coarse_value, fine, fine_value, min(better.step, abs(fine_value.newton_step)))
-    status = _status(coarse, better.sigma, parts.total, rtol)
-    distance = distance_to_continuum(problem, better.sigma)
-    return Mode(better.sigma, parts.total, parts, status, method, 0, 0.0, distance)
+    parts = budget(atlas.problem, coarse, coarse_value, fine, fine_value, min(better.step, abs(fine_value.newton_step)))
+    status = _status(atlas, coarse, better.sigma, parts.total, rtol)
+    mode = Mode(better.sigma, parts.total, parts, status, atlas.method.name, 0, 0.0, atlas.distance(better.sigma), chart.path)
+    return mode, coarse.evaluations - before + fine.evaluations
 
 
-def _status(discriminant: Examinable, sigma: complex, error: float, rtol: float) -> str:
+def _status(atlas: Atlas, discriminant: Examinable, sigma: complex, error: float, rtol: float) -> str:
     radius = max(PROOF * error, 1e-2 * rtol * abs(sigma))
     if not math.isfinite(radius) or radius > 0.5 * abs(sigma):
         return f"not converged: the error bound {error:.1e} is as large as the mode itself"
@@ -98,6 +108,9 @@ def _status(discriminant: Examinable, sigma: complex, error: float, rtol: float)
         return f"not converged: the iteration stopped at {sigma:.6g}, but no zero lies within {radius:.1e}"
     if count > 1:
         return f"not converged: {count} modes lie within {radius:.1e} of {sigma:.12g}"
+    distance = atlas.distance(sigma)
+    if distance <= error:
+        return f"not converged: the continuous spectrum passes at {distance:.1e}, inside the error bound {error:.1e}"
     if error > rtol * abs(sigma):
         return f"not converged: the error bound {error:.1e} exceeds the {rtol * abs(sigma):.1e} asked for"
     return CONVERGED

@@ -14,14 +14,14 @@ from typing import Any
 
 import numpy as np
 
+from shootstab.discriminants.atlas import Atlas, Undecidable
 from shootstab.discriminants.frame import Frame
-from shootstab.discriminants.protocol import Examinable, Method
-from shootstab.problems.protocol import ComplexArray, Problem
-from shootstab.questions.continuum import POINTS, distance_to_curve
-from shootstab.questions.refine import examine, find_near, refine
+from shootstab.discriminants.protocol import Method
+from shootstab.problems.protocol import Problem
+from shootstab.questions.refine import examine, refine
+from shootstab.questions.zeros import zeros_in
 from shootstab.roots.find import find
-from shootstab.roots.iterations import newton
-from shootstab.roots.winding import wind
+from shootstab.roots.iterations import Root
 from shootstab.vocabulary.errors import ConvergenceError, InputError
 from shootstab.vocabulary.records import (
     CONFIRMED,
@@ -37,7 +37,7 @@ from shootstab.vocabulary.records import (
 from shootstab.vocabulary.regions import Disc, Rectangle
 
 NEAR_DIGITS = 2  # a claim that shares fewer digits with a mode does not mean it
-CLEAR = 0.9  # of the distance to the continuous spectrum, what a circle may take
+SHRINK = 3.0  # from one circle to the next smaller one, where D cannot be continued over it
 Progress = Callable[[int, int], None]
 
 
@@ -71,7 +71,7 @@ def verify(
         if progress is not None:
             progress(len(judged), len(claims))
     verdicts = _one_claim_a_mode([judged[i] for i in range(len(claims))])
-    missing, searched, undecided = _missing(problem, judge.discriminant, verdicts, region)
+    missing, searched, undecided = _missing(judge.atlas, verdicts, region)
     return Report(tuple(verdicts), missing, digits, searched, undecided)
 
 
@@ -84,46 +84,53 @@ def radius_of(claim: complex, digits: int) -> float:
 
 
 class Judge:
-    """One discriminant and one curve of the continuous spectrum, for many claims."""
+    """One atlas of discriminants, for many claims."""
 
     def __init__(self, problem: Problem, method: Method, digits: int) -> None:
         self.problem, self.digits = problem, digits
-        self.discriminant = method.on(problem)
-        self._curve: ComplexArray | None = problem.continuum(POINTS)
+        self.atlas = Atlas(problem, method)
 
     def verdict(self, claim: complex) -> Verdict:
-        """Count in the circle of the digits asked for; if it is empty, in the wider one of a mode with fewer digits."""
-        distance = math.inf if self._curve is None else distance_to_curve(self._curve, claim)
+        """Look for modes in the circle of the digits asked for; if there is none, in the wider one of a mode with fewer digits."""
+        distance = self.atlas.distance(claim)
         radius = radius_of(claim, self.digits)
-        if distance <= radius / CLEAR:
-            why = f"the continuous spectrum passes at {distance:.1e}, inside the circle of {radius:.1e} that {self.digits} digits mean"
-            return Verdict(claim, CONTINUUM, why, continuum_distance=distance)
         try:
-            judged = self._judge(claim, radius, distance)
+            judged = self._judge(claim, radius)
+        except Undecidable as error:
+            judged = Verdict(claim, CONTINUUM, str(error))
         except ConvergenceError as error:
             judged = Verdict(claim, UNRESOLVED, str(error))
         return replace(judged, continuum_distance=distance)
 
-    def _judge(self, claim: complex, radius: float, distance: float) -> Verdict:
-        count = self._count(claim, radius)
-        if count == 1:
-            return self._confirm(claim, radius)
-        if count > 1:
-            return Verdict(claim, UNRESOLVED, f"{count} modes lie in the circle of {radius:.1e} that {self.digits} digits mean")
-        wide = min(radius_of(claim, min(NEAR_DIGITS, self.digits)), CLEAR * distance)
-        count = self._count(claim, wide) if wide > radius else 0
-        if count == 0:
+    def _judge(self, claim: complex, radius: float) -> Verdict:
+        near = zeros_in(self.atlas, Disc(claim, radius))
+        if len(near.modes) == 1:
+            return self._confirm(claim, near.modes[0], radius)
+        if len(near.modes) > 1:
+            return Verdict(claim, UNRESOLVED, f"{len(near.modes)} modes lie in the circle of {radius:.1e} that {self.digits} digits mean")
+        if near.resonances:
+            why = f"the zero at {near.resonances[0]:.6g} lies beyond the continuous spectrum: a resonance, not a mode"
+            return Verdict(claim, SPURIOUS, why)
+        wide, zeros = self._widest(claim, radius)
+        if not zeros:
             return Verdict(claim, SPURIOUS, f"no zero of D within {wide:.1e}")
-        near = self._nearest(claim, wide)
-        agreed = digits_between(abs(claim - near.sigma), abs(near.sigma))
-        why = f"a mode lies {abs(claim - near.sigma):.1e} away: {agreed:.1f} digits agree, {self.digits} were asked for"
-        return Verdict(claim, INACCURATE, why, complex(near.sigma), near.error, agreed)
+        mode = self._polish(min(zeros, key=lambda z: abs(z - claim)))
+        agreed = digits_between(abs(claim - mode.sigma), abs(mode.sigma))
+        why = f"a mode lies {abs(claim - mode.sigma):.1e} away: {agreed:.1f} digits agree, {self.digits} were asked for"
+        return Verdict(claim, INACCURATE, why, complex(mode.sigma), mode.error, agreed)
 
-    def _count(self, claim: complex, radius: float) -> int:
-        return wind(self.discriminant, Disc(claim, radius)).count
+    def _widest(self, claim: complex, radius: float) -> tuple[float, tuple[complex, ...]]:
+        """The modes in the circle of two digits, or in the largest smaller one in which they can be counted."""
+        wide = radius_of(claim, min(NEAR_DIGITS, self.digits))
+        while wide > radius:
+            try:
+                return wide, zeros_in(self.atlas, Disc(claim, wide)).modes
+            except ConvergenceError:
+                wide /= SHRINK
+        return radius, ()
 
-    def _confirm(self, claim: complex, radius: float) -> Verdict:
-        mode = self._polish(claim)
+    def _confirm(self, claim: complex, zero: complex, radius: float) -> Verdict:
+        mode = self._polish(zero)
         off = abs(claim - mode.sigma)
         if off + mode.error > radius:
             why = f"the mode, {off:.1e} away and known to {mode.error:.1e}, may lie on either side of the circle of {radius:.1e}"
@@ -131,21 +138,11 @@ class Judge:
         agreed = digits_between(max(off, mode.error), abs(mode.sigma))
         return Verdict(claim, CONFIRMED, f"exactly one zero of D within {radius:.1e}", complex(mode.sigma), mode.error, agreed)
 
-    def _nearest(self, claim: complex, wide: float) -> Mode:
-        """The mode nearest to the claim, of those in the wide circle."""
-        root = newton(self.discriminant, claim, 1e-10)
-        if root.converged and abs(root.sigma - claim) < wide and self._count(claim, 0.99 * abs(root.sigma - claim)) == 0:
-            return self._polish(root.sigma)
-        corner = complex(wide, wide)
-        zeros = find(self.discriminant, Rectangle(claim - corner, claim + corner))
-        return self._polish(min(zeros, key=lambda z: abs(z - claim)))
-
-    def _polish(self, near: complex) -> Mode:
+    def _polish(self, zero: complex) -> Mode:
         rtol = 10.0 ** -(self.digits + 2)
-        root = find_near(self.discriminant, near, 1e-3 * rtol)
-        mode = examine(self.problem, self.discriminant, root, rtol, "frame")
+        mode, _ = examine(self.atlas, Root(zero, 0.0, 0, True), rtol)
         if not mode.converged:
-            mode = refine(self.problem, near, rtol)
+            mode = refine(self.problem, zero, rtol)
         if not math.isfinite(mode.error):
             raise ConvergenceError(mode.status)
         return mode
@@ -172,34 +169,30 @@ def _one_claim_a_mode(verdicts: list[Verdict]) -> list[Verdict]:
     return out
 
 
-def _missing(
-    problem: Problem, discriminant: Examinable, verdicts: list[Verdict], region: Rectangle | None
-) -> tuple[tuple[Mode, ...], str, tuple[str, ...]]:
+def _missing(atlas: Atlas, verdicts: list[Verdict], region: Rectangle | None) -> tuple[tuple[Mode, ...], str, tuple[str, ...]]:
     """Modes in the region that no claim means; where they were looked for; what could not be searched."""
-    box = region or _unstable_box(problem, [v.claimed for v in verdicts])
+    box = region or _unstable_box(atlas, [v.claimed for v in verdicts])
     if box is None:
         return (), "missing modes were not looked for: no claim is unstable and no region was given", ()
     where = f"missing modes were looked for from {complex(box.lower_left):.6g} to {complex(box.upper_right):.6g}"
-    curve = problem.continuum(POINTS)
-    if curve is not None and any(box.contains(complex(s)) for s in curve):
+    if atlas.continuum is not None and any(box.contains(complex(s)) for s in atlas.continuum.sigma):
         held = f"the region from {box.lower_left} to {box.upper_right} holds continuous spectrum"
         return (), "missing modes were not looked for", (held,)
     try:
-        zeros = find(discriminant, box)
+        zeros = find(atlas.method.on(atlas.problem), box)
     except ConvergenceError as error:
         return (), "missing modes were not looked for", (str(error),)
     known = [v.sigma for v in verdicts if v.sigma is not None]
     lacking = [z for z in zeros if all(abs(z - k) > 1e-6 * abs(z) for k in known)]
-    return tuple(refine(problem, z) for z in lacking), where, ()
+    return tuple(refine(atlas.problem, z) for z in lacking), where, ()
 
 
-def _unstable_box(problem: Problem, claims: list[complex]) -> Rectangle | None:
+def _unstable_box(atlas: Atlas, claims: list[complex]) -> Rectangle | None:
     """The box of the unstable claims, a quarter larger, right of the continuous spectrum."""
     unstable = np.array([c for c in claims if c.real > 0.0])
     if unstable.size == 0:
         return None
-    curve = problem.continuum(POINTS)
-    edge = -math.inf if curve is None else float(curve.real.max())
+    edge = -math.inf if atlas.continuum is None else float(atlas.continuum.sigma.real.max())
     right = 1.25 * unstable.real.max()
     left = max(edge, 0.0) + 1e-3 * unstable.real.max()
     height = max(unstable.imag.max() - unstable.imag.min(), right)

@@ -30,7 +30,6 @@ class ChuteProblem:
     kx: float
     ky: float
     _crude: dict[float, ChuteProblem] = field(default_factory=dict, repr=False)
-    _curves: dict[int, ComplexArray] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         for name, value in (("kx", self.kx), ("ky", self.ky)):
@@ -76,15 +75,12 @@ class ChuteProblem:
             self._crude[factor] = ChuteProblem(cruder(self.flow, factor), self.kx, self.ky)
         return self._crude[factor]
 
-    def continuum(self, points: int) -> ComplexArray | None:
-        """σ_c(z) of (2.13) from the base to ν0 = 1e−14, at so many heights."""
-        if points not in self._curves:
-            z = np.linspace(0.0, self.flow.height(1e-14), points)
-            self._curves[points] = self.continuum_at(z.astype(np.complex128))
-        return self._curves[points]
+    def heights(self, points: int) -> NDArray[np.float64]:
+        """From the base to ν0 = 1e−14."""
+        return np.linspace(0.0, self.flow.height(1e-14), points)
 
     def continuum_at(self, z: ComplexArray) -> ComplexArray:
-        """σ_c at the points z."""
+        """σ_c of (2.13) at the points z."""
         states = self.flow.at(z)
         bg = _background_of(self.flow, states)
         return np.asarray(system.continuum(bg, self.kx), dtype=np.complex128)

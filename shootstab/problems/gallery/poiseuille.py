@@ -73,5 +73,8 @@ class PlanePoiseuille:
         """Itself: the base flow is in closed form."""
         return self
 
-    def continuum(self, points: int) -> ComplexArray | None:
+    def heights(self, points: int) -> NDArray[np.float64] | None:
         return None
+
+    def continuum_at(self, z: ComplexArray) -> ComplexArray:
+        return np.empty(0, dtype=np.complex128)

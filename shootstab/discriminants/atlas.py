@@ -1,0 +1,129 @@
+"""Which discriminant to use where: near the continuous spectrum the path of integration is bent around the singular point.
+
+A disc that the continuous spectrum does not enter has one chart. A disc that it crosses has two analytic functions in it, D continued
+from either side: two charts, and of the zeros of each only those on its own side are modes. The others are resonances.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from shootstab.discriminants.continuum import Continuum
+from shootstab.discriminants.paths import Bend
+from shootstab.discriminants.protocol import Examinable, Method
+from shootstab.problems.protocol import Problem
+from shootstab.vocabulary.errors import ConvergenceError
+
+NEAR = 0.35  # singular points nearer to the real axis than this, in the scale of the curve, are passed in the complex plane
+HEIGHT, HALF_WIDTH = 0.55, 0.7  # of a bend, in the same scale
+REACH = 0.3  # the singular points of a disc must stay within this part of the scale around the bend's centre
+DECADE = 4.0  # ratio of |σ| over which one mesh serves
+
+
+class Undecidable(ConvergenceError):  # noqa: N818 - it is a finding, not a fault
+    """D cannot be continued over the disc, for the reason given."""
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A discriminant that is analytic on a disc, and the side of the real z-axis on which singular points of its own modes lie.
+
+    side is +1 or −1, or 0 if every zero in the disc is a mode.
+    """
+
+    discriminant: Examinable
+    side: int
+    path: str
+
+
+class Atlas:
+    """The charts of a problem, made when they are first needed and kept."""
+
+    def __init__(self, problem: Problem, method: Method) -> None:
+        self.problem, self.method = problem, method
+        self.continuum = Continuum.of(problem)
+        self._straight: dict[int, Examinable] = {}
+        self._bent: list[tuple[Bend, int, Examinable]] = []
+
+    def distance(self, sigma: complex) -> float:
+        """The distance of σ to the continuous spectrum; infinite if there is none."""
+        return math.inf if self.continuum is None else self.continuum.distance(sigma)
+
+    def own_side(self, chart: Chart, zero: complex) -> bool:
+        """Whether a zero of a chart is a mode, and not a resonance on the other side of the continuous spectrum.
+
+        Raises Undecidable where the zero lies on the continuous spectrum to rounding.
+        """
+        if chart.side == 0:
+            return True
+        assert self.continuum is not None
+        z = self.continuum.singular_point(zero)
+        if z is None or abs(z.imag) < 1e-9 * self.continuum.scale(z.real):
+            raise Undecidable(f"a zero of D lies on the continuous spectrum, at {zero:.12g}")
+        return (z.imag > 0.0) == (chart.side > 0)
+
+    def charts(self, centre: complex, radius: float) -> tuple[Chart, ...]:
+        """One chart, or two where the continuous spectrum crosses the disc.
+
+        Raises Undecidable where an end of the continuous spectrum lies in the disc, or where it passes more than once.
+        """
+        if self.continuum is None:
+            return (self._on_the_axis(centre),)
+        passes = self.continuum.passes(centre, radius)
+        if not passes:
+            return (self._one_side(centre),)
+        self._require_one_pass(centre, radius, passes)
+        place = passes[0]
+        return tuple(self._around(place, centre, side) for side in (1, -1))
+
+    def at(self, sigma: complex) -> Chart:
+        """The chart for a point; on the continuous spectrum itself that of one side."""
+        if self.continuum is None:
+            return self._on_the_axis(sigma)
+        return self._one_side(sigma)
+
+    def _one_side(self, centre: complex) -> Chart:
+        assert self.continuum is not None
+        z = self.continuum.singular_point(centre)
+        if z is None or abs(z.imag) > NEAR * self.continuum.scale(z.real) or self._beyond(z.real):
+            return self._on_the_axis(centre)
+        chart = self._around(z.real, centre, 1 if z.imag > 0.0 else -1)
+        return Chart(chart.discriminant, 0, chart.path)
+
+    def _require_one_pass(self, centre: complex, radius: float, passes: list[float]) -> None:
+        assert self.continuum is not None
+        curve = self.continuum
+        for end, name in ((complex(curve.sigma[0]), "its end at the wall"), (complex(curve.sigma[-1]), "its end at infinity")):
+            if abs(end - centre) <= radius:
+                raise Undecidable(f"the continuous spectrum has {name}, {end:.6g}, inside the circle of {radius:.1e}")
+        if len(passes) > 1:
+            raise Undecidable(f"the continuous spectrum passes {len(passes)} times through the circle of {radius:.1e}")
+        z = passes[0]
+        if radius > REACH * curve.scale(z) * abs(curve.slope(z)):
+            raise Undecidable(f"the circle of {radius:.1e} is too large for one path around the continuous spectrum")
+
+    def _beyond(self, z: float) -> bool:
+        """Whether a height lies outside the range of the samples."""
+        assert self.continuum is not None
+        return not self.continuum.z[0] < z < self.continuum.z[-1]
+
+    def _on_the_axis(self, sigma: complex) -> Chart:
+        bucket = round(math.log(abs(sigma) or 1.0) / math.log(DECADE))
+        if bucket not in self._straight:
+            self._straight[bucket] = self.method.on(self.problem)
+        return Chart(self._straight[bucket], 0, "real")
+
+    def _around(self, z: float, sigma: complex, side: int) -> Chart:
+        """The chart whose path leaves singular points near z on this side: side +1, above the path."""
+        assert self.continuum is not None
+        scale = self.continuum.scale(z)
+        bucket = round(math.log(abs(sigma) or 1.0) / math.log(DECADE))
+        for bend, known, discriminant in self._bent:
+            alike = 0.7 < bend.half_width / (HALF_WIDTH * scale) < 1.4
+            if known == bucket and alike and bend.height * side < 0.0 and abs(bend.centre - z) < 0.3 * HALF_WIDTH * scale:
+                return Chart(discriminant, side, str(bend))
+        bend = Bend(z, HALF_WIDTH * scale, -side * HEIGHT * scale)
+        discriminant = self.method.on(self.problem, bend)
+        self._bent.append((bend, bucket, discriminant))
+        return Chart(discriminant, side, str(bend))

@@ -1,0 +1,51 @@
+"""D(σ) by compound matrices: the decaying space as a vector of ∧^k Cⁿ, carried to the wall."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from shootstab.discriminants.paths import Bend
+from shootstab.discriminants.protocol import Value
+from shootstab.discriminants.shooting import Shooting
+from shootstab.discriminants.table import Table
+from shootstab.kernels.compound import transport_minors
+from shootstab.kernels.exterior import induced, minors_with_slope
+from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
+from shootstab.vocabulary.scaled import Scaled
+
+
+@dataclass(frozen=True)
+class Compound:
+    """Compound matrices with local errors below rtol, relative to what each minor can be at most for the sizes of its rows.
+
+    Nothing is orthonormalized and nothing divided: y′ = A^(k) y is linear, and D the product of two vectors of n!/(k!(n−k)!)
+    components. The price is their number, and steps that resolve sums of k rates.
+    """
+
+    rtol: float = 1e-11
+    name: str = "compound"
+
+    def on(self, problem: Problem, bend: Bend | None = None) -> Shooting:
+        """D(σ) of the problem, along the real axis or along a bend; the mesh is made at the first σ and grows where another needs it."""
+        return Shooting(problem, self, bend)
+
+    def carry(
+        self, table: Table, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
+    ) -> tuple[Value, np.ndarray]:
+        """D = Σ_I w_I y_I, w and y the minors of W0 + σW1 and of Y: by Cauchy–Binet det[(W0 + σW1) Y]."""
+        n, k = far.frame.shape
+        lists = induced(n, k)
+        # columns of size 1, and by the way a number that depends on the basis: in another one everything rounds otherwise
+        norms = np.linalg.norm(far.frame, axis=0)
+        y, dy = minors_with_slope(far.frame / norms, far.tangent / norms, lists.subsets)
+        errors = np.empty(len(table.nodes) - 1)
+        system = table.steps, table.X, table.V, table.G, table.T
+        log_scale, trace, dtrace = transport_minors(*system, sigma, *lists, y, dy, tangent, errors)
+        w, dw = minors_with_slope((rows[0] + sigma * rows[1]).T, rows[1].T, lists.subsets)
+        D, dD = complex(w @ y), complex(w @ dy + dw @ y)
+        turn = complex(math.cos(trace.imag), math.sin(trace.imag))
+        log_scale += trace.real + math.log(norms.prod()) + far.log_scale
+        return Value(sigma, Scaled(D * turn, log_scale), (dD + dtrace * D) * turn), errors

@@ -1,0 +1,90 @@
+"""The continuous spectrum σ_c(z), its distance from a point, and the singular points z_s(σ) where σ_c(z_s) = σ."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.problems.protocol import ComplexArray, Problem
+
+POINTS = 2001
+NEWTON_STEPS = 30
+
+
+@dataclass(frozen=True, eq=False)
+class Continuum:
+    """σ_c sampled at real heights z (m,), from the wall up."""
+
+    problem: Problem
+    z: NDArray[np.float64]
+    sigma: ComplexArray
+
+    @staticmethod
+    def of(problem: Problem) -> Continuum | None:
+        """The continuous spectrum of a problem, None if it has none."""
+        z = problem.heights(POINTS)
+        return None if z is None else Continuum(problem, z, problem.continuum_at(z.astype(np.complex128)))
+
+    def distance(self, sigma: complex) -> float:
+        """The distance of σ to the curve."""
+        return float(self._offsets(sigma)[0].min())
+
+    def nearest(self, sigma: complex) -> float:
+        """The real height at which the curve comes nearest to σ."""
+        offsets, z = self._offsets(sigma)
+        return float(z[offsets.argmin()])
+
+    def passes(self, sigma: complex, radius: float) -> list[float]:
+        """One height for each time that the curve comes nearer to σ than radius: of each run of pieces, the nearest."""
+        offsets, z = self._offsets(sigma)
+        inside = np.flatnonzero(offsets < radius)
+        if inside.size == 0:
+            return []
+        runs = np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1)
+        return [float(z[run[offsets[run].argmin()]]) for run in runs]
+
+    def slope(self, z: float) -> complex:
+        """dσ_c/dz at a real height, by differences of the samples."""
+        i = int(np.clip(np.searchsorted(self.z, z), 1, len(self.z) - 2))
+        return complex((self.sigma[i + 1] - self.sigma[i - 1]) / (self.z[i + 1] - self.z[i - 1]))
+
+    def scale(self, z: float) -> float:
+        """The length over which σ_c changes its course at a real height, |σ_c′/σ_c″|; at most a quarter of the samples' range."""
+        i = int(np.clip(np.searchsorted(self.z, z), 2, len(self.z) - 3))
+        h = self.z[1] - self.z[0]
+        first = (self.sigma[i + 1] - self.sigma[i - 1]) / (2 * h)
+        second = (self.sigma[i + 1] - 2 * self.sigma[i] + self.sigma[i - 1]) / h**2
+        longest = 0.25 * float(self.z[-1] - self.z[0])
+        return float(min(longest, abs(first / second))) if second != 0.0 else longest
+
+    def singular_point(self, sigma: complex) -> complex | None:
+        """z_s with σ_c(z_s) = σ, continued from the nearest real height by Newton; None if that leads nowhere."""
+        z = complex(self.nearest(sigma))
+        scale = self.scale(z.real)
+        step = 1e-4 * scale
+        for _ in range(NEWTON_STEPS):
+            here, ahead, behind = self.problem.continuum_at(np.array([z, z + step, z - step]))
+            slope = (ahead - behind) / (2 * step)
+            change = (sigma - complex(here)) / complex(slope) if slope != 0.0 else math.inf
+            if not cmath.isfinite(change):
+                return None
+            change *= min(1.0, 0.5 * scale / abs(change)) if change != 0.0 else 1.0
+            z += change
+            if abs(z.imag) > 2 * scale:
+                return None
+            if abs(change) < 1e-12 * scale:
+                return z
+        return z if abs(change) < 1e-6 * scale else None
+
+    def _offsets(self, sigma: complex) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """For each piece of the curve its distance to σ and the height of the nearest point on it."""
+        a, d = self.sigma[:-1], np.diff(self.sigma)
+        length2 = np.abs(d) ** 2
+        with np.errstate(divide="ignore", invalid="ignore"):
+            t = np.where(length2 > 0.0, ((sigma - a) * d.conj()).real / length2, 0.0)
+        t = np.clip(t, 0.0, 1.0)
+        return np.abs(sigma - a - t * d), self.z[:-1] + t * np.diff(self.z)

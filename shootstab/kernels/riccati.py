@@ -1,0 +1,238 @@
+"""Transport of a chart of the Grassmannian, and of its σ-derivative, along a fixed mesh.
+
+A k-dimensional space near the coordinate space of k pivot rows p is the range of Y = [I; S] U, the pivot rows first, and ψ′ = Aψ means
+
+    S′ = A_qp + A_qq S − S (A_pp + A_pq S),   (ln det U)′ = tr(A_pp + A_pq S)
+
+with q the other rows (Scott, J. Comput. Phys. 12 (1973) 334). Where S grows, a row of it changes places with a pivot; so the
+space is followed through the poles of S (Ledoux, Malham & Thümmler, Math. Comp. 79 (2010) 1585). An exchange of the i-th other row
+with the j-th pivot multiplies det U by S_ij; with the largest of S chosen, |S| ends small and det Y[p] near its maximum over p.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from shootstab.kernels.tableau import E3, E5, STAGES
+from shootstab.kernels.tableau import A as RK_A
+from shootstab.kernels.tableau import B as RK_B
+from shootstab.kernels.transport import system_matrix
+
+SMALL = 2.0  # the charts chosen have no |S_ij| beyond this at a node
+FLOOR = 1e-9  # of the largest row: rows smaller than this count as so large
+
+
+@njit(cache=True, error_model="numpy")
+def transport_chart(h, X, V, G, T, sigma, order, S, dS, tangent, errors, swaps, choose):  # type: ignore[no-untyped-def]
+    """Carry S (n−k, k), and dS if tangent, through all steps; both are overwritten, and so is order.
+
+    order (n,) lists the rows of the state, the k pivots first. swaps (M, 3) lists the exchanges (node, i, j); with choose they are
+    chosen anew. errors (N,) receives the local error of every step. Returns (log_det, dlog_det, largest, swaps): ln det U and its
+    σ-derivative, the largest |S_ij| at a node, and the exchanges made.
+    """
+    steps = len(h)
+    rest, k = S.shape
+    n = rest + k
+    A = np.empty((n, n), dtype=np.complex128)
+    dA = np.zeros((n, n), dtype=np.complex128)
+    B = np.empty((n, n), dtype=np.complex128)
+    dB = np.empty((n, n), dtype=np.complex128)
+    work = np.empty((3, max(V.shape[3], 1), n), dtype=np.complex128)
+    K = np.empty((STAGES, rest, k), dtype=np.complex128)
+    L = np.empty((STAGES, rest, k), dtype=np.complex128)
+    Z = np.empty((rest, k), dtype=np.complex128)
+    W = np.empty((rest, k), dtype=np.complex128)
+    M = np.empty((2, k, k), dtype=np.complex128)
+    traces = np.empty(STAGES, dtype=np.complex128)
+    log_det, dlog_det, largest, made = 0j, 0j, 0.0, 0
+    for s in range(steps + 1):
+        while True:
+            if choose:
+                i, j = farthest(S)
+                if i < 0 or not SMALL < abs(S[i, j]) < np.inf:
+                    break
+                if made == len(swaps):
+                    longer = np.empty((2 * made + 8, 3), dtype=np.int64)
+                    longer[:made] = swaps
+                    swaps = longer
+                swaps[made] = s, i, j
+            else:
+                if made == len(swaps) or swaps[made, 0] != s:
+                    break
+                i, j = swaps[made, 1], swaps[made, 2]
+            made += 1
+            if S[i, j] == 0j:
+                return log_det, dlog_det, np.inf, swaps[:made]
+            log_det += np.log(S[i, j])
+            dlog_det += dS[i, j] / S[i, j]
+            exchange(S, dS, i, j, tangent)
+            order[j], order[k + i] = order[k + i], order[j]
+        i, j = farthest(S)
+        if i >= 0 and not abs(S[i, j]) <= largest:
+            largest = abs(S[i, j])
+        if s == steps:
+            break
+        step = h[s]
+        for stage in range(STAGES):
+            Z[:] = S
+            W[:] = dS
+            for before in range(stage):
+                a = RK_A[stage, before]
+                if a != 0.0:
+                    w = step * a
+                    for c in range(rest):
+                        for d in range(k):
+                            Z[c, d] += w * K[before, c, d]
+                    if tangent:
+                        for c in range(rest):
+                            for d in range(k):
+                                W[c, d] += w * L[before, c, d]
+            system_matrix(X[s, stage], V[s, stage], G[s, stage], T[s, stage], sigma, A, dA, work, tangent)
+            for a_row in range(n):
+                for b_row in range(n):
+                    B[a_row, b_row] = A[order[a_row], order[b_row]]
+            traces[stage] = riccati(B, Z, M[0], K[stage])
+            log_det += step * RK_B[stage] * traces[stage]
+            if tangent:
+                for a_row in range(n):
+                    for b_row in range(n):
+                        dB[a_row, b_row] = dA[order[a_row], order[b_row]]
+                dlog_det += step * RK_B[stage] * riccati_tangent(B, dB, Z, W, M, L[stage])
+        errors[s] = local_error(abs(step), K, traces, S)
+        for stage in range(STAGES):
+            w = step * RK_B[stage]
+            if w != 0j:
+                for c in range(rest):
+                    for d in range(k):
+                        S[c, d] += w * K[stage, c, d]
+                        if tangent:
+                            dS[c, d] += w * L[stage, c, d]
+    return log_det, dlog_det, largest, swaps[:made]
+
+
+@njit(cache=True, error_model="numpy")
+def riccati(B, S, M, out):  # type: ignore[no-untyped-def]
+    """out = B_qp + B_qq S − S M with M = B_pp + B_pq S, B in the order of the chart; returns tr M."""
+    rest, k = S.shape
+    multiply_add(B[:k, k:], S, B[:k, :k], M)
+    multiply_add(B[k:, k:], S, B[k:, :k], out)
+    trace = 0j
+    for d in range(k):
+        trace += M[d, d]
+    for c in range(rest):
+        for e in range(k):
+            s = S[c, e]
+            if s != 0j:
+                for d in range(k):
+                    out[c, d] -= s * M[e, d]
+    return trace
+
+
+@njit(cache=True, error_model="numpy")
+def riccati_tangent(B, dB, S, dS, M, out):  # type: ignore[no-untyped-def]
+    """out = dB_qp + dB_qq S + B_qq dS − dS M − S dM with M as `riccati` left it in M[0]; returns tr dM, dM = dB_pp + dB_pq S + B_pq dS."""
+    rest, k = S.shape
+    multiply_add(dB[:k, k:], S, dB[:k, :k], M[1])
+    multiply_add(B[:k, k:], dS, M[1], M[1])
+    multiply_add(dB[k:, k:], S, dB[k:, :k], out)
+    multiply_add(B[k:, k:], dS, out, out)
+    trace = 0j
+    for d in range(k):
+        trace += M[1, d, d]
+    for c in range(rest):
+        for e in range(k):
+            s, ds = S[c, e], dS[c, e]
+            for d in range(k):
+                out[c, d] -= ds * M[0, e, d] + s * M[1, e, d]
+    return trace
+
+
+@njit(cache=True, error_model="numpy")
+def multiply_add(P, Q, start, out):  # type: ignore[no-untyped-def]
+    """out = start + P Q; start may be out."""
+    for c in range(out.shape[0]):
+        for d in range(out.shape[1]):
+            out[c, d] = start[c, d]
+        for e in range(P.shape[1]):
+            p = P[c, e]
+            if p != 0j:
+                for d in range(out.shape[1]):
+                    out[c, d] += p * Q[e, d]
+
+
+@njit(cache=True, error_model="numpy")
+def exchange(S, dS, i, j, tangent):  # type: ignore[no-untyped-def]
+    """The i-th other row and the j-th pivot change places: with s = S_ij,
+
+        s ← 1/s,   S_ic ← −S_ic/s,   S_rj ← S_rj/s,   S_rc ← S_rc − S_rj S_ic/s   (r ≠ i, c ≠ j).
+    """
+    rest, k = S.shape
+    inverse = 1.0 / S[i, j]
+    dinverse = -dS[i, j] * inverse * inverse
+    for c in range(k):
+        if c != j:
+            if tangent:
+                dS[i, c] = -(dS[i, c] * inverse + S[i, c] * dinverse)
+            S[i, c] = -S[i, c] * inverse
+    for r in range(rest):
+        if r != i:
+            for c in range(k):
+                if c != j:
+                    if tangent:
+                        dS[r, c] += dS[r, j] * S[i, c] + S[r, j] * dS[i, c]
+                    S[r, c] += S[r, j] * S[i, c]
+            if tangent:
+                dS[r, j] = dS[r, j] * inverse + S[r, j] * dinverse
+            S[r, j] *= inverse
+    S[i, j] = inverse
+    if tangent:
+        dS[i, j] = dinverse
+
+
+@njit(cache=True, error_model="numpy")
+def farthest(S):  # type: ignore[no-untyped-def]
+    """Where |S_ij| is largest; a NaN wins; (−1, −1) if S is empty."""
+    i, j, largest = -1, -1, -1.0
+    for c in range(S.shape[0]):
+        for d in range(S.shape[1]):
+            if not abs(S[c, d]) <= largest:
+                i, j, largest = c, d, abs(S[c, d])
+    return i, j
+
+
+@njit(cache=True, error_model="numpy")
+def local_error(length, K, traces, S):  # type: ignore[no-untyped-def]
+    """The estimate of Dormand & Prince, largest over the components: of S relative to the size of their row, of ln det U as it is.
+
+    The pivot rows of [I; S] are of size 1 and S is small: the sizes of its rows are those of an orthonormal frame up to a factor.
+    """
+    rest, k = S.shape
+    sum5, sum3 = 0j, 0j
+    for stage in range(STAGES):
+        sum5 += E5[stage] * traces[stage]
+        sum3 += E3[stage] * traces[stage]
+    worst = combined(length, sum5.real**2 + sum5.imag**2, sum3.real**2 + sum3.imag**2)
+    for c in range(rest):
+        size, e5, e3 = FLOOR, 0.0, 0.0
+        for d in range(k):
+            # a row that starts from zero is as large as the step makes it
+            size = max(size, abs(S[c, d]), length * abs(K[0, c, d]), length * abs(K[STAGES - 1, c, d]))
+            sum5, sum3 = 0j, 0j
+            for stage in range(STAGES):
+                sum5 += E5[stage] * K[stage, c, d]
+                sum3 += E3[stage] * K[stage, c, d]
+            size5, size3 = sum5.real**2 + sum5.imag**2, sum3.real**2 + sum3.imag**2
+            # written so that a NaN wins
+            e5 = size5 if not size5 <= e5 else e5
+            e3 = size3 if not size3 <= e3 else e3
+        error = combined(length, e5, e3) / size
+        if not error <= worst:
+            worst = error
+    return worst
+
+
+@njit(cache=True, error_model="numpy")
+def combined(length, e5, e3):  # type: ignore[no-untyped-def]
+    """h e5/√(e5 + e3/100) of the squares of the estimates of order 5 and 3."""
+    return 0.0 if e5 == 0.0 else length * e5 / np.sqrt(e5 + 0.01 * e3)

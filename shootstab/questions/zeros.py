@@ -1,0 +1,46 @@
+"""The modes in a disc or a rectangle, near the continuous spectrum too: zeros of D, each counted on its own side."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from shootstab.discriminants.atlas import Atlas
+from shootstab.roots.find import find
+from shootstab.roots.iterations import newton
+from shootstab.roots.winding import wind
+from shootstab.vocabulary.errors import ConvergenceError
+from shootstab.vocabulary.regions import Disc, Rectangle
+
+
+@dataclass(frozen=True)
+class Zeros:
+    """modes and resonances (complex numbers, as often as their multiplicity) in a disc; path tells along which path D was computed."""
+
+    modes: tuple[complex, ...]
+    resonances: tuple[complex, ...]
+    path: str
+
+
+def zeros_in(atlas: Atlas, disc: Disc) -> Zeros:
+    """All zeros in a disc, by counting; where the continuous spectrum crosses it, on each side of it those of the continuation from there.
+
+    Raises ConvergenceError (Undecidable among them) when that cannot be decided.
+    """
+    modes: list[complex] = []
+    resonances: list[complex] = []
+    charts = atlas.charts(disc.centre, disc.radius)
+    for chart in charts:
+        winding = wind(chart.discriminant, disc)
+        if winding.count == 0:
+            continue
+        root = newton(chart.discriminant, winding.centre + winding.moment, 1e-10) if winding.count == 1 else None
+        if root is not None and root.converged and abs(root.sigma - disc.centre) < disc.radius + 2 * root.step:
+            found = [root.sigma]
+        else:
+            corner = complex(disc.radius, disc.radius)
+            found = [z for z in find(chart.discriminant, Rectangle(disc.centre - corner, disc.centre + corner)) if disc.contains(z)]
+            if len(found) != winding.count:
+                raise ConvergenceError(f"{winding.count} zeros were counted within {disc.radius:.1e}, but {len(found)} found")
+        for zero in found:
+            (modes if atlas.own_side(chart, zero) else resonances).append(zero)
+    return Zeros(tuple(modes), tuple(resonances), " and ".join(c.path for c in charts))
