@@ -161,10 +161,17 @@ def test_a_removed_mode_is_missing(scenes: dict[str, ChuteProblem]) -> None:
     assert report.summary["missing"] == 1
 
 
-def test_a_claim_on_the_continuous_spectrum(scenes: dict[str, ChuteProblem]) -> None:
-    sigma_c = complex(scenes["fig2"].continuum_at(np.array([15.0 + 0j]))[0])
-    report = st.verify(scenes["fig2"], [sigma_c])
-    assert report.verdicts[0].verdict == "continuum"
+def test_claims_on_the_continuous_spectrum(scenes: dict[str, ChuteProblem]) -> None:
+    """On the curve D is counted from both sides; only at its ends is there nothing to count."""
+    problem = scenes["fig2"]
+    inside, base, infinity = (complex(problem.continuum_at(np.array([z + 0j]))[0]) for z in (15.0, 0.0, problem.flow.height(1e-14)))
+    report = st.verify(problem, [inside])
+    assert report.verdicts[0].verdict == "spurious"
+    assert report.verdicts[0].continuum_distance < 1e-6 * abs(inside)
+    report = st.verify(problem, [base, infinity])
+    assert [v.verdict for v in report.verdicts] == ["continuum", "continuum"]
+    assert "end at the wall" in report.verdicts[0].why
+    assert "end at infinity" in report.verdicts[1].why
     assert not report.bad_news()
     assert report.bad_news(strict=True)
 

@@ -1,0 +1,1 @@
+"""D(σ) to any number of digits: Taylor series throughout, in python-flint or in mpmath."""

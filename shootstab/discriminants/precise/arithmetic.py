@@ -1,0 +1,122 @@
+"""What the formulas compute with: real and complex numbers of any precision, and real power series, of python-flint or of mpmath.
+
+Everything above this module is written once and takes an `Arithmetic`; `Balls` (python-flint) is fast, `Floats` (mpmath) is always
+there, and each is the other's test.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
+from fractions import Fraction
+from typing import Any, Protocol
+
+from shootstab.vocabulary.errors import InputError
+
+Matrix = list[list[Any]]  # of numbers
+
+
+class Convolution(Protocol):
+    """Σ_j A_j Y_{m−j} for m = 0, 1, …, with Y given one term at a time."""
+
+    def push(self, term: Matrix) -> None:
+        """The next term of Y, (n, k)."""
+        ...
+
+    def value(self) -> Matrix:
+        """Σ_j A_j Y_{m−j} with m the last term given."""
+        ...
+
+
+class Arithmetic(Protocol):
+    """Numbers, real ones and complex ones, that know +, −, ·, /, ** and the literals of Python; and series of real numbers.
+
+    A series is a payload that only these methods look into.
+    """
+
+    name: str
+
+    def working(self, digits: int) -> AbstractContextManager[None]:
+        """A context in which everything is computed with so many decimal digits."""
+        ...
+
+    def number(self, x: Any) -> Any:
+        """A real number from int, Fraction, float (its exact binary value), or a real mpmath number."""
+        ...
+
+    def complex(self, x: Any) -> Any:
+        """A complex number, from anything."""
+        ...
+
+    def parts(self, x: Any) -> tuple[Any, Any]:
+        """(Re x, Im x), with None for a part that is exactly zero."""
+        ...
+
+    def rounded(self, x: Any) -> Any:
+        """x without any record of its own error."""
+        ...
+
+    def log2(self, x: Any) -> float:
+        """log2 |x|, −∞ for zero; never overflows."""
+        ...
+
+    def to_mpmath(self, x: Any) -> Any:
+        """An mpf, or an mpc if x is complex, with every digit of x."""
+        ...
+
+    @property
+    def pi(self) -> Any:
+        """π."""
+        ...
+
+    def dot(self, a: Sequence[Any], b: Sequence[Any]) -> Any:
+        """Σ a_j b_j of real numbers; 0 of none."""
+        ...
+
+    def series(self, coefficients: Sequence[Any]) -> Any:
+        """The series with these real coefficients."""
+        ...
+
+    def coefficients(self, series: Any, terms: int) -> list[Any]:
+        """So many of its coefficients."""
+        ...
+
+    def plus(self, a: Any, b: Any) -> Any: ...
+
+    def plus_number(self, a: Any, x: Any) -> Any: ...
+
+    def negative(self, a: Any) -> Any: ...
+
+    def scaled(self, a: Any, x: Any) -> Any: ...
+
+    def times(self, a: Any, b: Any) -> Any: ...
+
+    def over(self, a: Any, b: Any) -> Any: ...
+
+    def power(self, a: Any, exponent: Any) -> Any: ...
+
+    def convolution(self, A: Sequence[Sequence[Any]], terms: int) -> Convolution:
+        """Of a matrix whose entries are pairs of payloads (Re, Im), None for zero."""
+        ...
+
+
+def choose(name: str | None = None) -> Arithmetic:
+    """The arithmetic called 'flint' or 'mpmath'; without a name python-flint where it is installed, else mpmath."""
+    if name not in (None, "flint", "mpmath"):
+        raise InputError(f"arithmetic = {name!r}: allowed is flint or mpmath")
+    installed = importlib.util.find_spec("flint") is not None
+    if name == "flint" and not installed:
+        raise InputError("arithmetic = 'flint': python-flint is not installed (pip install 'shootstab[precise]'): allowed is mpmath")
+    if installed and name != "mpmath":
+        from shootstab.discriminants.precise.balls import Balls
+
+        return Balls()
+    from shootstab.discriminants.precise.floats import Floats
+
+    return Floats()
+
+
+def exact(x: float) -> Fraction:
+    """The number that was meant: the shortest decimal that a float stands for, 0.8 = 8/10."""
+    return Fraction(repr(float(x)))

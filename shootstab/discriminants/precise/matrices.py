@@ -1,0 +1,77 @@
+"""Small matrices of numbers of any arithmetic, as lists of rows. Exact zeros stay exact."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from shootstab.discriminants.precise.arithmetic import Arithmetic, Matrix
+
+
+def product(ring: Arithmetic, A: Matrix, B: Matrix) -> Matrix:
+    """A B."""
+    columns = range(len(B[0]))
+    return [[ring.rounded(sum((a * B[j][q] for j, a in enumerate(row) if not vanishes(a)), ring.number(0))) for q in columns] for row in A]
+
+
+def combined(A: Matrix, B: Matrix, factor: Any) -> Matrix:
+    """A + factor B."""
+    return [[a + factor * b for a, b in zip(x, y, strict=True)] for x, y in zip(A, B, strict=True)]
+
+
+def vanishes(x: Any) -> bool:
+    """Whether x is exactly zero."""
+    return bool(x == 0)
+
+
+def solve(ring: Arithmetic, A: Matrix, B: Matrix) -> Matrix:
+    """A⁻¹ B by elimination with partial pivoting."""
+    n = len(A)
+    rows = [[*a, *b] for a, b in zip(A, B, strict=True)]
+    for i in range(n):
+        pivot = max(range(i, n), key=lambda r: ring.log2(rows[r][i]))
+        rows[i], rows[pivot] = rows[pivot], rows[i]
+        inverse = 1 / rows[i][i]
+        rows[i] = [ring.rounded(x * inverse) if not vanishes(x) else x for x in rows[i]]
+        for r in range(n):
+            factor = rows[r][i]
+            if r != i and not vanishes(factor):
+                rows[r] = [x if vanishes(y) else ring.rounded(x - factor * y) for x, y in zip(rows[r], rows[i], strict=True)]
+    return [row[n:] for row in rows]
+
+
+def determinant(ring: Arithmetic, A: Matrix) -> Any:
+    """det A by elimination with partial pivoting, after the rows were scaled to size one."""
+    rows, n = [list(row) for row in A], len(A)
+    det: Any = ring.number(1)
+    for i in range(n):
+        sizes = [ring.log2(rows[r][i]) - max(ring.log2(x) for x in rows[r]) for r in range(i, n)]
+        best = i + max(range(n - i), key=lambda r: sizes[r] if sizes[r] == sizes[r] else -1e300)
+        if vanishes(rows[best][i]):
+            return ring.number(0)
+        if best != i:
+            rows[i], rows[best], det = rows[best], rows[i], -det
+        det = ring.rounded(det * rows[i][i])
+        for r in range(i + 1, n):
+            if not vanishes(rows[r][i]):
+                factor = rows[r][i] / rows[i][i]
+                rows[r] = [x if vanishes(y) else ring.rounded(x - factor * y) for x, y in zip(rows[r], rows[i], strict=True)]
+    return det
+
+
+def pivots(ring: Arithmetic, Y: Matrix) -> list[int]:
+    """k rows of Y (n, k) that are well independent, by elimination with full pivoting."""
+    rows = {i: list(row) for i, row in enumerate(Y)}
+    left, chosen = list(range(len(Y[0]))), []
+    while left:
+        i, q = max(((i, q) for i in rows for q in left), key=lambda at: ring.log2(rows[at[0]][at[1]]))
+        top = rows.pop(i)
+        chosen.append(i)
+        left.remove(q)
+        if vanishes(top[q]):
+            continue
+        for row in rows.values():
+            if not vanishes(row[q]):
+                factor = row[q] / top[q]
+                for c in left:
+                    row[c] = ring.rounded(row[c] - factor * top[c])
+    return chosen

@@ -1,0 +1,138 @@
+"""Power series with complex coefficients as ring elements: what the problems' formulas are evaluated on, a whole series at a time.
+
+A `Taylor` is a pair of real series, either of which may be absent: products of real, of imaginary and of absent parts cost
+what they must and no more. It is a number to `vocabulary.series.Series`, so that derivatives nest around it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from shootstab.discriminants.precise.arithmetic import Arithmetic
+from shootstab.vocabulary.series import Series
+
+
+class Taylor:
+    """re + i im, series of the same number of terms; None stands for an exact zero."""
+
+    __slots__ = ("im", "re", "ring", "terms")
+    __array_ufunc__ = None
+
+    def __init__(self, ring: Arithmetic, terms: int, re: Any, im: Any) -> None:
+        self.ring, self.terms, self.re, self.im = ring, terms, re, im
+
+    @property
+    def zero(self) -> bool:
+        """Whether it is exactly zero."""
+        return self.re is None and self.im is None
+
+    def coefficients(self, terms: int) -> list[Any]:
+        """So many, as numbers."""
+        re, im = (None if part is None else self.ring.coefficients(part, terms) for part in (self.re, self.im))
+        if im is None:
+            return re if re is not None else [self.ring.number(0)] * terms
+        return [1j * self.ring.complex(y) if re is None else re[m] + 1j * self.ring.complex(y) for m, y in enumerate(im)]
+
+    def _like(self, re: Any, im: Any) -> Taylor:
+        return Taylor(self.ring, self.terms, re, im)
+
+    def __neg__(self) -> Taylor:
+        ring = self.ring
+        return self._like(*(None if part is None else ring.negative(part) for part in (self.re, self.im)))
+
+    def __add__(self, other: Any) -> Any:
+        if isinstance(other, Series):
+            return NotImplemented
+        ring = self.ring
+        if isinstance(other, Taylor):
+            return self._like(_sum(ring, self.re, other.re), _sum(ring, self.im, other.im))
+        parts = []
+        for mine, theirs in zip((self.re, self.im), ring.parts(_number(ring, other)), strict=True):
+            if theirs is None:
+                parts.append(mine)
+            elif mine is None:
+                parts.append(ring.series([theirs] + [ring.number(0)] * (self.terms - 1)))
+            else:
+                parts.append(ring.plus_number(mine, theirs))
+        return self._like(*parts)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Any:
+        return NotImplemented if isinstance(other, Series) else self + (-other)
+
+    def __rsub__(self, other: Any) -> Any:
+        return (-self) + other
+
+    def __mul__(self, other: Any) -> Any:
+        if isinstance(other, Series):
+            return NotImplemented
+        ring = self.ring
+        if isinstance(other, Taylor):
+            a, b, c, d, times = self.re, self.im, other.re, other.im, ring.times
+        else:
+            a, b, times = self.re, self.im, ring.scaled
+            c, d = ring.parts(_number(ring, other))
+        ac, bd = _product(times, a, c), _product(times, b, d)
+        re = _sum(ring, ac, None if bd is None else ring.negative(bd))
+        return self._like(re, _sum(ring, _product(times, a, d), _product(times, b, c)))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Any:
+        if isinstance(other, Series):
+            return NotImplemented
+        ring = self.ring
+        if not isinstance(other, Taylor):
+            return self * (1 / _number(ring, other))
+        if other.im is None:
+            return self._like(*(None if part is None else ring.over(part, other.re) for part in (self.re, self.im)))
+        size = _sum(ring, _product(ring.times, other.re, other.re), ring.times(other.im, other.im))
+        conjugate = self._like(other.re, ring.negative(other.im))
+        return (self * conjugate) / self._like(size, None)
+
+    def __rtruediv__(self, other: Any) -> Any:
+        return (self._like(None, None) + other) / self
+
+    def __pow__(self, exponent: Any) -> Taylor:
+        """Integer powers of anything, other powers of real series."""
+        if isinstance(exponent, int) and exponent >= 0:
+            result = self._like(None, None) + 1
+            for _ in range(exponent):
+                result = result * self if _ else self
+            return result
+        if self.im is not None:
+            raise ValueError("a power that is no natural number asks for a real series")
+        return self._like(self.ring.power(self.re, exponent), None)
+
+
+def real_series(ring: Arithmetic, coefficients: Sequence[Any]) -> Taylor:
+    """The series with these real coefficients."""
+    return Taylor(ring, len(coefficients), ring.series(coefficients), None)
+
+
+def stretched(series: Taylor, powers: Sequence[Any]) -> Taylor:
+    """Of series(x), series(r x), from the powers 1, r, r², …"""
+    ring, n = series.ring, series.terms
+    parts = [
+        None if part is None else ring.series([c * p for c, p in zip(ring.coefficients(part, n), powers, strict=False)])
+        for part in (series.re, series.im)
+    ]
+    return Taylor(ring, n, *parts)
+
+
+def _number(ring: Arithmetic, x: Any) -> Any:
+    if isinstance(x, int | float):
+        return ring.number(x)
+    return ring.complex(x) if isinstance(x, complex) else x
+
+
+def _sum(ring: Arithmetic, a: Any, b: Any) -> Any:
+    if a is None or b is None:
+        return b if a is None else a
+    return ring.plus(a, b)
+
+
+def _product(times: Any, a: Any, b: Any) -> Any:
+    return None if a is None or b is None else times(a, b)

@@ -1,0 +1,104 @@
+"""Paths in the complex z-plane: D itself on the side of the real axis, its continuation on the other, at a cost that no distance changes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from shootstab.discriminants.atlas import Atlas, Undecidable
+from shootstab.discriminants.continuum import Continuum
+from shootstab.discriminants.frame import Frame
+from shootstab.discriminants.paths import Bend
+from shootstab.problems.chute import ChuteProblem
+from shootstab.problems.gallery.poiseuille import PlanePoiseuille
+from shootstab.roots.winding import wind
+from shootstab.vocabulary.regions import Disc
+
+PLACE = 15.0
+SCALE = 7.3  # T_∞ of the high flow
+BELOW, ABOVE = Bend(PLACE, 5.0, -4.0), Bend(PLACE, 5.0, 4.0)
+
+
+@pytest.fixture(scope="module")
+def fig2(scenes: dict[str, ChuteProblem]) -> ChuteProblem:
+    return scenes["fig2"]
+
+
+def sigma_at(problem: ChuteProblem, z: complex) -> complex:
+    return complex(problem.continuum_at(np.array([z]))[0])
+
+
+def test_a_bend_keeps_the_ends_of_the_path() -> None:
+    for nodes in (np.array([30.0, 20.0, 12.0, 3.0, 0.0]), np.array([-1.0, 0.0, 14.0, 16.0])):
+        bent = BELOW.of(nodes)
+        assert bent[0] == nodes[0]
+        assert bent[-1] == nodes[-1]
+        assert PLACE - 4j in bent
+        assert (np.abs(np.diff(bent)) > 0).all()
+
+
+@pytest.mark.parametrize("offset", [2e-1, 2e-2, 1e-4])
+def test_the_side_of_the_real_axis_gives_D_itself(fig2: ChuteProblem, offset: float) -> None:
+    """z_s above the real axis is passed below, and the other way round."""
+    for sign, same, other in ((1, BELOW, ABOVE), (-1, ABOVE, BELOW)):
+        sigma = sigma_at(fig2, PLACE + 1j * sign * offset * SCALE)
+        straight = Frame(rtol=1e-11).on(fig2)(sigma)
+        assert Frame(rtol=1e-11).on(fig2, same)(sigma).over(straight) == pytest.approx(1.0, abs=3e-9)
+        assert abs(Frame(rtol=1e-11).on(fig2, other)(sigma).over(straight) - 1.0) > 0.1
+
+
+@pytest.mark.parametrize("bend", [BELOW, ABOVE])
+def test_the_continuation_is_analytic_across_the_curve(fig2: ChuteProblem, bend: Bend) -> None:
+    """Cauchy's formula on a circle that the continuous spectrum crosses: the mean is the value at the centre, on the curve itself."""
+    centre = sigma_at(fig2, PLACE)
+    radius, continued = 0.1 * abs(centre), Frame(rtol=1e-11).on(fig2, bend)
+    middle = continued(centre)
+    ring = [continued(centre + radius * np.exp(2j * np.pi * k / 48)).at_scale(middle.log_scale) for k in range(48)]
+    assert np.mean(ring) == pytest.approx(middle.mantissa, rel=1e-8)
+    assert wind(continued, Disc(centre, radius)).closure < 0.5
+
+
+def test_the_cost_does_not_depend_on_the_distance(fig2: ChuteProblem) -> None:
+    steps = []
+    for offset in (1e-2, 1e-4, 1e-8, 1e-10, 0.0):
+        shooting = Frame(rtol=1e-10).on(fig2, BELOW)
+        shooting(sigma_at(fig2, PLACE + 1j * offset * SCALE))
+        steps.append(shooting.steps)
+    assert max(steps) <= 1.2 * min(steps)
+
+
+def test_singular_points_are_found(fig2: ChuteProblem) -> None:
+    continuum = Continuum.of(fig2)
+    assert continuum is not None
+    for z in (5.0 + 0.5j, 15.0 - 1e-6j, 40.0 + 1j):
+        assert continuum.singular_point(sigma_at(fig2, z)) == pytest.approx(z, abs=1e-9)
+
+
+def test_charts(fig2: ChuteProblem) -> None:
+    """Far off one straight path; near, one bent path on the own side; across, two; at an end, none."""
+    atlas = Atlas(fig2, Frame(rtol=1e-9))
+    assert atlas.charts(0.01 + 0.01j, 1e-4)[0].path == "real"
+    near = sigma_at(fig2, PLACE + 0.5j)
+    (chart,) = atlas.charts(near, 1e-6)
+    assert "below" in chart.path
+    on = sigma_at(fig2, PLACE)
+    assert sorted(c.side for c in atlas.charts(on, 1e-6)) == [-1, 1]
+    with pytest.raises(Undecidable, match="end at the wall"):
+        atlas.charts(sigma_at(fig2, 0.0), 1e-6)
+    with pytest.raises(Undecidable, match="end at infinity"):
+        atlas.charts(sigma_at(fig2, fig2.flow.height(1e-14)), 1e-6)
+
+
+def test_sides_tell_modes_from_resonances(fig2: ChuteProblem) -> None:
+    atlas = Atlas(fig2, Frame(rtol=1e-9))
+    below = next(c for c in atlas.charts(sigma_at(fig2, PLACE), 1e-6) if c.side == 1)
+    assert atlas.own_side(below, sigma_at(fig2, PLACE + 0.2j))
+    assert not atlas.own_side(below, sigma_at(fig2, PLACE - 0.2j))
+    with pytest.raises(Undecidable, match="on the continuous spectrum"):
+        atlas.own_side(below, sigma_at(fig2, PLACE))
+
+
+def test_a_problem_without_continuous_spectrum_has_one_chart_everywhere() -> None:
+    atlas = Atlas(PlanePoiseuille(), Frame(rtol=1e-9))
+    assert len(atlas.charts(0.1j, 0.05)) == 1
+    assert atlas.distance(0.1j) == np.inf
