@@ -1,4 +1,4 @@
-"""Paths in the complex z-plane: D itself on the side of the real axis, its continuation on the other, at a cost that no distance changes."""
+"""Paths in the complex z-plane: D itself on the side of the real axis, its continuation on the other; no distance changes the cost."""
 
 from __future__ import annotations
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import shootstab as st
+from shootstab.discriminants.continuum import Continuum
 from shootstab.problems.chute import ChuteProblem
 from shootstab.problems.gallery.poiseuille import PlanePoiseuille
 from shootstab.questions.bounds import displacement
-from shootstab.discriminants.continuum import Continuum
 from shootstab.questions.reference import claims, spectrum
 from shootstab.questions.verify import radius_of
 from shootstab.spectral import chute as pseudospectral

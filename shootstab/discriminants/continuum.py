@@ -5,6 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,13 +54,22 @@ class Continuum:
         return complex((self.sigma[i + 1] - self.sigma[i - 1]) / (self.z[i + 1] - self.z[i - 1]))
 
     def scale(self, z: float) -> float:
-        """The length over which σ_c changes its course at a real height, |σ_c′/σ_c″|; at most a quarter of the samples' range."""
-        i = int(np.clip(np.searchsorted(self.z, z), 2, len(self.z) - 3))
-        h = self.z[1] - self.z[0]
-        first = (self.sigma[i + 1] - self.sigma[i - 1]) / (2 * h)
-        second = (self.sigma[i + 1] - 2 * self.sigma[i] + self.sigma[i - 1]) / h**2
-        longest = 0.25 * float(self.z[-1] - self.z[0])
-        return float(min(longest, abs(first / second))) if second != 0.0 else longest
+        """The length over which σ_c changes its course around a real height: the smallest s such that |σ_c′/σ_c″| ≤ s somewhere within s.
+
+        An inflection, where the ratio alone is infinite, has the scale of its neighbourhood. At most a quarter of the samples' range.
+        """
+        reach = np.maximum(np.abs(self.z - z), self._ratios)
+        return float(min(reach.min(), 0.25 * (self.z[-1] - self.z[0])))
+
+    @cached_property
+    def _ratios(self) -> NDArray[np.float64]:
+        first = np.gradient(self.sigma, self.z)
+        second = np.gradient(first, self.z)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratios = np.where(second != 0.0, np.abs(first / second), np.inf)
+        # one-sided differences at the ends, and the last samples next to infinity, say nothing
+        ratios[:2] = ratios[-2:] = np.inf
+        return np.asarray(ratios)
 
     def singular_point(self, sigma: complex) -> complex | None:
         """z_s with σ_c(z_s) = σ, continued from the nearest real height by Newton; None if that leads nowhere."""

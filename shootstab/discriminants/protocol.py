@@ -79,6 +79,11 @@ class Method(Protocol):
     @property
     def name(self) -> str: ...
 
+    @property
+    def rtol(self) -> float:
+        """What local errors are held to."""
+        ...
+
     def on(self, problem: Problem, bend: Bend | None = None) -> Examinable:
         """The discriminant of a problem, integrated along the real axis or along a bend."""
         ...

@@ -157,7 +157,7 @@ def _look_at(panel: Any, near: Box) -> None:
 def _decades(panel: Any, points: Points, near: Box) -> None:
     """Axes that are linear in the magnified square, which is framed, and logarithmic beyond."""
     from matplotlib.patches import Rectangle
-    from matplotlib.ticker import SymmetricalLogLocator
+    from matplotlib.ticker import FixedLocator, MaxNLocator
 
     centre, width, height = near
     for axis, scale, limits, values, middle, half in (
@@ -166,13 +166,26 @@ def _decades(panel: Any, points: Points, near: Box) -> None:
     ):
         linear = 10.0 ** math.ceil(math.log10(abs(middle) + half))
         scale("symlog", linthresh=linear, linscale=1.0)
-        ticks = SymmetricalLogLocator(base=10, linthresh=linear)
-        ticks.set_params(numticks=7)
-        axis.set_major_locator(ticks)
         low, high = min(values.min(), middle - half), max(values.max(), middle + half)
-        limits(_beyond(low, linear), _beyond(high, linear, upwards=True))
+        low, high = _beyond(low, linear), _beyond(high, linear, upwards=True)
+        limits(low, high)
+        if max(-low, high) > 2 * linear:
+            axis.set_major_locator(FixedLocator(_powers(low, high, linear)))
+        else:
+            axis.set_major_locator(MaxNLocator(5))
     corner = (centre.real - width, centre.imag - height)
     panel.add_patch(Rectangle(corner, 2 * width, 2 * height, fill=False, edgecolor="0.4", linestyle="--", linewidth=0.9, zorder=2))
+
+
+def _powers(low: float, high: float, linear: float) -> list[float]:
+    """0 and the powers of ten beyond the linear part, at most four on each side."""
+    first = round(math.log10(linear))
+    ticks = [0.0]
+    for sign, limit in ((-1.0, -low), (1.0, high)):
+        last = math.floor(math.log10(limit)) if limit > linear else first - 1
+        step = max(1, math.ceil((last - first + 1) / 4))
+        ticks += [sign * 10.0**k for k in range(first, last + 1, step)]
+    return sorted(ticks)
 
 
 def _beyond(limit: float, linear: float, upwards: bool = False) -> float:

@@ -19,7 +19,7 @@ from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.protocol import Method
 from shootstab.problems.protocol import Problem
 from shootstab.questions.refine import examine, refine
-from shootstab.questions.zeros import zeros_in
+from shootstab.questions.zeros import Inaccurate, Zeros, zeros_in
 from shootstab.roots.find import find
 from shootstab.roots.iterations import Root
 from shootstab.vocabulary.errors import ConvergenceError, InputError
@@ -84,11 +84,12 @@ def radius_of(claim: complex, digits: int) -> float:
 
 
 class Judge:
-    """One atlas of discriminants, for many claims."""
+    """Atlases of discriminants of rising accuracy, for many claims."""
 
     def __init__(self, problem: Problem, method: Method, digits: int) -> None:
         self.problem, self.digits = problem, digits
         self.atlas = Atlas(problem, method)
+        self._atlases = [self.atlas, *(Atlas(problem, Frame(rtol=rtol)) for rtol in (1e-10, 1e-13) if rtol < method.rtol)]
 
     def verdict(self, claim: complex) -> Verdict:
         """Look for modes in the circle of the digits asked for; if there is none, in the wider one of a mode with fewer digits."""
@@ -103,7 +104,7 @@ class Judge:
         return replace(judged, continuum_distance=distance)
 
     def _judge(self, claim: complex, radius: float) -> Verdict:
-        near = zeros_in(self.atlas, Disc(claim, radius))
+        near = self._zeros(Disc(claim, radius))
         if len(near.modes) == 1:
             return self._confirm(claim, near.modes[0], radius)
         if len(near.modes) > 1:
@@ -119,12 +120,21 @@ class Judge:
         why = f"a mode lies {abs(claim - mode.sigma):.1e} away: {agreed:.1f} digits agree, {self.digits} were asked for"
         return Verdict(claim, INACCURATE, why, complex(mode.sigma), mode.error, agreed)
 
+    def _zeros(self, disc: Disc) -> Zeros:
+        """By the first atlas that is accurate enough."""
+        for atlas in self._atlases[:-1]:
+            try:
+                return zeros_in(atlas, disc)
+            except Inaccurate:
+                continue
+        return zeros_in(self._atlases[-1], disc)
+
     def _widest(self, claim: complex, radius: float) -> tuple[float, tuple[complex, ...]]:
         """The modes in the circle of two digits, or in the largest smaller one in which they can be counted."""
         wide = radius_of(claim, min(NEAR_DIGITS, self.digits))
         while wide > radius:
             try:
-                return wide, zeros_in(self.atlas, Disc(claim, wide)).modes
+                return wide, self._zeros(Disc(claim, wide)).modes
             except ConvergenceError:
                 wide /= SHRINK
         return radius, ()

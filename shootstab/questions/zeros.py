@@ -4,12 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from shootstab.discriminants.atlas import Atlas
+from shootstab.discriminants.atlas import Atlas, Chart
 from shootstab.roots.find import find
 from shootstab.roots.iterations import newton
-from shootstab.roots.winding import wind
+from shootstab.roots.winding import Winding, wind
 from shootstab.vocabulary.errors import ConvergenceError
 from shootstab.vocabulary.regions import Disc, Rectangle
+
+AGREEMENT = 0.3  # of D on a mesh and D on the halved one, on the boundary of a disc: by Rouché's theorem 1 would do
+PROBES = 4
+
+
+class Inaccurate(ConvergenceError):  # noqa: N818 - it is a finding, not a fault
+    """D on its mesh is not accurate enough for a count in so small a disc."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +38,7 @@ def zeros_in(atlas: Atlas, disc: Disc) -> Zeros:
     charts = atlas.charts(disc.centre, disc.radius)
     for chart in charts:
         winding = wind(chart.discriminant, disc)
+        require_accurate(chart, winding)
         if winding.count == 0:
             continue
         root = newton(chart.discriminant, winding.centre + winding.moment, 1e-10) if winding.count == 1 else None
@@ -44,3 +52,15 @@ def zeros_in(atlas: Atlas, disc: Disc) -> Zeros:
         for zero in found:
             (modes if atlas.own_side(chart, zero) else resonances).append(zero)
     return Zeros(tuple(modes), tuple(resonances), " and ".join(c.path for c in charts))
+
+
+def require_accurate(chart: Chart, winding: Winding) -> None:
+    """Raise Inaccurate unless D on the halved mesh is the same, at some of the samples, to what the count needs.
+
+    Both are analytic; where |D_fine/D − 1| < 1 all along the boundary, Rouché's theorem says that they have as many zeros inside.
+    """
+    fine = chart.discriminant.refined()
+    for value in winding.samples[:: max(1, len(winding.samples) // PROBES)]:
+        off = abs(fine(value.sigma).over(value.D) - 1)
+        if not off < AGREEMENT:
+            raise Inaccurate(f"D is not accurate enough to count in so small a circle: halving the steps changes it by {off:.1e} of itself")
