@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from shootstab.discriminants.atlas import Atlas, Undecidable
-from shootstab.discriminants.continuum import Continuum
+from shootstab.discriminants.continuum import continuum_of
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.paths import Bend
 from shootstab.problems.chute import ChuteProblem
@@ -68,7 +68,7 @@ def test_the_cost_does_not_depend_on_the_distance(fig2: ChuteProblem) -> None:
 
 
 def test_singular_points_are_found(fig2: ChuteProblem) -> None:
-    continuum = Continuum.of(fig2)
+    continuum = continuum_of(fig2)
     assert continuum is not None
     for z in (5.0 + 0.5j, 15.0 - 1e-6j, 40.0 + 1j):
         assert continuum.singular_point(sigma_at(fig2, z)) == pytest.approx(z, abs=1e-9)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import shootstab as st
-from shootstab.discriminants.continuum import Continuum
+from shootstab.discriminants.continuum import Continuum, continuum_of
 from shootstab.problems.chute import ChuteProblem
 from shootstab.problems.gallery.poiseuille import PlanePoiseuille
 from shootstab.questions.bounds import displacement
@@ -213,7 +213,7 @@ def test_distances_to_the_continuous_spectrum(scenes: dict[str, ChuteProblem]) -
     assert bent.distance(0.5 + 0.25j) == pytest.approx(0.25)
     assert bent.distance(-3 - 4j) == pytest.approx(5.0)
     assert bent.nearest(1.5 + 0.5j) == pytest.approx(2.0)
-    assert Continuum.of(PlanePoiseuille()) is None
+    assert continuum_of(PlanePoiseuille()) is None
 
 
 def test_input_of_verify_is_checked(scenes: dict[str, ChuteProblem]) -> None:

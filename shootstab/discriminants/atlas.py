@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from shootstab.discriminants.continuum import Continuum
+from shootstab.discriminants.continuum import continuum_of
 from shootstab.discriminants.paths import Bend
 from shootstab.discriminants.protocol import Examinable, Method
 from shootstab.problems.protocol import Problem
@@ -42,7 +42,7 @@ class Atlas:
 
     def __init__(self, problem: Problem, method: Method) -> None:
         self.problem, self.method = problem, method
-        self.continuum = Continuum.of(problem)
+        self.continuum = continuum_of(problem)
         self._straight: dict[int, Examinable] = {}
         self._bent: list[tuple[Bend, int, Examinable]] = []
 
@@ -85,6 +85,9 @@ class Atlas:
 
     def _one_side(self, centre: complex) -> Chart:
         assert self.continuum is not None
+        place = self.continuum.nearest(centre)
+        if self.continuum.distance(centre) > self.continuum.scale(place) * abs(self.continuum.slope(place)):
+            return self._on_the_axis(centre)
         z = self.continuum.singular_point(centre)
         if z is None or abs(z.imag) > NEAR * self.continuum.scale(z.real) or self._beyond(z.real):
             return self._on_the_axis(centre)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,12 +23,6 @@ class Continuum:
     problem: Problem
     z: NDArray[np.float64]
     sigma: ComplexArray
-
-    @staticmethod
-    def of(problem: Problem) -> Continuum | None:
-        """The continuous spectrum of a problem, None if it has none."""
-        z = problem.heights(POINTS)
-        return None if z is None else Continuum(problem, z, problem.continuum_at(z.astype(np.complex128)))
 
     def distance(self, sigma: complex) -> float:
         """The distance of σ to the curve."""
@@ -98,3 +92,10 @@ class Continuum:
             t = np.where(length2 > 0.0, ((sigma - a) * d.conj()).real / length2, 0.0)
         t = np.clip(t, 0.0, 1.0)
         return np.abs(sigma - a - t * d), self.z[:-1] + t * np.diff(self.z)
+
+
+@lru_cache(maxsize=32)
+def continuum_of(problem: Problem) -> Continuum | None:
+    """The continuous spectrum of a problem, None if it has none."""
+    z = problem.heights(POINTS)
+    return None if z is None else Continuum(problem, z, problem.continuum_at(z.astype(np.complex128)))

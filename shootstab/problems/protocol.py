@@ -35,7 +35,9 @@ class FarFrame:
 
 
 class Problem(Protocol):
-    """What the engine asks of a problem. Points z run from the far end to the wall and may be complex."""
+    """What the engine asks of a problem. Points z run from the far end to the wall and may be complex. A problem does not change."""
+
+    def __hash__(self) -> int: ...
 
     @property
     def size(self) -> int:

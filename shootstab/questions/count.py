@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from shootstab.discriminants.continuum import Continuum
+from shootstab.discriminants.continuum import continuum_of
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.protocol import Method
 from shootstab.problems.protocol import Problem
@@ -22,7 +22,7 @@ def count(problem: Problem, region: Region, method: Method | None = None) -> int
 
 def require_clear(problem: Problem, region: Region) -> None:
     """Raise ConvergenceError if any point of the continuous spectrum lies in the region."""
-    curve = Continuum.of(problem)
+    curve = continuum_of(problem)
     if curve is None:
         return
     for sigma in curve.sigma:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 import time
+from dataclasses import is_dataclass, replace
 from typing import Any
 
 from shootstab.discriminants.atlas import Atlas
@@ -28,8 +29,9 @@ UNKNOWN = Budget(math.inf, math.inf, math.inf, math.inf, math.inf)
 def refine(problem: Problem, guess: Any, rtol: float = 1e-10, digits: int | None = None, method: Method | None = None) -> Mode:
     """The mode next to guess, with |true − sigma| ≤ error and error ≤ rtol·|sigma| if its status is 'converged'.
 
-    digits=N stands for rtol = 10^−N. method defaults to orthonormalized shooting with a tolerance chosen from rtol. The iteration finds
-    the mode, the argument principle proves that there is one: a failed search is a Mode whose status says why.
+    digits=N stands for rtol = 10^−N. method defaults to orthonormalized shooting with a tolerance chosen from rtol; where the bound
+    misses rtol, any method is tried again with a smaller one. The iteration finds the mode, the argument principle proves that there is
+    one: a failed search is a Mode whose status says why.
     """
     began = time.perf_counter()
     guess = complex(guess)
@@ -41,16 +43,15 @@ def refine(problem: Problem, guess: Any, rtol: float = 1e-10, digits: int | None
         rtol = 10.0**-digits
     if not 1e-14 <= rtol < 1.0:
         raise InputError(f"rtol = {rtol!r}: allowed is a number from 1e-14 to 1")
-    tried: Method = method or Frame(rtol=min(max(0.1 * rtol, TIGHTEST), LOOSEST))
+    tried: Method = method or Frame(rtol=tolerance_for(rtol))
     evaluations = 0
     for _ in range(ATTEMPTS):
         mode, count = _attempt(problem, guess, rtol, tried)
         evaluations += count
-        tighter = isinstance(tried, Frame) and method is None and tried.rtol > TIGHTEST
-        if mode.converged or not tighter or not math.isfinite(mode.error):
+        tighter = tightened(tried)
+        if mode.converged or tighter is None or not math.isfinite(mode.error):
             break
-        assert isinstance(tried, Frame)
-        tried = Frame(rtol=max(tried.rtol * 1e-2, TIGHTEST))
+        tried = tighter
         guess = complex(mode.sigma)
     return Mode(**{**vars(mode), "evaluations": evaluations, "seconds": time.perf_counter() - began})
 
@@ -65,6 +66,19 @@ def _attempt(problem: Problem, guess: complex, rtol: float, method: Method) -> t
     except ConvergenceError as error:
         return Mode(guess, math.inf, UNKNOWN, f"not converged: {error}", method.name, 0, 0.0), discriminant.evaluations
     return mode, evaluations + discriminant.evaluations
+
+
+def tolerance_for(rtol: float) -> float:
+    """The local error to begin with where a mode is wanted to rtol."""
+    return min(max(0.1 * rtol, TIGHTEST), LOOSEST)
+
+
+def tightened(method: Method) -> Method | None:
+    """The method with a local error smaller by 100, or None where it has none or rounding takes over."""
+    rtol = getattr(method, "rtol", None)
+    if rtol is None or rtol <= TIGHTEST or not is_dataclass(method) or isinstance(method, type):
+        return None
+    return replace(method, rtol=max(1e-2 * rtol, TIGHTEST))
 
 
 def find_near(discriminant: Examinable, guess: complex, tolerance: float) -> Root:
