@@ -18,26 +18,35 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from shootstab import testing
+    from shootstab.discriminants.compound import Compound
     from shootstab.discriminants.frame import Frame
+    from shootstab.discriminants.riccati import Riccati
     from shootstab.problems import chute, gallery
     from shootstab.questions.count import count
+    from shootstab.questions.find import find
     from shootstab.questions.refine import refine
+    from shootstab.questions.unstable import count_unstable
     from shootstab.questions.verify import verify
     from shootstab.vocabulary.errors import ConvergenceError, InputError, NoFlowError, ShootstabError
-    from shootstab.vocabulary.regions import Disc, Rectangle
+    from shootstab.vocabulary.regions import Disc, Polygon, Rectangle
 
 __version__ = "0.1.0"
 
 _HOMES = {
+    "Compound": "shootstab.discriminants.compound",
     "ConvergenceError": "shootstab.vocabulary.errors",
     "Disc": "shootstab.vocabulary.regions",
     "Frame": "shootstab.discriminants.frame",
     "InputError": "shootstab.vocabulary.errors",
+    "Polygon": "shootstab.vocabulary.regions",
     "NoFlowError": "shootstab.vocabulary.errors",
     "Rectangle": "shootstab.vocabulary.regions",
+    "Riccati": "shootstab.discriminants.riccati",
     "ShootstabError": "shootstab.vocabulary.errors",
     "chute": "shootstab.problems",
     "count": "shootstab.questions.count",
+    "count_unstable": "shootstab.questions.unstable",
+    "find": "shootstab.questions.find",
     "gallery": "shootstab.problems",
     "refine": "shootstab.questions.refine",
     "testing": "shootstab",
@@ -45,15 +54,20 @@ _HOMES = {
 }
 
 __all__ = [
+    "Compound",
     "ConvergenceError",
     "Disc",
     "Frame",
     "InputError",
     "NoFlowError",
+    "Polygon",
     "Rectangle",
+    "Riccati",
     "ShootstabError",
     "chute",
     "count",
+    "count_unstable",
+    "find",
     "gallery",
     "refine",
     "testing",

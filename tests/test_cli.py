@@ -18,6 +18,7 @@ import pytest
 
 from shootstab.faces import cli, documents, files, tables, terminal
 from shootstab.faces.scenes import BUILT_IN, Scene, load
+from shootstab.questions.survey import Survey
 from shootstab.vocabulary.errors import ConvergenceError, InputError
 from shootstab.vocabulary.records import (
     CONFIRMED,
@@ -129,8 +130,8 @@ def test_count(run: Run, region: list[str], count: int) -> None:
 
 
 def test_count_that_cannot_be_done_is_bad_news(run: Run) -> None:
-    # the region holds a part of the continuous spectrum
-    status, out, err = run("count", "high", "--region", "disc", "--centre=0,0", "--radius=1e-3")
+    # an end of the continuous spectrum lies next to the boundary of the region
+    status, out, err = run("count", "high", "--region", "disc", "--centre=9.99999e-4,0", "--radius=1e-3")
     assert (status, out) == (1, "")
     assert re.fullmatch(r"shootstab: [^\n]*continuous spectrum[^\n]*\n", err)
 
@@ -341,8 +342,8 @@ BAD_WORDS = {
     "no radius": (["count", "high", "--region=disc", "--centre=0,0"], "--radius"),
     "corners of a disc": (["count", "high", "--region=disc", "--corners=0,0,1,1", "--centre=0,0", "--radius=1"], "no other"),
     "corners the wrong way": (["count", "high", "--region=rectangle", "--corners=1,1,0,0"], "lower left first"),
-    "three corners": (["count", "high", "--region=rectangle", "--corners=1,1,0"], "4 finite numbers"),
-    "infinite corners": (["count", "high", "--region=rectangle", "--corners=0,0,inf,1"], "4 finite numbers"),
+    "three corners": (["count", "high", "--region=rectangle", "--corners=1,1,0"], "RE,IM pairs"),
+    "infinite corners": (["count", "high", "--region=rectangle", "--corners=0,0,inf,1"], "finite numbers"),
     "radius < 0": (["count", "high", "--region=disc", "--centre=0,0", "--radius=-1"], "above 0"),
     "plot of unknown kind": (["verify", "high", "--plot=plane.gif"], ".png, .pdf or .svg"),
     "plot nowhere": (["verify", "high", "--plot=/nowhere/plane.png"], "/nowhere"),
@@ -474,11 +475,15 @@ def test_documents_hold_no_number_that_json_does_not_know() -> None:
 
 
 def test_regions_in_json() -> None:
-    assert documents.count(Disc(1j, 2.0), 3) == {
+    end = Disc(0j, 1e-5)
+    assert documents.count(Disc(1j, 2.0), Survey(3, 1e-9, (end,), 99)) == {
         "region": {"shape": "disc", "centre": {"re": "0.0", "im": "1.0"}, "radius": 2.0},
         "count": 3,
+        "closure": 1e-9,
+        "left_out": [{"shape": "disc", "centre": {"re": "0.0", "im": "0.0"}, "radius": 1e-5}],
+        "evaluations": 99,
     }
-    assert documents.count(Rectangle(0j, 1 + 1j), 0)["region"]["shape"] == "rectangle"
+    assert documents.count(Rectangle(0j, 1 + 1j), Survey(0, 0.0, (), 9))["region"]["shape"] == "rectangle"
 
 
 def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:

@@ -75,7 +75,7 @@ class Atlas:
             return (self._one_side(centre),)
         self._require_one_pass(centre, radius, passes)
         place = passes[0]
-        return tuple(self._around(place, centre, side) for side in (1, -1))
+        return tuple(self.beside(place, centre, side) for side in (1, -1))
 
     def at(self, sigma: complex) -> Chart:
         """The chart for a point; on the continuous spectrum itself that of one side."""
@@ -91,7 +91,7 @@ class Atlas:
         z = self.continuum.singular_point(centre)
         if z is None or abs(z.imag) > NEAR * self.continuum.scale(z.real) or self._beyond(z.real):
             return self._on_the_axis(centre)
-        chart = self._around(z.real, centre, 1 if z.imag > 0.0 else -1)
+        chart = self.beside(z.real, centre, 1 if z.imag > 0.0 else -1)
         return Chart(chart.discriminant, 0, chart.path)
 
     def _require_one_pass(self, centre: complex, radius: float, passes: list[float]) -> None:
@@ -117,8 +117,8 @@ class Atlas:
             self._straight[bucket] = self.method.on(self.problem)
         return Chart(self._straight[bucket], 0, "real")
 
-    def _around(self, z: float, sigma: complex, side: int) -> Chart:
-        """The chart whose path leaves singular points near z on this side: side +1, above the path."""
+    def beside(self, z: float, sigma: complex, side: int) -> Chart:
+        """The chart whose path leaves singular points near z on this side: side +1, above the path; sigma tells the size of |σ|."""
         assert self.continuum is not None
         scale = self.continuum.scale(z)
         bucket = round(math.log(abs(sigma) or 1.0) / math.log(DECADE))

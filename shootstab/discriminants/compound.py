@@ -43,9 +43,9 @@ class Compound:
         y, dy = minors_with_slope(far.frame / norms, far.tangent / norms, lists.subsets)
         errors = np.empty(len(table.nodes) - 1)
         system = table.steps, table.X, table.V, table.G, table.T
-        log_scale, trace, dtrace = transport_minors(*system, sigma, *lists, y, dy, tangent, errors)
+        log_scale = transport_minors(*system, sigma, *lists, y, dy, tangent, errors)
         w, dw = minors_with_slope((rows[0] + sigma * rows[1]).T, rows[1].T, lists.subsets)
-        D, dD = complex(w @ y), complex(w @ dy + dw @ y)
-        turn = complex(math.cos(trace.imag), math.sin(trace.imag))
-        log_scale += trace.real + math.log(norms.prod()) + far.log_scale
-        return Value(sigma, Scaled(D * turn, log_scale), (dD + dtrace * D) * turn), errors
+        with np.errstate(invalid="ignore", over="ignore"):  # a mesh too coarse for y: the errors tell
+            D, dD = w @ y, w @ dy + dw @ y
+        log_scale += math.log(norms.prod()) + far.log_scale
+        return Value(sigma, Scaled(complex(D), log_scale), complex(dD)), errors

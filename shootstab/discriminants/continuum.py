@@ -24,6 +24,10 @@ class Continuum:
     z: NDArray[np.float64]
     sigma: ComplexArray
 
+    def at(self, z: float) -> complex:
+        """σ_c at a real height."""
+        return complex(self.problem.continuum_at(np.array([z + 0j]))[0])
+
     def distance(self, sigma: complex) -> float:
         """The distance of σ to the curve."""
         return float(self._offsets(sigma)[0].min())

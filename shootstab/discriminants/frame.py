@@ -47,5 +47,6 @@ def det_with_slope(M: ComplexArray, dM: ComplexArray) -> tuple[complex, complex]
     stack = np.repeat(M[None], k + 1, axis=0)
     for j in range(k):
         stack[j + 1, :, j] = dM[:, j]
-    dets = np.linalg.det(stack)
+    with np.errstate(invalid="ignore"):  # a mesh that is too coarse gives NaN here, and is refused
+        dets = np.linalg.det(stack)
     return complex(dets[0]), complex(dets[1:].sum())

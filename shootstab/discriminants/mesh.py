@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from shootstab.kernels.tableau import ORDER
 
+OFF_MIDDLE = 0.02
+
 
 def redistribute(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolerance: float) -> NDArray[np.complex128]:
     """A mesh on the same polygon on which the local errors, which go with the 8th power of the step, are alike and meet the tolerance.
@@ -41,11 +43,12 @@ def split(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolerance:
     return np.concatenate(pieces)
 
 
-def halved(nodes: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """Every step cut in two."""
+def halved(nodes: NDArray[np.complex128], seed: int | None = None) -> NDArray[np.complex128]:
+    """Every step cut in two, in the middle; with a seed a little off it, at random, for another mesh as good that rounds otherwise."""
+    cuts = 0.5 if seed is None else 0.5 + OFF_MIDDLE * (2 * np.random.default_rng(seed).random(len(nodes) - 1) - 1)
     out = np.empty(2 * len(nodes) - 1, dtype=np.complex128)
     out[::2] = nodes
-    out[1::2] = (nodes[:-1] + nodes[1:]) / 2
+    out[1::2] = nodes[:-1] + cuts * (nodes[1:] - nodes[:-1])
     return out
 
 

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import NamedTuple
-from weakref import WeakKeyDictionary
 
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
 from shootstab.discriminants.frame import det_with_slope
-from shootstab.discriminants.paths import Bend
 from shootstab.discriminants.paths import Bend
 from shootstab.discriminants.protocol import Value
 from shootstab.discriminants.shooting import Shooting
@@ -21,12 +18,15 @@ from shootstab.kernels.riccati import transport_chart
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
 from shootstab.vocabulary.scaled import Scaled
 
-LARGE = 30.0  # charts chosen at another σ are kept as long as no |S_ij| at a node is beyond this
+LARGE = 100.0  # charts chosen at another σ are kept as long as no |S_ij| at a node is beyond this
 
 
 @dataclass(frozen=True)
 class Riccati:
-    """The Riccati equation, with changes of chart, with local errors below rtol relative to each row of the frame [I; S]."""
+    """The Riccati equation with changes of chart, with local errors below rtol relative to each row of the frame [I; S].
+
+    The fewest unknowns of the three methods, k(n−k), and no direction to lose; the price is poles, near which the steps are short.
+    """
 
     rtol: float = 1e-11
     name: str = "riccati"
@@ -43,56 +43,82 @@ class Riccati:
 
 
 class Charts(NamedTuple):
-    """Where the chart changes along a mesh: order (n,) lists the rows of the state, the pivots first, before the first of the swaps (M, 3)."""
+    """order (n,) lists the rows of the state, the pivots first; at the points z (M,) pairs (M, 2) of other row and pivot change places."""
 
     order: NDArray[np.int64]
-    swaps: NDArray[np.int64]
+    z: ComplexArray
+    pairs: NDArray[np.int64]
+
+    def on(self, nodes: ComplexArray) -> NDArray[np.int64] | None:
+        """The exchanges (M, 3) as (node, i, j), or None if the changes are not at nodes."""
+        where = np.nonzero(self.z[:, None] == nodes)[1]
+        return np.column_stack((where, self.pairs)) if len(where) == len(self.z) else None
 
 
 class Charted:
-    """Carries as `Riccati` does and remembers the charts of every mesh.
+    """Carries as `Riccati` does, and remembers the charts.
 
-    In other charts the same mesh gives another D, by the error of integration. In the same charts all is a rational function of σ,
-    so that D is analytic to rounding; they are chosen anew where S grows large.
+    In other charts the same mesh gives another D, by the error of integration. In the same charts all is a rational function of σ, so
+    that D is analytic to rounding, and a mesh with every step halved errs less. So the charts stay as long as the nodes at which they
+    change do and S does not grow large.
     """
 
     def __init__(self, rtol: float) -> None:
         self.rtol = rtol
-        self._charts: WeakKeyDictionary[Table, Charts] = WeakKeyDictionary()
+        self._charts: Charts | None = None
 
     def carry(
         self, table: Table, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
     ) -> tuple[Value, np.ndarray]:
-        """As `Riccati.carry`, in the charts in which this mesh was used before, if they serve."""
-        known = self._charts.get(table)
-        if known is not None:
-            value, errors, largest, _ = _carry(table, rows, far, sigma, tangent, known, False)
-            if largest <= LARGE:
-                return value, errors
-        fresh = Charts(_pivots_first(far.frame), np.empty((0, 3), dtype=np.int64))
-        value, errors, _, self._charts[table] = _carry(table, rows, far, sigma, tangent, fresh, True)
+        """As `Riccati.carry`, in the charts in which the space was carried before, if they serve."""
+        if self._charts is not None:
+            swaps = self._charts.on(table.nodes)
+            if swaps is not None:
+                value, errors, largest, _ = _carry(table, rows, far, sigma, tangent, self._charts.order, swaps)
+                if largest <= LARGE:
+                    return value, errors
+        order = _pivots_first(far.frame)
+        value, errors, _, swaps = _carry(table, rows, far, sigma, tangent, order, None)
+        self._charts = Charts(order, table.nodes[swaps[:, 0]], swaps[:, 1:])
         return value, errors
 
 
 def _carry(
-    table: Table, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool, charts: Charts, choose: bool
-) -> tuple[Value, np.ndarray, float, Charts]:
+    table: Table,
+    rows: tuple[ComplexArray, ComplexArray],
+    far: FarFrame,
+    sigma: complex,
+    tangent: bool,
+    first: NDArray[np.int64],
+    swaps: NDArray[np.int64] | None,
+) -> tuple[Value, np.ndarray, float, NDArray[np.int64]]:
+    """D and local errors in the charts given or, with None, in those chosen for this σ; the largest |S_ij|; the exchanges made."""
     k = far.frame.shape[1]
-    order = charts.order.copy()
+    order = first.copy()
+    units = _units(far.frame)
+    Y, dY = far.frame / units[:, None], far.tangent / units[:, None]
     p, q = order[:k], order[k:]
-    U, dU = far.frame[p], far.tangent[p]
-    S = np.linalg.solve(U.T, far.frame[q].T).T.copy()
-    dS = np.linalg.solve(U.T, (far.tangent[q] - S @ dU).T).T.copy()
+    U, dU = Y[p], dY[p]
+    S = np.linalg.solve(U.T, Y[q].T).T.copy()
+    dS = np.linalg.solve(U.T, (dY[q] - S @ dU).T).T.copy()
     errors = np.full(len(table.nodes) - 1, np.nan)
+    given = np.empty((0, 3), dtype=np.int64) if swaps is None else swaps
     system = table.steps, table.X, table.V, table.G, table.T
-    log_det, dlog_det, largest, swaps = transport_chart(*system, sigma, order, S, dS, tangent, errors, charts.swaps, choose)
-    start, start_slope = det_with_slope(U, dU)
+    log_det, dlog_det, largest, made = transport_chart(*system, sigma, units, order, S, dS, tangent, errors, given, swaps is None)
     p, q = order[:k], order[k:]
-    W = rows[0] + sigma * rows[1]
-    det, slope = det_with_slope(W[:, p] + W[:, q] @ S, rows[1][:, p] + rows[1][:, q] @ S + W[:, q] @ dS)
-    factor = start * complex(math.cos(log_det.imag), math.sin(log_det.imag))
-    D, dD = det * factor, (slope + det * (dlog_det + start_slope / start)) * factor
-    return Value(sigma, Scaled(D, log_det.real + far.log_scale), dD), errors, largest, Charts(charts.order, swaps)
+    W, dW = (rows[0] + sigma * rows[1]) * units, rows[1] * units
+    start, start_slope = det_with_slope(U, dU)
+    with np.errstate(invalid="ignore", over="ignore"):  # a mesh too coarse for S: the errors tell
+        det, slope = det_with_slope(W[:, p] + W[:, q] @ S, dW[:, p] + dW[:, q] @ S + W[:, q] @ dS)
+        factor = start * np.exp(1j * log_det.imag)
+        D, dD = det * factor, (slope + det * (dlog_det + start_slope / start)) * factor
+    return Value(sigma, Scaled(complex(D), log_det.real + far.log_scale), complex(dD)), errors, largest, made
+
+
+def _units(Y: ComplexArray) -> NDArray[np.float64]:
+    """Units (n,) for the state, between 1/2 and 1, that depend on the basis: in another one everything rounds otherwise."""
+    mantissas = np.frexp(np.linalg.norm(Y, axis=1))[0]
+    return np.where(mantissas > 0.0, mantissas, 1.0)
 
 
 def _pivots_first(Y: ComplexArray) -> NDArray[np.int64]:

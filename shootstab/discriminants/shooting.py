@@ -67,7 +67,7 @@ class Shooting:
         self.evaluations = 0
         self._table: Table | None = None
         self._far_error = 0.0
-        self._tables: dict[tuple[int, int], Table] = {}
+        self._tables: dict[tuple[int, int, int | None], Table] = {}
         self._tables_of: Table | None = None
         self._rows = problem.wall_rows()
 
@@ -77,9 +77,12 @@ class Shooting:
     def with_slope(self, sigma: complex) -> Value:
         return self._evaluate(complex(sigma), True)
 
-    def refined(self) -> Shooting:
-        """The same on a mesh with every step halved: the difference is the error of this one."""
-        return self._variant(lambda far: far, halved(self._mesh), self.problem)
+    def refined(self, seed: int | None = None) -> Shooting:
+        """The same on a mesh with every step halved: the difference is the error of this one.
+
+        With a seed the steps are cut a little off their middle: what differs from the halved mesh is the rounding of mesh and table.
+        """
+        return self._variant(lambda far: far, halved(self._mesh, seed), self.problem, seed)
 
     def turned(self, seed: int) -> Shooting:
         """The same from the far frame in another basis of determinant 1, chosen at random."""
@@ -112,19 +115,19 @@ class Shooting:
             raise ValueError("no mesh yet: D has not been asked for")
         return self._table.nodes
 
-    def _variant(self, start: Callable[[FarFrame], FarFrame], nodes: ComplexArray, problem: Problem) -> Shooting:
+    def _variant(self, start: Callable[[FarFrame], FarFrame], nodes: ComplexArray, problem: Problem, seed: int | None = None) -> Shooting:
         """The same on a given mesh, which it keeps, from a far frame changed on the way."""
         other = Shooting(problem, Settled(self.method), self.bend, start)
-        other._table = self._shared_table(problem, nodes)
+        other._table = self._shared_table(problem, nodes, seed)
         return other
 
-    def _shared_table(self, problem: Problem, nodes: ComplexArray) -> Table | None:
+    def _shared_table(self, problem: Problem, nodes: ComplexArray, seed: int | None) -> Table | None:
         """A table of its own mesh, of the halved one, or of another problem's on its own: each is made once for each mesh."""
         if problem is self.problem and nodes is self._mesh:
             return self._table
         if self._tables_of is not self._table:
             self._tables, self._tables_of = {}, self._table
-        key = (id(problem), len(nodes))
+        key = (id(problem), len(nodes), seed)
         if key not in self._tables:
             self._tables[key] = tabulate(problem, nodes)
         return self._tables[key]

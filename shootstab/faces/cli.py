@@ -86,6 +86,7 @@ def parser() -> argparse.ArgumentParser:
     verify.add_argument("--plot", type=_plot_path, metavar="FILE", help="draw the complex plane into a png, pdf or svg file")
     verify.add_argument("-M", dest="truncation", type=_integer(0, 999_999), metavar="N", help="truncation of the bundled reference")
     verify.add_argument("--region", type=_numbers(4), metavar="RE0,IM0,RE1,IM1", help="look for missing modes in this rectangle")
+    verify.add_argument("--unstable", action="store_true", help="count all growing modes too, wherever they are")
 
     refine = _command(subparsers, commands.refine, "one mode, with its error bar")
     refine.add_argument("--guess", type=_guess, required=True, metavar="RE[,IM]", help="where to start")
@@ -95,10 +96,16 @@ def parser() -> argparse.ArgumentParser:
     refine.add_argument("--method", choices=tuple(commands.METHODS), help="how the determinant is formed (default: as the program chooses)")
 
     count = _command(subparsers, commands.count, "how many modes a region of the complex plane holds")
-    count.add_argument("--region", choices=("rectangle", "disc"), required=True, help="the shape")
-    count.add_argument("--corners", type=_numbers(4), metavar="RE0,IM0,RE1,IM1", help="of the rectangle: lower left, upper right")
+    count.add_argument("--region", choices=("rectangle", "disc", "polygon", "half-plane"), required=True, help="the shape")
+    count.add_argument("--corners", type=_numbers(), metavar="RE0,IM0,RE1,IM1,…", help="of the rectangle: lower left, upper right")
     count.add_argument("--centre", type=_numbers(2), metavar="RE,IM", help="of the disc")
     count.add_argument("--radius", type=_numbers(1), metavar="R", help="of the disc")
+
+    count.add_argument("--floor", type=_numbers(1), metavar="X", help="of the half-plane: Re σ > X (default 1e-8)")
+
+    find = _command(subparsers, commands.find, "all modes in a rectangle, without a guess")
+    find.add_argument("--corners", type=_numbers(4), required=True, metavar="RE0,IM0,RE1,IM1", help="lower left, upper right")
+    find.add_argument("--resonances", action="store_true", help="list zeros beyond the continuous spectrum too")
 
     _command(subparsers, commands.steady, "the steady flow of the scene")
 
@@ -147,12 +154,13 @@ def _integer(least: int, most: int) -> Callable[[str], int]:
     return parse
 
 
-def _numbers(count: int) -> Callable[[str], tuple[float, ...]]:
+def _numbers(count: int | None = None) -> Callable[[str], tuple[float, ...]]:
     def parse(text: str) -> tuple[float, ...]:
         try:
             return floats_from(text, count)
         except ValueError:
-            raise _refused(text, "a finite number" if count == 1 else f"{count} finite numbers with commas between them") from None
+            wanted = "finite numbers" if count is None else f"{count} finite numbers"
+            raise _refused(text, "a finite number" if count == 1 else f"{wanted} with commas between them") from None
 
     return parse
 

@@ -12,15 +12,19 @@ from typing import TYPE_CHECKING, Any
 from shootstab.faces import scenes as scene_files
 from shootstab.faces.files import require_writable, write_whole
 from shootstab.vocabulary.errors import InputError
-from shootstab.vocabulary.regions import Disc, Rectangle, Region
+from shootstab.vocabulary.regions import Disc, Polygon, Rectangle, Region
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
 DONE, BAD_NEWS = 0, 1
 
-# what the command line calls the methods: module and class; None is the method that `refine` takes by itself, and tunes
-METHODS: dict[str, tuple[str, str] | None] = {"frame": None}
+# what the command line calls the methods: module and class
+METHODS = {
+    "frame": ("shootstab.discriminants.frame", "Frame"),
+    "compound": ("shootstab.discriminants.compound", "Compound"),
+    "riccati": ("shootstab.discriminants.riccati", "Riccati"),
+}
 
 
 def verify(options: Namespace) -> int:
@@ -38,12 +42,15 @@ def verify(options: Namespace) -> int:
     claimed = None if options.eigenvalues is None else readers.read(options.eigenvalues)
     scene = scene_files.load(options.scene)
     from shootstab.questions.reference import claims
+    from shootstab.questions.verify import unstable_box
     from shootstab.questions.verify import verify as question
 
     with progress(f"verifying {scene.name}") as told:
         if claimed is None:
             claimed = claims(scene.problem, options.digits, options.truncation)
-        report = question(scene.problem, claimed, digits=options.digits, region=region, progress=told)
+            # the reference claims that these are modes, not that there are no others
+            region = region or unstable_box(scene.problem, claimed)
+        report = question(scene.problem, claimed, digits=options.digits, region=region, progress=told, unstable=options.unstable)
     if options.plot is not None:
         from shootstab.faces import plots
 
@@ -65,7 +72,7 @@ def refine(options: Namespace) -> int:
     scene = scene_files.load(options.scene)
     from shootstab.questions.refine import refine as question
 
-    found = question(scene.problem, options.guess, rtol=options.rtol, digits=options.digits, method=_method(options.method))
+    found = question(scene.problem, options.guess, rtol=options.rtol, digits=options.digits, method=_method(options))
 
     def tables() -> list[RenderableType]:
         from shootstab.faces import tables
@@ -76,42 +83,77 @@ def refine(options: Namespace) -> int:
     return DONE if found.converged else BAD_NEWS
 
 
-def _method(name: str | None) -> Any:
-    """The method of that name, at its own tolerance; None leaves method and tolerance to `refine`."""
-    place = METHODS[name] if name is not None else None
-    if place is None:
+def _method(options: Namespace) -> Any:
+    """The method of that name, with the tolerance for the digits asked for; None leaves the choice to `refine`."""
+    if options.method is None:
         return None
-    module, method = place
-    return getattr(importlib.import_module(module), method)()
+    from shootstab.questions.refine import tolerance_for
+
+    module, method = METHODS[options.method]
+    rtol = options.rtol if options.digits is None else 10.0**-options.digits
+    return getattr(importlib.import_module(module), method)(rtol=tolerance_for(rtol))
 
 
 def count(options: Namespace) -> int:
     """How many modes a region holds."""
     from shootstab.faces import documents
 
-    region = _region(options)
+    wanted = {"rectangle": ("corners",), "polygon": ("corners",), "disc": ("centre", "radius"), "half-plane": ()}[options.region]
+    for name in ("corners", "centre", "radius"):
+        if (getattr(options, name) is not None) != (name in wanted):
+            needed = " and ".join(f"--{w}" for w in wanted) or "nothing but --floor"
+            raise InputError(f"--region {options.region}: needed is {needed}, and no other")
+    if options.floor is not None and options.region != "half-plane":
+        raise InputError("--floor: allowed only with --region half-plane")
+    region = None if options.region == "half-plane" else _region(options)
     scene = scene_files.load(options.scene)
-    from shootstab.questions.count import count as question
+    if region is None:
+        from shootstab.questions.unstable import HalfDisc, count_unstable
 
-    modes = question(scene.problem, region)
+        growing = count_unstable(scene.problem, *(options.floor or ()))
+        region, found = HalfDisc(growing.radius, growing.floor), growing.survey
+    else:
+        from shootstab.questions.count import counted
+
+        found = counted(scene.problem, region)
+    shape = region
 
     def tables() -> list[RenderableType]:
         from shootstab.faces import tables
 
-        return tables.count(region, modes, scene)
+        return tables.count(shape, found, scene)
 
-    _answer(options, documents.count(region, modes), tables)
+    _answer(options, documents.count(region, found), tables)
+    return DONE
+
+
+def find(options: Namespace) -> int:
+    """All modes in a rectangle; with --resonances also the zeros beyond the continuous spectrum."""
+    from shootstab.faces import documents
+
+    region = _rectangle(options.corners)
+    scene = scene_files.load(options.scene)
+    from shootstab.questions.find import find as question
+
+    found = question(scene.problem, region, resonances=options.resonances)
+
+    def tables() -> list[RenderableType]:
+        from shootstab.faces import tables
+
+        return tables.found(found, region, scene)
+
+    _answer(options, documents.found(found, region), tables)
     return DONE
 
 
 def _region(options: Namespace) -> Region:
-    wanted = {"rectangle": ("corners",), "disc": ("centre", "radius")}[options.region]
-    for name in ("corners", "centre", "radius"):
-        if (getattr(options, name) is not None) != (name in wanted):
-            raise InputError(f"--region {options.region}: needed is {' and '.join(f'--{w}' for w in wanted)}, and no other")
     if options.region == "disc":
         return Disc(complex(*options.centre), options.radius[0])
-    return _rectangle(options.corners)
+    if len(options.corners) % 2 or (options.region == "rectangle" and len(options.corners) != 4):
+        raise InputError("--corners: allowed are RE,IM pairs, two for a rectangle and three or more for a polygon")
+    if options.region == "rectangle":
+        return _rectangle(options.corners)
+    return Polygon(tuple(complex(*options.corners[i : i + 2]) for i in range(0, len(options.corners), 2)))
 
 
 def _rectangle(corners: tuple[float, float, float, float]) -> Rectangle:

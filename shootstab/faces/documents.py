@@ -12,6 +12,8 @@ from shootstab.vocabulary.regions import Region
 
 if TYPE_CHECKING:
     from shootstab.problems.chute import Flow
+    from shootstab.questions.find import Found
+    from shootstab.questions.survey import Survey
 
 PROFILE_POINTS = 101
 PROFILE_TOP = 1e-6  # profiles end where ν has fallen to this
@@ -57,9 +59,25 @@ def _verdict(verdict: Verdict) -> dict[str, Any]:
     }
 
 
-def count(region: Region, modes: int) -> dict[str, Any]:
-    """What `count` answers."""
-    return {"region": region.as_dict(), "count": modes}
+def count(region: Region, found: Survey) -> dict[str, Any]:
+    """What `count` answers: beside the count how nearly the phase closed, and what was left out around ends of the continuous spectrum."""
+    left_out = [disc.as_dict() for disc in found.left_out]
+    return {
+        "region": region.as_dict(),
+        "count": found.count,
+        "closure": found.closure,
+        "left_out": left_out,
+        "evaluations": found.evaluations,
+    }
+
+
+def found(answer: Found, region: Region) -> dict[str, Any]:
+    """What `find` answers: modes, resonances if they were asked for, and the count that says that these are all."""
+    return {
+        **count(region, answer.survey),
+        "modes": [{"sigma": as_strings(m.sigma, m.error), "error": m.error, "status": m.status} for m in answer.modes],
+        "resonances": None if answer.resonances is None else [{"sigma": as_strings(r)} for r in answer.resonances],
+    }
 
 
 def steady(flow: Flow) -> dict[str, Any]:

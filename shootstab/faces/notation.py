@@ -34,14 +34,14 @@ def complex_from(text: str) -> complex:
     raise ValueError(f"{shortened(text)} is not a number")
 
 
-def floats_from(text: str, count: int) -> tuple[float, ...]:
-    """So many finite numbers with commas between them. Raises ValueError."""
-    refusal = ValueError(f"{shortened(text)} is not {count} finite numbers with commas between them")
+def floats_from(text: str, count: int | None) -> tuple[float, ...]:
+    """So many finite numbers (None: any number of them) with commas between them. Raises ValueError."""
+    refusal = ValueError(f"{shortened(text)} is not {count or 'a list of'} finite numbers with commas between them")
     try:
         values = [complex_from(cell) for cell in text.split(",")]
     except ValueError:
         raise refusal from None
-    if len(values) != count or any(v.imag != 0.0 or not math.isfinite(v.real) for v in values):
+    if (count is not None and len(values) != count) or any(v.imag != 0.0 or not math.isfinite(v.real) for v in values):
         raise refusal
     return tuple(v.real for v in values)
 

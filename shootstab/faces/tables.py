@@ -28,6 +28,8 @@ from shootstab.vocabulary.regions import Region
 if TYPE_CHECKING:
     from shootstab.faces.scenes import Scene
     from shootstab.problems.chute import Flow
+    from shootstab.questions.find import Found
+    from shootstab.questions.survey import Survey
 
 COLOURS = {CONFIRMED: "green", INACCURATE: "yellow", SPURIOUS: "red", CONTINUUM: "cyan", UNRESOLVED: "magenta", "missing": "bold red"}
 ABSENT = "–"
@@ -93,15 +95,36 @@ def mode(found: Mode, scene: Scene) -> Parts:
     return [_pairs(f"{scene.name}: {scene.description}", rows)]
 
 
-def count(region: Region, modes: int, scene: Scene) -> Parts:
-    """One sentence."""
-    return [Text(f"{scene.name}: {modes} mode{'s' * (modes != 1)} inside the {_shape(region)}.")]
+def count(region: Region, found: Survey, scene: Scene) -> Parts:
+    """One sentence, and what was left out."""
+    parts: Parts = [Text(f"{scene.name}: {found.count} mode{'s' * (found.count != 1)} inside the {_shape(region)}.")]
+    if found.left_out:
+        parts += [
+            Text(f"Not counted: what lies within {d.radius:.1e} of the end {d.centre:.6g} of the continuous spectrum.")
+            for d in found.left_out
+        ]
+    return parts
+
+
+def found(answer: Found, region: Region, scene: Scene) -> Parts:
+    """A table of modes, the resonances under it, and the count."""
+    table = _table(f"{scene.name}: {scene.description}", _sigma("mode σ", scene), "error", "digits", "off the continuum")
+    for number, m in enumerate(answer.modes, 1):
+        away = _two_figures(m.continuum_distance) if math.isfinite(m.continuum_distance) else ABSENT
+        table.add_row(str(number), held_complex(m.sigma, m.error), _two_figures(m.error), f"{m.digits:.1f}", away)
+    parts: Parts = [table] if answer.modes else []
+    if answer.resonances is not None:
+        listed = ", ".join(f"{complex(r):.8g}" for r in answer.resonances) or "none"
+        parts.append(Text(f"Resonances beyond the continuous spectrum, which are not modes: {listed}."))
+    return [*parts, *count(region, answer.survey, scene)]
 
 
 def _shape(region: Region) -> str:
     form = region.as_dict()
     if form["shape"] == "disc":
         return f"disc of radius {form['radius']:g} around {_pair(form['centre'])}"
+    if form["shape"] == "half-disc":
+        return f"half-plane Re σ > {form['floor']:.1e} (none has |σ| > {form['radius']:g})"
     return f"{form['shape']} with corners {' and '.join(_pair(c) for c in form['corners'])}"
 
 

@@ -40,7 +40,9 @@ def induced(n: int, k: int) -> Induced:
     """The lists for 0 < k ≤ n."""
     subsets = list(itertools.combinations(range(n), k))
     index = {subset: place for place, subset in enumerate(subsets)}
-    row, column, sign = [], [], []
+    row: list[int] = []
+    column: list[int] = []
+    sign: list[float] = []
     start = np.zeros((n, n + 1), dtype=np.int64)
     for i in range(n):
         for j in range(n):
@@ -79,7 +81,7 @@ def minors_with_slope(Y: ComplexArray, dY: ComplexArray, subsets: NDArray[np.int
 
 @njit(cache=True, error_model="numpy")
 def apply(A, row, column, sign, start, y, out):  # type: ignore[no-untyped-def]
-    """out += A^(k) y, a loop over the entries of A that are not zero."""
+    """out ← out + A^(k) y, a loop over the entries of A that are not zero."""
     n = A.shape[0]
     for i in range(n):
         for j in range(n):

@@ -19,17 +19,17 @@ from shootstab.kernels.tableau import A as RK_A
 from shootstab.kernels.tableau import B as RK_B
 from shootstab.kernels.transport import system_matrix
 
-SMALL = 2.0  # the charts chosen have no |S_ij| beyond this at a node
+SMALL = 1.1  # the charts chosen have no |S_ij| beyond this at a node; rounding grows with its square, and the steps are no fewer
 FLOOR = 1e-9  # of the largest row: rows smaller than this count as so large
 
 
 @njit(cache=True, error_model="numpy")
-def transport_chart(h, X, V, G, T, sigma, order, S, dS, tangent, errors, swaps, choose):  # type: ignore[no-untyped-def]
+def transport_chart(h, X, V, G, T, sigma, units, order, S, dS, tangent, errors, swaps, choose):  # type: ignore[no-untyped-def]
     """Carry S (n−k, k), and dS if tangent, through all steps; both are overwritten, and so is order.
 
-    order (n,) lists the rows of the state, the k pivots first. swaps (M, 3) lists the exchanges (node, i, j); with choose they are
-    chosen anew. errors (N,) receives the local error of every step. Returns (log_det, dlog_det, largest, swaps): ln det U and its
-    σ-derivative, the largest |S_ij| at a node, and the exchanges made.
+    The equation is that of ψ̃_i = ψ_i/units_i. order (n,) lists the rows of the state, the k pivots first. swaps (M, 3) lists the
+    exchanges (node, i, j); with choose they are chosen anew. errors (N,) receives the local error of every step. Returns (log_det,
+    dlog_det, largest, swaps): ln det U and its σ-derivative, the largest |S_ij| at a node, and the exchanges made.
     """
     steps = len(h)
     rest, k = S.shape
@@ -89,15 +89,11 @@ def transport_chart(h, X, V, G, T, sigma, order, S, dS, tangent, errors, swaps, 
                             for d in range(k):
                                 W[c, d] += w * L[before, c, d]
             system_matrix(X[s, stage], V[s, stage], G[s, stage], T[s, stage], sigma, A, dA, work, tangent)
-            for a_row in range(n):
-                for b_row in range(n):
-                    B[a_row, b_row] = A[order[a_row], order[b_row]]
+            gather(A, order, units, B)
             traces[stage] = riccati(B, Z, M[0], K[stage])
             log_det += step * RK_B[stage] * traces[stage]
             if tangent:
-                for a_row in range(n):
-                    for b_row in range(n):
-                        dB[a_row, b_row] = dA[order[a_row], order[b_row]]
+                gather(dA, order, units, dB)
                 dlog_det += step * RK_B[stage] * riccati_tangent(B, dB, Z, W, M, L[stage])
         errors[s] = local_error(abs(step), K, traces, S)
         for stage in range(STAGES):
@@ -109,6 +105,14 @@ def transport_chart(h, X, V, G, T, sigma, order, S, dS, tangent, errors, swaps, 
                         if tangent:
                             dS[c, d] += w * L[stage, c, d]
     return log_det, dlog_det, largest, swaps[:made]
+
+
+@njit(cache=True, error_model="numpy")
+def gather(A, order, units, B):  # type: ignore[no-untyped-def]
+    """B ← A in the units and in the order of the chart."""
+    for a in range(len(order)):
+        for b in range(len(order)):
+            B[a, b] = A[order[a], order[b]] * (units[order[b]] / units[order[a]])
 
 
 @njit(cache=True, error_model="numpy")
@@ -165,7 +169,7 @@ def multiply_add(P, Q, start, out):  # type: ignore[no-untyped-def]
 def exchange(S, dS, i, j, tangent):  # type: ignore[no-untyped-def]
     """The i-th other row and the j-th pivot change places: with s = S_ij,
 
-        s ← 1/s,   S_ic ← −S_ic/s,   S_rj ← S_rj/s,   S_rc ← S_rc − S_rj S_ic/s   (r ≠ i, c ≠ j).
+    s ← 1/s,   S_ic ← −S_ic/s,   S_rj ← S_rj/s,   S_rc ← S_rc − S_rj S_ic/s   (r ≠ i, c ≠ j).
     """
     rest, k = S.shape
     inverse = 1.0 / S[i, j]
@@ -192,12 +196,15 @@ def exchange(S, dS, i, j, tangent):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def farthest(S):  # type: ignore[no-untyped-def]
-    """Where |S_ij| is largest; a NaN wins; (−1, −1) if S is empty."""
+    """Where |S_ij| is largest; where it is a NaN if there is one; (−1, −1) if S is empty."""
     i, j, largest = -1, -1, -1.0
     for c in range(S.shape[0]):
         for d in range(S.shape[1]):
-            if not abs(S[c, d]) <= largest:
-                i, j, largest = c, d, abs(S[c, d])
+            size = abs(S[c, d])
+            if np.isnan(size):
+                return c, d
+            if size > largest:
+                i, j, largest = c, d, size
     return i, j
 
 
@@ -213,6 +220,8 @@ def local_error(length, K, traces, S):  # type: ignore[no-untyped-def]
         sum5 += E5[stage] * traces[stage]
         sum3 += E3[stage] * traces[stage]
     worst = combined(length, sum5.real**2 + sum5.imag**2, sum3.real**2 + sum3.imag**2)
+    if np.isnan(worst):
+        return worst
     for c in range(rest):
         size, e5, e3 = FLOOR, 0.0, 0.0
         for d in range(k):
@@ -223,12 +232,13 @@ def local_error(length, K, traces, S):  # type: ignore[no-untyped-def]
                 sum5 += E5[stage] * K[stage, c, d]
                 sum3 += E3[stage] * K[stage, c, d]
             size5, size3 = sum5.real**2 + sum5.imag**2, sum3.real**2 + sum3.imag**2
-            # written so that a NaN wins
-            e5 = size5 if not size5 <= e5 else e5
-            e3 = size3 if not size3 <= e3 else e3
+            if np.isnan(size5) or np.isnan(size3):
+                return np.nan
+            e5, e3 = max(e5, size5), max(e3, size3)
         error = combined(length, e5, e3) / size
-        if not error <= worst:
-            worst = error
+        if np.isnan(error):
+            return error
+        worst = max(worst, error)
     return worst
 
 

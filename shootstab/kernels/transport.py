@@ -226,9 +226,11 @@ def _local_error(length, K, Y):  # type: ignore[no-untyped-def]
                 sum3 += E3[i] * K[i, c, d]
             size5, size3 = sum5.real**2 + sum5.imag**2, sum3.real**2 + sum3.imag**2
             # written so that a NaN wins
-            e5 = size5 if not size5 <= e5 else e5
-            e3 = size3 if not size3 <= e3 else e3
+            if e5 == e5 and not size5 <= e5:
+                e5 = size5
+            if e3 == e3 and not size3 <= e3:
+                e3 = size3
         error = 0.0 if e5 == 0.0 else length * e5 / np.sqrt(e5 + 0.01 * e3) / size
-        if not error <= worst:
+        if worst == worst and not error <= worst:
             worst = error
     return worst

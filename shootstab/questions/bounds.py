@@ -9,7 +9,7 @@ from shootstab.discriminants.protocol import Discriminant, Examinable, Value
 from shootstab.problems.protocol import Problem
 from shootstab.vocabulary.records import Budget
 
-HALVING = 16.0  # of the 2^8 that halving the steps gains, what is counted on
+HALVING = 8.0  # of the 2^8 that halving the steps gains, what is counted on
 FLOW_FACTOR = 1e3  # by which the base flow is computed less accurately
 FLOW_GAIN = 100.0  # of that factor, what is counted on
 PROBE = 1e-7  # relative change of the far frame by which its influence is measured
@@ -32,5 +32,6 @@ def budget(problem: Problem, coarse: Examinable, coarse_value: Value, fine: Exam
     far = SAFETY * displacement(coarse.jiggled(1, PROBE), coarse_value) / PROBE * coarse.far_error
     crude = problem.cruder(FLOW_FACTOR)
     flow = 0.0 if crude is problem else displacement(coarse.of(crude), coarse_value) / FLOW_GAIN
-    rounding = SAFETY * max(displacement(fine.turned(seed), fine_value) for seed in (1, 2, 3)) + 4 * EPSILON * abs(sigma)
+    others = fine.turned(1), fine.turned(2), coarse.refined(seed=1)
+    rounding = SAFETY * max(displacement(other, fine_value) for other in others) + 4 * EPSILON * abs(sigma)
     return Budget(integration, far, flow, root, rounding)

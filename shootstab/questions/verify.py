@@ -12,15 +12,15 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from shootstab.discriminants.atlas import Atlas, Undecidable
+from shootstab.discriminants.continuum import continuum_of
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.protocol import Method
 from shootstab.problems.protocol import Problem
+from shootstab.questions.find import find_modes
 from shootstab.questions.refine import examine, refine
+from shootstab.questions.unstable import count_unstable
 from shootstab.questions.zeros import Inaccurate, Zeros, zeros_in
-from shootstab.roots.find import find
 from shootstab.roots.iterations import Root
 from shootstab.vocabulary.errors import ConvergenceError, InputError
 from shootstab.vocabulary.records import (
@@ -37,6 +37,9 @@ from shootstab.vocabulary.records import (
 from shootstab.vocabulary.regions import Disc, Rectangle
 
 NEAR_DIGITS = 2  # a claim that shares fewer digits with a mode does not mean it
+MARGIN = 0.05  # of the box that the claims span
+CLEAR = 1e-4  # of the box, how far right of the continuous spectrum a search begins
+NOT_SEARCHED = "missing modes were not looked for"
 SHRINK = 3.0  # from one circle to the next smaller one, where D cannot be continued over it
 Progress = Callable[[int, int], None]
 
@@ -48,11 +51,15 @@ def verify(
     region: Rectangle | None = None,
     method: Method | None = None,
     progress: Progress | None = None,
+    unstable: bool = False,
 ) -> Report:
     """Verdicts to so many digits, in the order of the claims, and the modes missing from them.
 
-    Missing modes are looked for in the region; without one, in the part of the box spanned by the unstable claims that lies right of the
-    continuous spectrum. The report says where. Raises InputError for claims that are not finite numbers.
+    Missing modes are looked for in the region; without one, in the box that the claims span, cut along the continuous spectrum. The report
+    says where, and names what could not be searched. With unstable=True the whole half-plane of growing modes is counted besides, by
+    a bound on |σ| (see unstable.py), so that "no other unstable mode" is a statement.
+
+    Raises InputError for claims that are not finite numbers.
     """
     claims = [complex(c) for c in eigenvalues]
     if not claims:
@@ -72,6 +79,9 @@ def verify(
             progress(len(judged), len(claims))
     verdicts = _one_claim_a_mode([judged[i] for i in range(len(claims))])
     missing, searched, undecided = _missing(judge.atlas, verdicts, region)
+    if unstable:
+        more, said = _unstable(judge.atlas, [*(v.sigma for v in verdicts if v.sigma is not None), *(m.sigma for m in missing)])
+        missing, searched = missing + more, f"{searched}; {said}"
     return Report(tuple(verdicts), missing, digits, searched, undecided)
 
 
@@ -181,29 +191,60 @@ def _one_claim_a_mode(verdicts: list[Verdict]) -> list[Verdict]:
 
 def _missing(atlas: Atlas, verdicts: list[Verdict], region: Rectangle | None) -> tuple[tuple[Mode, ...], str, tuple[str, ...]]:
     """Modes in the region that no claim means; where they were looked for; what could not be searched."""
-    box = region or _unstable_box(atlas, [v.claimed for v in verdicts])
+    box = region or _box([v.claimed for v in verdicts])
     if box is None:
-        return (), "missing modes were not looked for: no claim is unstable and no region was given", ()
-    where = f"missing modes were looked for from {complex(box.lower_left):.6g} to {complex(box.upper_right):.6g}"
-    if atlas.continuum is not None and any(box.contains(complex(s)) for s in atlas.continuum.sigma):
-        held = f"the region from {box.lower_left} to {box.upper_right} holds continuous spectrum"
-        return (), "missing modes were not looked for", (held,)
-    try:
-        zeros = find(atlas.method.on(atlas.problem), box)
-    except ConvergenceError as error:
-        return (), "missing modes were not looked for", (str(error),)
+        return (), NOT_SEARCHED, ("the claims span no box, and no region was given",)
     known = [v.sigma for v in verdicts if v.sigma is not None]
-    lacking = [z for z in zeros if all(abs(z - k) > 1e-6 * abs(z) for k in known)]
-    return tuple(refine(atlas.problem, z) for z in lacking), where, ()
+    undecided: tuple[str, ...] = ()
+    try:
+        modes, whole = find_modes(atlas, box, known)
+    except Undecidable as error:
+        # the part right of the continuous spectrum, where instability is
+        assert atlas.continuum is not None
+        undecided = (f"left of the continuous spectrum: {error}",)
+        edge = max(float(atlas.continuum.sigma.real.max()), 0.0) + CLEAR * abs(complex(box.upper_right))
+        if complex(box.upper_right).real <= edge:
+            return (), NOT_SEARCHED, undecided
+        box = Rectangle(complex(max(edge, complex(box.lower_left).real), complex(box.lower_left).imag), box.upper_right)
+        try:
+            modes, whole = find_modes(atlas, box, known)
+        except ConvergenceError as again:
+            return (), NOT_SEARCHED, (*undecided, str(again))
+    except ConvergenceError as error:
+        return (), NOT_SEARCHED, (str(error),)
+    where = f"missing modes were looked for from {complex(box.lower_left):.6g} to {complex(box.upper_right):.6g}"
+    left_out = tuple(f"what lies within {d.radius:.1e} of the end {d.centre:.6g} of the continuous spectrum" for d in whole.left_out)
+    return tuple(refine(atlas.problem, z) for z in modes), where, undecided + left_out
 
 
-def _unstable_box(atlas: Atlas, claims: list[complex]) -> Rectangle | None:
-    """The box of the unstable claims, a quarter larger, right of the continuous spectrum."""
-    unstable = np.array([c for c in claims if c.real > 0.0])
-    if unstable.size == 0:
+def _unstable(atlas: Atlas, known: list[complex]) -> tuple[tuple[Mode, ...], str]:
+    """The unstable modes that are not known, and what is now known of all of them."""
+    growing = [k.real for k in known if k.real > 0.0]
+    counted = count_unstable(atlas.problem, min(1e-8, 1e-3 * min(growing, default=1.0)), atlas.method)
+    said = f"in all {counted.count} modes have Re sigma > {counted.floor:.1e}, none of them |sigma| > {counted.radius:g}"
+    if counted.count == sum(k.real > counted.floor for k in known):
+        return (), said
+    half = Rectangle(complex(counted.floor, -counted.radius), complex(counted.radius, counted.radius))
+    return tuple(refine(atlas.problem, z) for z in find_modes(atlas, half, known)[0]), said
+
+
+def _box(claims: list[complex]) -> Rectangle | None:
+    """The box that the claims span, a little larger so that none of them lies on its boundary."""
+    re, im = [c.real for c in claims], [c.imag for c in claims]
+    size = max(max(re) - min(re), max(im) - min(im), 0.1 * max(map(abs, claims)))
+    if size == 0.0:
         return None
-    edge = -math.inf if atlas.continuum is None else float(atlas.continuum.sigma.real.max())
-    right = 1.25 * unstable.real.max()
-    left = max(edge, 0.0) + 1e-3 * unstable.real.max()
-    height = max(unstable.imag.max() - unstable.imag.min(), right)
-    return Rectangle(complex(left, unstable.imag.min() - 0.25 * height), complex(right, unstable.imag.max() + 0.25 * height))
+    margin = MARGIN * size * complex(1, 1)
+    return Rectangle(complex(min(re), min(im)) - margin, complex(max(re), max(im)) + margin)
+
+
+def unstable_box(problem: Problem, claims: Iterable[complex]) -> Rectangle | None:
+    """The box of the unstable claims, half as large again, right of the continuous spectrum; None if no claim is unstable."""
+    unstable = [c for c in claims if c.real > 0.0]
+    if not unstable:
+        return None
+    curve = continuum_of(problem)
+    edge = 0.0 if curve is None else max(float(curve.sigma.real.max()), 0.0)
+    top, low, high = max(c.real for c in unstable), min(c.imag for c in unstable), max(c.imag for c in unstable)
+    height = max(high - low, top)
+    return Rectangle(complex(edge + 1e-3 * top, low - 0.5 * height), complex(1.5 * top, high + 0.5 * height))

@@ -8,9 +8,10 @@ and is halved otherwise, so that no turn is missed between samples.
 from __future__ import annotations
 
 import cmath
-import itertools
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from shootstab.discriminants.protocol import Discriminant, Value
 from shootstab.vocabulary.errors import ConvergenceError
@@ -41,31 +42,44 @@ def wind(discriminant: Discriminant, region: Region) -> Winding:
 
     Raises ConvergenceError when a zero lies on the boundary, or so near to it that no sampling tells the side.
     """
-    corners = region.corners
-    pieces = FIRST_PIECES if len(corners) == 2 else 2
-    stops = [a + (b - a) * i / pieces for a, b in itertools.pairwise(corners) for i in range(pieces)]
-    samples = [(t, discriminant.with_slope(region.boundary(t))) for t in stops]
-    samples.append((1.0, samples[0][1]))
-    followed = [samples[0]]
-    for ahead in samples[1:]:
-        _follow(discriminant, region, followed, ahead, 0)
-    values = [v for _, v in followed]
-    turns = sum(_change(a, b).imag for a, b in itertools.pairwise(values)) / (2 * math.pi)
-    count = round(turns)
-    if abs(turns - count) > 1e-6:
-        raise ConvergenceError(f"the phase of D does not close: {turns:.6f} turns")
+    values = follow(lambda t: discriminant.with_slope(region.boundary(t)), region.corners, closed=True)
+    count = whole_turns(sum(change(a, b).imag for a, b in pairwise(values)))
     centre = sum(v.sigma for v in values[:-1]) / (len(values) - 1)
     total, moment = 0j, 0j
-    for a, b in itertools.pairwise(values):
+    for a, b in pairwise(values):
         total += _predicted(a, b)
-        moment += 0.5 * (a.sigma + b.sigma - 2 * centre) * _change(a, b)
+        moment += 0.5 * (a.sigma + b.sigma - 2 * centre) * change(a, b)
     closure = abs(total / (2j * math.pi) - count)
     return Winding(count, closure, centre, moment / (2j * math.pi), tuple(values[:-1]))
 
 
-def _follow(
-    discriminant: Discriminant, region: Region, followed: list[tuple[float, Value]], ahead: tuple[float, Value], depth: int
-) -> None:
+def whole_turns(phase: float, slack: float = 1e-6) -> int:
+    """The change of phase around closed curves as a number of turns.
+
+    Raises ConvergenceError if it is not a whole one to the slack.
+    """
+    turns = phase / (2 * math.pi)
+    if not abs(turns - round(turns)) <= slack:
+        raise ConvergenceError(f"the phase of D does not close: {turns:.6f} turns")
+    return round(turns)
+
+
+def follow(evaluate: Callable[[float], Value], stops: Sequence[float], closed: bool = False) -> list[Value]:
+    """Samples of D along a curve t ↦ σ(t), from the first stop to the last, so dense that no turn of the phase is missed.
+
+    The stops are those t at which the curve is not smooth, its ends included. On a closed curve the first sample serves as the last.
+    """
+    pieces = FIRST_PIECES if len(stops) == 2 else 2
+    ts = [a + (b - a) * i / pieces for a, b in pairwise(stops) for i in range(pieces)]
+    samples = [(t, evaluate(t)) for t in ts]
+    samples.append((stops[-1], samples[0][1] if closed else evaluate(stops[-1])))
+    followed = [samples[0]]
+    for ahead in samples[1:]:
+        _follow(evaluate, followed, ahead, 0)
+    return [v for _, v in followed]
+
+
+def _follow(evaluate: Callable[[float], Value], followed: list[tuple[float, Value]], ahead: tuple[float, Value], depth: int) -> None:
     """Append the samples that lead from the last one to the one ahead."""
     t, value = followed[-1]
     if _settled(value, ahead[1]):
@@ -74,16 +88,16 @@ def _follow(
     if depth == DEEPEST or value.D.mantissa == 0.0 or ahead[1].D.mantissa == 0.0:
         raise ConvergenceError(f"a zero of D lies on the boundary, or too near to it, at sigma = {value.sigma:.12g}")
     middle = (t + ahead[0]) / 2
-    between = (middle, discriminant.with_slope(region.boundary(middle)))
-    _follow(discriminant, region, followed, between, depth + 1)
-    _follow(discriminant, region, followed, ahead, depth + 1)
+    between = (middle, evaluate(middle))
+    _follow(evaluate, followed, between, depth + 1)
+    _follow(evaluate, followed, ahead, depth + 1)
 
 
 def _settled(a: Value, b: Value) -> bool:
     predicted = _predicted(a, b)
     chord = abs(b.sigma - a.sigma)
     steep = max(abs(a.slope), abs(b.slope)) * chord
-    return steep < 2 * LONGEST and abs(predicted) < LONGEST and abs(predicted - _change(a, b)) < MISMATCH
+    return steep < 2 * LONGEST and abs(predicted) < LONGEST and abs(predicted - change(a, b)) < MISMATCH
 
 
 def _predicted(a: Value, b: Value) -> complex:
@@ -91,7 +105,7 @@ def _predicted(a: Value, b: Value) -> complex:
     return 0.5 * (a.slope + b.slope) * (b.sigma - a.sigma)
 
 
-def _change(a: Value, b: Value) -> complex:
+def change(a: Value, b: Value) -> complex:
     """ln D(b) − ln D(a), on the branch nearest to zero."""
     ratio = b.D.mantissa / a.D.mantissa
     if ratio == 0.0 or not cmath.isfinite(ratio):

@@ -40,14 +40,14 @@ class Budget:
 
 @dataclass(frozen=True)
 class Mode:
-    """One eigenvalue: sigma (complex, or an mpmath number) with |true − sigma| ≤ error.
+    """One eigenvalue: sigma (complex, or an mpmath number) with |true − sigma| ≤ error (a float, or an mpf where a float underflows).
 
     status is 'converged' or says in a sentence what went wrong; continuum_distance is the distance of sigma to the continuous
     spectrum, infinite if the problem has none; path says along which path in z the system was integrated.
     """
 
     sigma: Any
-    error: float
+    error: Any
     budget: Budget
     status: str
     method: str
@@ -67,13 +67,17 @@ class Mode:
         return self.status == CONVERGED
 
 
-def digits_between(difference: float, size: float) -> float:
-    """−log10(difference/size), at most 99 when the two are the same; 0 when nothing agrees."""
-    if not size > 0.0 or not math.isfinite(difference):
+def digits_between(difference: Any, size: Any) -> float:
+    """−log10(difference/size) of doubles or mpmath reals, 99 when the two are the same; 0 when nothing agrees."""
+    if not size > 0 or not difference < math.inf:
         return 0.0
-    if difference == 0.0:
+    if difference == 0:
         return 99.0
-    return max(0.0, float(-math.log10(difference / float(size))))
+    if isinstance(difference, float) and isinstance(size, float):
+        return max(0.0, math.log10(size) - math.log10(difference))
+    from mpmath import log10, mpf
+
+    return max(0.0, float(log10(mpf(size) / mpf(difference))))
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,10 @@ class Region(Protocol):
         """The boundary point at t in [0, 1]."""
         ...
 
+    def parameter(self, sigma: complex) -> float:
+        """The t of the boundary point nearest to sigma."""
+        ...
+
     def contains(self, sigma: complex) -> bool:
         """Whether sigma lies inside."""
         ...
@@ -48,6 +52,9 @@ class Disc:
 
     def boundary(self, t: float) -> complex:
         return self.centre + self.radius * cmath.exp(2j * math.pi * t)
+
+    def parameter(self, sigma: complex) -> float:
+        return (cmath.phase(sigma - self.centre) / (2 * math.pi)) % 1.0
 
     def contains(self, sigma: complex) -> bool:
         return abs(sigma - self.centre) < self.radius
@@ -79,9 +86,10 @@ class Rectangle:
         return (0.0, 0.25, 0.5, 0.75, 1.0)
 
     def boundary(self, t: float) -> complex:
-        side = min(int(4 * t), 3)
-        start, end = self.vertices[side], self.vertices[(side + 1) % 4]
-        return start + (4 * t - side) * (end - start)
+        return _along(self.vertices, t)
+
+    def parameter(self, sigma: complex) -> float:
+        return _nearest(self.vertices, sigma)
 
     def contains(self, sigma: complex) -> bool:
         a, b = complex(self.lower_left), complex(self.upper_right)
@@ -90,3 +98,67 @@ class Rectangle:
     def as_dict(self) -> dict[str, Any]:
         corners = [{"re": str(c.real), "im": str(c.imag)} for c in (complex(self.lower_left), complex(self.upper_right))]
         return {"shape": "rectangle", "corners": corners}
+
+
+@dataclass(frozen=True)
+class Polygon:
+    """The inside of a closed polygon that does not cross itself, its vertices in counter-clockwise or clockwise order."""
+
+    points: tuple[complex, ...]
+
+    def __post_init__(self) -> None:
+        points = tuple(complex(p) for p in self.points)
+        if len(points) < 3 or not all(cmath.isfinite(p) for p in points) or _area(points) == 0.0:
+            raise InputError(f"polygon {points}: allowed are three or more finite corners that are not on one line")
+        object.__setattr__(self, "points", points if _area(points) > 0.0 else points[::-1])
+
+    @property
+    def vertices(self) -> tuple[complex, ...]:
+        """The corners, counter-clockwise."""
+        return self.points
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        return tuple(i / len(self.points) for i in range(len(self.points) + 1))
+
+    def boundary(self, t: float) -> complex:
+        return _along(self.points, t)
+
+    def parameter(self, sigma: complex) -> float:
+        return _nearest(self.points, sigma)
+
+    def contains(self, sigma: complex) -> bool:
+        inside = False
+        for p, q in zip(self.points, self.points[1:] + self.points[:1], strict=True):
+            crosses = (p.imag > sigma.imag) != (q.imag > sigma.imag)
+            if crosses and sigma.real < p.real + (q.real - p.real) * (sigma.imag - p.imag) / (q.imag - p.imag):
+                inside = not inside
+        return inside
+
+    def as_dict(self) -> dict[str, Any]:
+        return {"shape": "polygon", "corners": [{"re": str(c.real), "im": str(c.imag)} for c in self.points]}
+
+
+def _along(vertices: tuple[complex, ...], t: float) -> complex:
+    """The point at t on a closed polygon, every side taking the same share of t."""
+    sides = len(vertices)
+    side = min(int(sides * t), sides - 1)
+    start, end = vertices[side], vertices[(side + 1) % sides]
+    return start + (sides * t - side) * (end - start)
+
+
+def _nearest(vertices: tuple[complex, ...], sigma: complex) -> float:
+    """The t of the point of a closed polygon nearest to sigma."""
+    best, where = math.inf, 0.0
+    for side, start in enumerate(vertices):
+        edge = vertices[(side + 1) % len(vertices)] - start
+        s = min(1.0, max(0.0, ((sigma - start) * edge.conjugate()).real / abs(edge) ** 2))
+        off = abs(sigma - start - s * edge)
+        if off < best:
+            best, where = off, (side + s) / len(vertices)
+    return where
+
+
+def _area(points: tuple[complex, ...]) -> float:
+    """Twice the signed area."""
+    return sum((p.conjugate() * q).imag for p, q in zip(points, points[1:] + points[:1], strict=True))

@@ -66,7 +66,7 @@ def step(y, h, chute, stages, out):  # type: ignore[no-untyped-def]
             scale = abs(y[c])
         e5, e3 = abs(error5) ** 2, abs(error3) ** 2
         error = 0.0 if e5 == 0.0 else abs(h) * e5 / np.sqrt(e5 + 0.01 * e3) / scale
-        if not error <= worst:  # a NaN must win
+        if worst == worst and not error <= worst:  # a NaN must win
             worst = error
     return worst
 

@@ -7,13 +7,17 @@ Source: S. A. Orszag, J. Fluid Mech. 50 (1971) 689: R = 10000, α = 1, c = 0.237
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
 from shootstab.vocabulary.errors import InputError
+
+Exact = Callable[[float], Any]  # see discriminants.precise.closed
 
 
 @dataclass(frozen=True)
@@ -51,6 +55,24 @@ class PlanePoiseuille:
         D0[:, 3, 2] = 2 * a2 + advect * U
         D1[:, 3, 0], D1[:, 3, 2] = -R * a2, R
         return Pencil(C0, C1, D0, D1)
+
+    def exact_ends(self, exact: Exact) -> tuple[Any, Any]:
+        return exact(0.0 if self.half else -1.0), exact(1.0)
+
+    def exact_pencil(self, z: Any, exact: Exact) -> tuple[dict[tuple[int, int], Any], ...]:
+        """As `pencil`, for a power series z and exact parameters."""
+        R, alpha = exact(self.reynolds), exact(self.alpha)
+        a2, advect, U = alpha * alpha, 1j * alpha * R, 1 - z * z
+        above = dict.fromkeys(((0, 1), (1, 2), (2, 3)), 1)
+        D0 = {**above, (3, 0): -a2 * a2 - advect * (U * a2 - 2), (3, 2): 2 * a2 + advect * U}
+        return {(i, i): 1 for i in range(4)}, {}, D0, {(3, 0): -R * a2, (3, 2): R}
+
+    def exact_far(self, sigma: Any, exact: Exact) -> list[list[int]]:
+        free = (0, 2) if self.half else (2, 3)
+        return [[int(i == j) for j in free] for i in range(4)]
+
+    def exact_wall(self, exact: Exact) -> tuple[list[list[int]], list[list[int]]]:
+        return [[int(i == j) for j in range(4)] for i in range(2)], [[0] * 4] * 2
 
     def start(self, sigma: complex, tolerance: float) -> float:
         """The centre, or the other wall."""

@@ -1,0 +1,69 @@
+"""Resonances: zeros of D continued through the continuous spectrum, beyond it. They are not eigenvalues."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shootstab.discriminants.atlas import Atlas
+from shootstab.discriminants.protocol import Discriminant
+from shootstab.questions.survey import ends_inside, outside_ends, parts_inside
+from shootstab.roots.iterations import newton
+from shootstab.roots.winding import wind
+from shootstab.vocabulary.errors import ConvergenceError
+from shootstab.vocabulary.regions import Polygon, Region
+
+DEPTH = 0.2  # how far beyond the real z-axis singular points are followed, in the scale of the curve
+STRIDE = 0.3  # from one strip of the curve to the next, in the same scale
+SAME = 1e-7  # relative distance below which two numbers mean one zero
+EDGE = 6  # points along a side of a strip
+
+
+def find_resonances(atlas: Atlas, region: Region) -> list[complex]:
+    """The resonances next to those parts of the continuous spectrum that lie in the region, on both sides of it.
+
+    The curve is covered by strips, images under σ_c of rectangles in the z-plane that reach DEPTH·scale beyond the real axis; the zeros in
+    each are those of the continuation that reaches it. The circles around the ends are left out. Empty without continuous spectrum.
+    """
+    curve = atlas.continuum
+    if curve is None:
+        return []
+    found: list[complex] = []
+    ends = ends_inside(curve, region)
+    for part in parts_inside(curve, region):
+        z, high = outside_ends(curve, *part, ends)
+        while z < high:
+            scale = curve.scale(z)
+            width = min(STRIDE * scale, high - z)
+            for side in (1, -1):
+                strip = _image(atlas, z, width, -side * DEPTH * scale)
+                chart = atlas.beside(z + width / 2, curve.at(z + width / 2), side)
+                for zero in _zeros(chart.discriminant, strip):
+                    # a part of the system that is not singular has its modes on both sides: they are modes, not resonances
+                    own = newton(atlas.at(zero).discriminant, zero, 1e-10)
+                    if all(abs(zero - other) > SAME * abs(zero) for other in [own.sigma, *found]):
+                        found.append(zero)
+            z += width
+    return found
+
+
+def _image(atlas: Atlas, z: float, width: float, depth: float) -> Polygon:
+    """σ_c of the rectangle from z to z + width and from the real axis to depth·i."""
+    along, down = np.linspace(0.0, width, EDGE), np.linspace(0.0, depth, EDGE)
+    rim = np.concatenate((z + along, z + width + 1j * down[1:], z + 1j * depth + along[::-1][1:], z + 1j * down[::-1][1:-1]))
+    return Polygon(tuple(atlas.problem.continuum_at(rim.astype(np.complex128)).tolist()))
+
+
+def _zeros(discriminant: Discriminant, strip: Polygon) -> list[complex]:
+    winding = wind(discriminant, strip)
+    if winding.count == 0:
+        return []
+    # Newton may leave the strip for a zero nearby: it starts from other points inside then
+    starts = [winding.centre + winding.moment / winding.count, *(0.5 * (winding.centre + v.sigma) for v in winding.samples)]
+    found: list[complex] = []
+    for start in starts:
+        root = newton(discriminant, start, 1e-10)
+        if root.converged and strip.contains(root.sigma) and all(abs(root.sigma - f) > 1e-8 * abs(f) for f in found):
+            found.append(root.sigma)
+        if len(found) == winding.count:
+            return found
+    raise ConvergenceError(f"{winding.count} resonances were counted near {winding.centre:.6g}, and {len(found)} found")

@@ -1,0 +1,136 @@
+"""Counts of regions that the continuous spectrum crosses, modes found without a guess, and the half-plane of growing modes."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+import shootstab as st
+from shootstab.discriminants.atlas import Atlas, Undecidable
+from shootstab.discriminants.frame import Frame
+from shootstab.problems.chute import ChuteProblem
+from shootstab.problems.gallery.poiseuille import PlanePoiseuille
+from shootstab.questions.resonances import find_resonances
+from shootstab.questions.survey import survey
+from shootstab.questions.unstable import HalfDisc, bound, departure_from_law
+from shootstab.roots.winding import wind
+from shootstab.vocabulary.regions import Disc, Polygon, Rectangle
+
+UNSTABLE = 0.0016924312039 - 0.0015662388101j
+DAMPED = -0.0035032956689 - 0.0070878998209j
+BESIDE = -0.0428226492523 - 0.0036611350691j  # a mode of v̂ alone, 7e−4 off the continuous spectrum
+
+
+@pytest.fixture(scope="module")
+def atlas(scenes: dict[str, ChuteProblem]) -> Atlas:
+    return Atlas(scenes["fig2"], Frame(rtol=1e-8))
+
+
+def test_a_clear_region_is_counted_as_before(atlas: Atlas) -> None:
+    box = Rectangle(0.001 - 0.003j, 0.003 + 0.001j)
+    found = survey(atlas, box)
+    assert found.count == wind(Frame(rtol=1e-8).on(atlas.problem), box).count == 1
+    assert found.left_out == ()
+
+
+def test_regions_cut_along_the_continuous_spectrum(atlas: Atlas) -> None:
+    """A part of the curve, the end at infinity, and all of it; counts add up where regions do."""
+    across = survey(atlas, Rectangle(-0.3 - 0.01j, -0.01 + 0.01j))
+    assert (across.count, across.left_out) == (1, ())
+    end = survey(atlas, Rectangle(-0.01 - 0.01j, 0.01 + 0.01j))
+    assert (end.count, len(end.left_out)) == (2, 1)
+    both = survey(atlas, Rectangle(-0.3 - 0.01j, 0.01 + 0.01j))
+    assert both.count == across.count + end.count
+    whole = survey(atlas, Rectangle(-2 - 0.9j, 0.01 + 0.9j))
+    assert len(whole.left_out) == 2
+    assert max(s.closure for s in (across, end, both, whole)) < 1e-5
+
+
+def test_discs_and_polygons_are_cut_too(atlas: Atlas) -> None:
+    assert survey(atlas, Disc(BESIDE, 0.01)).count == 1
+    assert survey(atlas, Polygon((-0.06 - 0.006j, -0.03 - 0.006j, -0.03 + 0.0j, -0.06 + 0.0j))).count == 1
+    assert survey(atlas, Polygon((-0.06 - 0.006j, -0.05 - 0.006j, -0.05 + 0.0j))).count == 0
+
+
+def test_an_end_on_the_boundary_is_refused(atlas: Atlas) -> None:
+    assert atlas.continuum is not None
+    end = complex(atlas.continuum.sigma[-1])
+    with pytest.raises(Undecidable, match="on the boundary"):
+        survey(atlas, Rectangle(end - 0.01 - 0.01j, end + 1e-9 + 0.01j))
+
+
+def test_find_needs_no_guess(scenes: dict[str, ChuteProblem]) -> None:
+    found = st.find(scenes["fig2"], Rectangle(-0.1 - 0.01j, 0.01 + 0.005j))
+    assert [
+        abs(m.sigma - z) < 1e-10 for m, z in zip(sorted(found.modes, key=lambda m: m.sigma.real), (BESIDE, DAMPED, UNSTABLE), strict=True)
+    ]
+    assert all(m.converged for m in found.modes)
+    assert found.resonances is None
+    assert found.survey.count == 3
+
+
+def test_resonances_are_zeros_of_a_continuation_and_not_modes(atlas: Atlas) -> None:
+    (low, high) = (
+        find_resonances(atlas, Rectangle(-0.11 - 0.01j, -0.08 + 0.01j)),
+        find_resonances(atlas, Rectangle(-0.06 - 0.01j, -0.03 + 0.01j)),
+    )
+    assert low
+    for sigma in low:
+        report = st.verify(atlas.problem, [sigma], digits=5, region=Rectangle(0.01 + 0.01j, 0.02 + 0.02j))
+        assert report.verdicts[0].verdict == "spurious"
+    # the mode of v̂ is a zero of both continuations
+    assert all(abs(s - BESIDE) > 1e-6 for s in high)
+    assert find_resonances(Atlas(PlanePoiseuille(), Frame()), Rectangle(0j, 1 + 1j)) == []
+
+
+def test_a_polygon() -> None:
+    clockwise = Polygon((0j, 1j, 1 + 1j, 1 + 0j))
+    assert clockwise.vertices[0] == 1
+    assert clockwise.contains(0.5 + 0.5j)
+    assert not clockwise.contains(1.5 + 0.5j)
+    assert [clockwise.boundary(clockwise.parameter(p)) for p in (0.5 + 0j, 1 + 0.25j)] == [0.5, 1 + 0.25j]
+    for bad in ((0j, 1j), (0j, 1j, 2j), (0j, 1j, complex("nan"))):
+        with pytest.raises(st.InputError, match="polygon"):
+            Polygon(bad)
+
+
+def test_the_boundary_of_a_half_disc() -> None:
+    half = HalfDisc(2.0, 1e-6)
+    ts = np.linspace(0.0, 1.0, 101)
+    points = [half.boundary(t) for t in ts]
+    assert all(p.real > 0.99e-6 for p in points)
+    assert points[0] == pytest.approx(points[-1], abs=1e-12)
+    assert sum((p.conjugate() * q).imag for p, q in itertools.pairwise(points)) > 0  # counter-clockwise
+    for t in ts[1:-1]:
+        assert half.parameter(half.boundary(t)) == pytest.approx(t, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["high", "mid", "low", "fig2"])
+def test_one_mode_grows_in_every_scene_of_the_paper(scenes: dict[str, ChuteProblem], name: str) -> None:
+    found = st.count_unstable(scenes[name])
+    assert found.count == 1
+    assert found.departure < 0.05
+    assert found.survey.closure < 1e-6
+
+
+def test_the_law_of_growth_gets_better_outwards(scenes: dict[str, ChuteProblem]) -> None:
+    shooting = Frame(rtol=1e-8).on(scenes["high"])
+    departures = [departure_from_law(shooting, r) for r in (1.0, 10.0, 100.0)]
+    assert departures[0] > departures[1] > departures[2]
+    assert departures[2] < 1e-3
+
+
+def test_a_zero_on_the_arc_breaks_the_law(scenes: dict[str, ChuteProblem]) -> None:
+    """The bound may not stop short of the unstable mode."""
+    shooting = Frame(rtol=1e-8).on(scenes["high"])
+    assert departure_from_law(shooting, 0.0039705) > 0.2
+    assert bound(shooting)[0] > 0.004
+
+
+def test_verify_states_the_number_of_growing_modes(scenes: dict[str, ChuteProblem]) -> None:
+    report = st.verify(scenes["high"], [-0.1558104046 + 0.3748369704j], unstable=True, region=Rectangle(0.01 + 0.01j, 0.02 + 0.02j))
+    assert report.verdicts[0].verdict == "confirmed"
+    assert [m.sigma for m in report.missing] == pytest.approx([0.0039705046389])
+    assert "1 modes have Re sigma >" in report.searched
