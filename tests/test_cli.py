@@ -602,3 +602,16 @@ def test_a_terminal_without_greek() -> None:
     done = program("steady", "high", env={**os.environ, "PYTHONIOENCODING": "ascii"})
     assert (done.returncode, done.stderr) == (0, "")
     assert "mass flux Q0" in done.stdout
+
+
+def test_many_digits_are_printed_as_they_are() -> None:
+    """A minus sign costs no digit, whatever precision mpmath is set to."""
+    import mpmath
+
+    from shootstab.faces.notation import held_complex
+
+    text = "0.2375264888204701074465793134634397576781279780924"
+    with mpmath.workdps(60):
+        sigma = mpmath.mpc("0.00373967062297940993222076606301675", "-" + text)
+    assert held_complex(sigma, 1e-40) == "0.0037396706229794099322207660630167500000 - 0.2375264888204701074465793134634397576781i"
+    assert documents.mode(Mode(sigma, 1e-40, Budget(0, 0, 0, 0, 1e-40), "converged", "taylor", 1, 0.1))["sigma"]["im"].startswith("-" + text[:40])

@@ -70,9 +70,12 @@ def refine(options: Namespace) -> int:
     from shootstab.faces import documents
 
     scene = scene_files.load(options.scene)
+    from shootstab.faces.terminal import progress
     from shootstab.questions.refine import refine as question
 
-    found = question(scene.problem, options.guess, rtol=options.rtol, digits=options.digits, method=_method(options))
+    with progress(f"refining {scene.name}") as told:
+        hear = None if told is None else lambda done, total, left: told(done, total)
+        found = question(scene.problem, options.guess, options.rtol, options.digits, _method(options), hear)
 
     def tables() -> list[RenderableType]:
         from shootstab.faces import tables

@@ -92,7 +92,8 @@ def held(x: Any, error: float | None) -> str:
 
 def held_complex(sigma: Any, error: float | None) -> str:
     """re + im·i, both cut at the same decimal place; a real number without its imaginary part."""
-    re_text, im_text = held(sigma.real, error), held(abs(sigma.imag), error)
+    # the sign goes by the text: abs() of an mpmath number rounds it to the precision of the context
+    re_text, im_text = held(sigma.real, error), held(sigma.imag, error).removeprefix("-")
     if im_text == "0":
         return re_text
     sign = "-" if sigma.imag < 0 else "+"

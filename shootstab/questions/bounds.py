@@ -9,7 +9,7 @@ from shootstab.discriminants.protocol import Discriminant, Examinable, Value
 from shootstab.problems.protocol import Problem
 from shootstab.vocabulary.records import Budget
 
-HALVING = 8.0  # of the 2^8 that halving the steps gains, what is counted on
+HALVING = 12.0  # of the 2^8 that halving the steps gains, what is counted on
 FLOW_FACTOR = 1e3  # by which the base flow is computed less accurately
 FLOW_GAIN = 100.0  # of that factor, what is counted on
 PROBE = 1e-7  # relative change of the far frame by which its influence is measured

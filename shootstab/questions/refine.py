@@ -5,6 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 import time
+from collections.abc import Callable
 from dataclasses import is_dataclass, replace
 from typing import Any
 
@@ -19,6 +20,7 @@ from shootstab.vocabulary.errors import ConvergenceError, InputError
 from shootstab.vocabulary.records import CONVERGED, Budget, Mode
 from shootstab.vocabulary.regions import Disc
 
+DOUBLE_DIGITS = 12  # more are computed with many digits
 TIGHTEST = 1e-13  # the local error below which rounding takes over
 LOOSEST = 1e-5
 ATTEMPTS = 3
@@ -26,10 +28,18 @@ PROOF = 32.0  # the circle of the proof, in error bounds: the noise of D must be
 UNKNOWN = Budget(math.inf, math.inf, math.inf, math.inf, math.inf)
 
 
-def refine(problem: Problem, guess: Any, rtol: float = 1e-10, digits: int | None = None, method: Method | None = None) -> Mode:
+def refine(
+    problem: Problem,
+    guess: Any,
+    rtol: float = 1e-10,
+    digits: int | None = None,
+    method: Method | None = None,
+    progress: Callable[[int, int, float], None] | None = None,
+) -> Mode:
     """The mode next to guess, with |true − sigma| ≤ error and error ≤ rtol·|sigma| if its status is 'converged'.
 
-    digits=N stands for rtol = 10^−N. method defaults to orthonormalized shooting with a tolerance chosen from rtol; where the bound
+    digits=N stands for rtol = 10^−N; above 12 everything is computed with many digits (see precise.py), sigma is an mpmath number, and
+    progress(done, total, seconds left) is told how far it is. method defaults to orthonormalized shooting with a tolerance chosen from rtol; where the bound
     misses rtol, any method is tried again with a smaller one. The iteration finds the mode, the argument principle proves that there is
     one: a failed search is a Mode whose status says why.
     """
@@ -38,8 +48,14 @@ def refine(problem: Problem, guess: Any, rtol: float = 1e-10, digits: int | None
     if not cmath.isfinite(guess):
         raise InputError(f"guess = {guess}: allowed is a finite number")
     if digits is not None:
-        if not 1 <= digits <= 13:
-            raise InputError(f"digits = {digits}: allowed is 1 to 13 in double precision")
+        if digits < 1:
+            raise InputError(f"digits = {digits}: allowed is 1 or more")
+        if digits > DOUBLE_DIGITS:
+            if method is not None:
+                raise InputError(f"method {method.name!r}: allowed up to {DOUBLE_DIGITS} digits, more come from Taylor series")
+            from shootstab.questions.precise import refine_digits
+
+            return refine_digits(problem, guess, digits, progress)
         rtol = 10.0**-digits
     if not 1e-14 <= rtol < 1.0:
         raise InputError(f"rtol = {rtol!r}: allowed is a number from 1e-14 to 1")
