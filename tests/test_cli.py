@@ -614,4 +614,5 @@ def test_many_digits_are_printed_as_they_are() -> None:
     with mpmath.workdps(60):
         sigma = mpmath.mpc("0.00373967062297940993222076606301675", "-" + text)
     assert held_complex(sigma, 1e-40) == "0.0037396706229794099322207660630167500000 - 0.2375264888204701074465793134634397576781i"
-    assert documents.mode(Mode(sigma, 1e-40, Budget(0, 0, 0, 0, 1e-40), "converged", "taylor", 1, 0.1))["sigma"]["im"].startswith("-" + text[:40])
+    mode = Mode(sigma, 1e-40, Budget(0, 0, 0, 0, 1e-40), "converged", "taylor", 1, 0.1)
+    assert documents.mode(mode)["sigma"]["im"].startswith("-" + text[:40])

@@ -39,9 +39,9 @@ def refine(
     """The mode next to guess, with |true − sigma| ≤ error and error ≤ rtol·|sigma| if its status is 'converged'.
 
     digits=N stands for rtol = 10^−N; above 12 everything is computed with many digits (see precise.py), sigma is an mpmath number, and
-    progress(done, total, seconds left) is told how far it is. method defaults to orthonormalized shooting with a tolerance chosen from rtol; where the bound
-    misses rtol, any method is tried again with a smaller one. The iteration finds the mode, the argument principle proves that there is
-    one: a failed search is a Mode whose status says why.
+    progress(done, total, seconds left) is told how far it is. method defaults to orthonormalized shooting with a tolerance chosen from
+    rtol; where the bound misses rtol, any method is tried again with a smaller one. The iteration finds the mode, the argument principle
+    proves that there is one: a failed search is a Mode whose status says why.
     """
     began = time.perf_counter()
     guess = complex(guess)
