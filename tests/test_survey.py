@@ -12,6 +12,7 @@ from shootstab.discriminants.atlas import Atlas, Undecidable
 from shootstab.discriminants.frame import Frame
 from shootstab.problems.chute import ChuteProblem
 from shootstab.problems.gallery.poiseuille import PlanePoiseuille
+from shootstab.problems.protocol import FarFrame, Pencil
 from shootstab.questions.resonances import find_resonances
 from shootstab.questions.survey import survey
 from shootstab.questions.unstable import HalfDisc, bound, departure_from_law
@@ -134,3 +135,58 @@ def test_verify_states_the_number_of_growing_modes(scenes: dict[str, ChuteProble
     assert report.verdicts[0].verdict == "confirmed"
     assert [m.sigma for m in report.missing] == pytest.approx([0.0039705046389])
     assert "1 modes have Re sigma >" in report.searched
+
+
+class Doubled:
+    """Two copies of plane Poiseuille flow side by side: every eigenvalue is double."""
+
+    size, decaying = 8, 4
+
+    def __init__(self) -> None:
+        self.single = PlanePoiseuille(reynolds=2000.0)
+
+    def pencil(self, z: np.ndarray) -> Pencil:
+        return Pencil(*(_blocks(M) for M in (getattr(self.single.pencil(z), name) for name in ("C0", "C1", "D0", "D1"))))
+
+    def start(self, sigma: complex, tolerance: float) -> float:
+        return self.single.start(sigma, tolerance)
+
+    def far_frame(self, z: float, sigma: complex) -> FarFrame:
+        frame = _blocks(self.single.far_frame(z, sigma).frame[None])[0]
+        return FarFrame(frame, np.zeros_like(frame), 0.0, 0.0)
+
+    def mesh(self, start: float) -> np.ndarray:
+        return self.single.mesh(start)
+
+    def wall_rows(self) -> tuple[np.ndarray, np.ndarray]:
+        W0, W1 = self.single.wall_rows()
+        return _blocks(W0[None])[0], _blocks(W1[None])[0]
+
+    def cruder(self, factor: float) -> Doubled:
+        return self
+
+    def heights(self, points: int) -> None:
+        return None
+
+    def continuum_at(self, z: np.ndarray) -> np.ndarray:
+        return np.empty(0, complex)
+
+
+def _blocks(M: np.ndarray) -> np.ndarray:
+    out = np.zeros((len(M), 2 * M.shape[1], 2 * M.shape[2]), complex)
+    out[:, : M.shape[1], : M.shape[2]] = M
+    out[:, M.shape[1] :, M.shape[2] :] = M
+    return out
+
+
+def test_a_double_eigenvalue_is_reported_as_such() -> None:
+    single = st.find(PlanePoiseuille(reynolds=2000.0), Rectangle(-0.05 - 0.4j, 0.05 - 0.2j))
+    (sigma,) = [m.sigma for m in single.modes]
+    near = Disc(sigma, 1e-3 * abs(sigma))
+    assert st.count(Doubled(), near) == 2
+    verdict = st.verify(Doubled(), [sigma], digits=4, region=Rectangle(1 + 1j, 2 + 2j)).verdicts[0]
+    assert verdict.verdict == "unresolved"
+    assert "2 modes" in verdict.why
+    mode = st.refine(Doubled(), guess=sigma * 1.01, rtol=1e-6)
+    assert not mode.converged
+    assert "2 modes lie within" in mode.status or "error bound" in mode.status
