@@ -13,7 +13,8 @@ HALVING = 12.0  # of the 2^8 that halving the steps gains, what is counted on
 FLOW_FACTOR = 1e3  # by which the base flow is computed less accurately
 FLOW_GAIN = 100.0  # of that factor, what is counted on
 PROBE = 1e-7  # relative change of the far frame by which its influence is measured
-SAFETY = 3.0  # on what random samples of rounding and of the far frame show
+SAFETY = 3.0  # on what a random sample of the far frame shows
+NOISE = 12.0  # on what three random samples of rounding show: calibrated (validation/calibration.py)
 EPSILON = sys.float_info.epsilon
 
 
@@ -33,5 +34,5 @@ def budget(problem: Problem, coarse: Examinable, coarse_value: Value, fine: Exam
     crude = problem.cruder(FLOW_FACTOR)
     flow = 0.0 if crude is problem else displacement(coarse.of(crude), coarse_value) / FLOW_GAIN
     others = fine.turned(1), fine.turned(2), coarse.refined(seed=1)
-    rounding = SAFETY * max(displacement(other, fine_value) for other in others) + 4 * EPSILON * abs(sigma)
+    rounding = NOISE * max(displacement(other, fine_value) for other in others) + 8 * EPSILON * abs(sigma)
     return Budget(integration, far, flow, root, rounding)

@@ -202,7 +202,7 @@ def _rungs(top: float) -> list[float]:
 
 def _cost(digits: float) -> float:
     """Relative time of one course: measured to grow about as (digits + 20)^2.3."""
-    return (digits + 20) ** 2.3
+    return float((digits + 20) ** 2.3)
 
 
 def _plain(x: Any) -> Any:

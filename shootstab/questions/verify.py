@@ -21,7 +21,7 @@ from shootstab.questions.find import find_modes
 from shootstab.questions.refine import examine, refine
 from shootstab.questions.unstable import count_unstable
 from shootstab.questions.zeros import Inaccurate, Zeros, zeros_in
-from shootstab.roots.iterations import Root
+from shootstab.roots.iterations import Root, newton
 from shootstab.vocabulary.errors import ConvergenceError, InputError
 from shootstab.vocabulary.records import (
     CONFIRMED,
@@ -122,29 +122,44 @@ class Judge:
         if near.resonances:
             why = f"the zero at {near.resonances[0]:.6g} lies beyond the continuous spectrum: a resonance, not a mode"
             return Verdict(claim, SPURIOUS, why)
-        wide, zeros = self._widest(claim, radius)
-        if not zeros:
-            return Verdict(claim, SPURIOUS, f"no zero of D within {wide:.1e}")
-        mode = self._polish(min(zeros, key=lambda z: abs(z - claim)))
+        zero = self._neighbour(claim)
+        if zero is None:
+            wide, zeros = self._widest(claim, radius)
+            if not zeros:
+                return Verdict(claim, SPURIOUS, f"no zero of D within {wide:.1e}")
+            zero = min(zeros, key=lambda z: abs(z - claim))
+        mode = self._polish(zero)
         agreed = digits_between(abs(claim - mode.sigma), abs(mode.sigma))
         why = f"a mode lies {abs(claim - mode.sigma):.1e} away: {agreed:.1f} digits agree, {self.digits} were asked for"
         return Verdict(claim, INACCURATE, why, complex(mode.sigma), mode.error, agreed)
 
-    def _zeros(self, disc: Disc) -> Zeros:
+    def _zeros(self, disc: Disc, most: int | None = None) -> Zeros:
         """By the first atlas that is accurate enough."""
         for atlas in self._atlases[:-1]:
             try:
-                return zeros_in(atlas, disc)
+                return zeros_in(atlas, disc, most)
             except Inaccurate:
                 continue
-        return zeros_in(self._atlases[-1], disc)
+        return zeros_in(self._atlases[-1], disc, most)
+
+    def _neighbour(self, claim: complex) -> complex | None:
+        """The mode that Newton finds from the claim, if it lies in the circle of two digits: cheaper than a count, and proved later."""
+        wide = radius_of(claim, min(NEAR_DIGITS, self.digits))
+        try:
+            root = newton(self.atlas.at(claim).discriminant, claim, 1e-8, most=8)
+            if not root.converged or abs(root.sigma - claim) > wide:
+                return None
+            root = newton(self.atlas.at(root.sigma).discriminant, root.sigma, 1e-8, most=4)
+        except ConvergenceError:
+            return None
+        return root.sigma if root.converged and abs(root.sigma - claim) < wide else None
 
     def _widest(self, claim: complex, radius: float) -> tuple[float, tuple[complex, ...]]:
-        """The modes in the circle of two digits, or in the largest smaller one in which they can be counted."""
+        """The mode in the circle of two digits, or in the largest smaller one in which there is one at most and it can be counted."""
         wide = radius_of(claim, min(NEAR_DIGITS, self.digits))
         while wide > radius:
             try:
-                return wide, self._zeros(Disc(claim, wide)).modes
+                return wide, self._zeros(Disc(claim, wide), 1).modes
             except ConvergenceError:
                 wide /= SHRINK
         return radius, ()

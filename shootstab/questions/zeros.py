@@ -28,16 +28,22 @@ class Zeros:
     path: str
 
 
-def zeros_in(atlas: Atlas, disc: Disc) -> Zeros:
+class Crowded(ConvergenceError):  # noqa: N818 - it is a finding, not a fault
+    """More zeros lie in the disc than were to be told apart."""
+
+
+def zeros_in(atlas: Atlas, disc: Disc, most: int | None = None) -> Zeros:
     """All zeros in a disc, by counting; where the continuous spectrum crosses it, on each side of it those of the continuation from there.
 
-    Raises ConvergenceError (Undecidable among them) when that cannot be decided.
+    Raises ConvergenceError (Undecidable among them) when that cannot be decided, and Crowded when one chart has more zeros than most.
     """
     modes: list[complex] = []
     resonances: list[complex] = []
     charts = atlas.charts(disc.centre, disc.radius)
     for chart in charts:
         winding = wind(chart.discriminant, disc)
+        if most is not None and winding.count > most:
+            raise Crowded(f"{winding.count} zeros lie within {disc.radius:.1e}")
         require_accurate(chart, winding)
         if winding.count == 0:
             continue

@@ -120,3 +120,11 @@ def choose(name: str | None = None) -> Arithmetic:
 def exact(x: float) -> Fraction:
     """The number that was meant: the shortest decimal that a float stands for, 0.8 = 8/10."""
     return Fraction(repr(float(x)))
+
+
+def simplified(ring: Arithmetic, x: Any) -> Any:
+    """x as a real number if its imaginary part is exactly zero."""
+    if isinstance(x, int | float | complex):
+        x = ring.complex(x)
+    re, im = ring.parts(x)
+    return (ring.number(0) if re is None else ring.rounded(re)) if im is None else ring.rounded(x)

@@ -1,4 +1,4 @@
-"""The arithmetic of mpmath. Series are Python integers with a common exponent, which makes their products fast without any other library."""
+"""The arithmetic of mpmath. Series are Python integers with a common exponent: their products are fast without another library."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from fractions import Fraction
 from operator import mul
 from typing import Any
 
-import mpmath
 from mpmath import libmp, mp
 
 from shootstab.discriminants.precise.arithmetic import Matrix
@@ -143,13 +142,16 @@ class Dots:
     def value(self) -> Matrix:
         columns = range(len(self._Y[0]))
         moving = [[any(self._Y[b][q][1]) for q in columns] for b in range(len(self._Y))]
-        return [[self._entry(row, q, moving) for q in columns] for row in self._rows]
+        zero = [[not (moving[b][q] or any(self._Y[b][q][0])) for q in columns] for b in range(len(self._Y))]
+        return [[self._entry(row, q, moving, zero) for q in columns] for row in self._rows]
 
-    def _entry(self, row: Sequence[Any], q: int, moving: list[list[bool]]) -> Any:
+    def _entry(self, row: Sequence[Any], q: int, moving: list[list[bool]], zero: list[list[bool]]) -> Any:
         assert self._exponent is not None
         real, imag = mp.zero, mp.zero
         for b, A_re, A_im in row:
             y_re, y_im = self._Y[b][q]
+            if zero[b][q]:
+                continue
             if A_re is not None:
                 real += self._dot(A_re, y_re)
                 if moving[b][q]:

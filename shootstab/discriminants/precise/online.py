@@ -73,10 +73,10 @@ class Node:
 
     __radd__ = __add__
 
-    def __sub__(self, other: Any) -> Node:
+    def __sub__(self, other: Any) -> Any:
         return self + (-other)
 
-    def __rsub__(self, other: Any) -> Node:
+    def __rsub__(self, other: Any) -> Any:
         return (-self) + other
 
     def __mul__(self, other: Any) -> Node:

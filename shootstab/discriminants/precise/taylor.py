@@ -6,7 +6,7 @@ what they must and no more. It is a number to `vocabulary.series.Series`, so tha
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from shootstab.discriminants.precise.arithmetic import Arithmetic
@@ -33,6 +33,18 @@ class Taylor:
         if im is None:
             return re if re is not None else [self.ring.number(0)] * terms
         return [1j * self.ring.complex(y) if re is None else re[m] + 1j * self.ring.complex(y) for m, y in enumerate(im)]
+
+    def derivative(self, factor: int) -> Taylor:
+        """d/dx, whose last coefficient is not known and set to zero, or x d/dx, for factor = 0 and 1: the powers of x in front."""
+        ring, n = self.ring, self.terms
+
+        def of(part: Any) -> Any:
+            if part is None:
+                return None
+            slopes = [m * c for m, c in enumerate(ring.coefficients(part, n))]
+            return ring.series(slopes if factor else [*slopes[1:], ring.number(0)])
+
+        return self._like(of(self.re), of(self.im))
 
     def _like(self, re: Any, im: Any) -> Taylor:
         return Taylor(self.ring, self.terms, re, im)
@@ -69,8 +81,9 @@ class Taylor:
         if isinstance(other, Series):
             return NotImplemented
         ring = self.ring
+        times: Callable[[Any, Any], Any] = ring.times
         if isinstance(other, Taylor):
-            a, b, c, d, times = self.re, self.im, other.re, other.im, ring.times
+            a, b, c, d = self.re, self.im, other.re, other.im
         else:
             a, b, times = self.re, self.im, ring.scaled
             c, d = ring.parts(_number(ring, other))
@@ -95,7 +108,7 @@ class Taylor:
     def __rtruediv__(self, other: Any) -> Any:
         return (self._like(None, None) + other) / self
 
-    def __pow__(self, exponent: Any) -> Taylor:
+    def __pow__(self, exponent: Any) -> Any:
         """Integer powers of anything, other powers of real series."""
         if isinstance(exponent, int) and exponent >= 0:
             result = self._like(None, None) + 1
@@ -110,16 +123,6 @@ class Taylor:
 def real_series(ring: Arithmetic, coefficients: Sequence[Any]) -> Taylor:
     """The series with these real coefficients."""
     return Taylor(ring, len(coefficients), ring.series(coefficients), None)
-
-
-def stretched(series: Taylor, powers: Sequence[Any]) -> Taylor:
-    """Of series(x), series(r x), from the powers 1, r, r², …"""
-    ring, n = series.ring, series.terms
-    parts = [
-        None if part is None else ring.series([c * p for c, p in zip(ring.coefficients(part, n), powers, strict=False)])
-        for part in (series.re, series.im)
-    ]
-    return Taylor(ring, n, *parts)
 
 
 def _number(ring: Arithmetic, x: Any) -> Any:

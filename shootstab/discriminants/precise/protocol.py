@@ -1,0 +1,83 @@
+"""What the engine asks of a problem that is to be solved to any number of digits, and what it makes of it.
+
+A `Formulation` is a problem with its parameters taken as exact decimals; a `Course` is one way through it, from the far end to
+the wall, in one arithmetic with one choice of settings. All numbers and series are those of the arithmetic.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from shootstab.discriminants.precise.arithmetic import Arithmetic, Matrix
+from shootstab.discriminants.precise.settings import Settings
+from shootstab.discriminants.precise.taylor import Taylor
+
+Entries = Mapping[tuple[int, int], Taylor]
+Tick = Callable[[], None]
+
+
+@dataclass(frozen=True)
+class Expansion:
+    """The pencil about a point of the path, as series in the fraction t of a step of length h: (C0 + σ C1) dψ/dt = h (D0 + σ D1) ψ.
+
+    at_wall says whether t = 1 is the wall.
+    """
+
+    h: Any
+    C0: Entries
+    C1: Entries
+    D0: Entries
+    D1: Entries
+    at_wall: bool
+
+
+class Course(Protocol):
+    """One way from the far end to the wall."""
+
+    def launch(self, sigma: Any) -> None:
+        """Choose where to start, so that the far frame holds at σ."""
+        ...
+
+    def far_frame(self, sigma: Any) -> tuple[Matrix, Any]:
+        """The decaying space (n, k) at the start, and the factor with which its determinant counts."""
+        ...
+
+    def expand(self, longest: float) -> Expansion:
+        """The pencil about the place reached, for a step of length longest at most; may be asked for again with a shorter one."""
+        ...
+
+    def advance(self) -> None:
+        """Go to the end of the last expansion's step."""
+        ...
+
+    def wall_rows(self) -> tuple[Matrix, Matrix]:
+        """W0, W1 (k, n), asked for at the wall."""
+        ...
+
+
+class Formulation(Protocol):
+    """A problem that can be set up in any precision."""
+
+    @property
+    def size(self) -> int:
+        """n."""
+        ...
+
+    @property
+    def real(self) -> bool:
+        """Whether D is real for real σ."""
+        ...
+
+    @property
+    def has_base_flow(self) -> bool:
+        """Whether there is a base flow that base_settings bear on."""
+        ...
+
+    def course(self, ring: Arithmetic, settings: Settings, base_settings: Settings, tick: Tick) -> Course:
+        """A course with these settings, on a base flow found with base_settings; to be called inside the working precision.
+
+        Raises ConvergenceError where the parameters do not determine a base flow.
+        """
+        ...
