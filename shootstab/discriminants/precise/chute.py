@@ -130,7 +130,7 @@ class ChuteCourse:
         self._descent = Descent(self.ring, self.chute, self.settings, state, self._problem.flow.height(2.0**log_start))
 
     def _guess(self, sigma: Any) -> float:
-        """log2 of a start: doubles, whose last terms (the 16th to 19th) lie below 10^−14, see the radius as about 10^(14/18) times theirs."""
+        """log2 of a start: doubles, whose last terms (16th to 19th) lie below 10^−14, see the radius as about 10^(14/18) times theirs."""
         z = self._problem.start(complex(self.ring.to_mpmath(sigma)), 1e-14)
         gain = 14 / 18 - self.settings.far_tolerance / self.settings.far_terms
         return float(self._problem.flow.at(z)[0].real) / math.log(2) + gain * math.log2(10) - self.settings.far_shift
