@@ -87,7 +87,7 @@ class Shooting:
     def turned(self, seed: int) -> Shooting:
         """The same from the far frame in another basis of determinant 1, chosen at random."""
         k = self.problem.decaying
-        basis = _random(seed, k, k)
+        basis = np.linalg.qr(_random(seed, k, k))[0]  # unitary: it must not add a condition of its own
         basis /= np.linalg.det(basis) ** (1 / k)
         return self._variant(lambda far: replace(far, frame=far.frame @ basis, tangent=far.tangent @ basis), self._mesh, self.problem)
 
