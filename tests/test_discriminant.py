@@ -7,6 +7,7 @@ import pytest
 
 from shootstab.discriminants.frame import Frame, det_with_slope
 from shootstab.discriminants.mesh import halved, redistribute, split
+from shootstab.discriminants.shooting import Shooting
 from shootstab.discriminants.table import reduce_pencil, tabulate
 from shootstab.problems import chute
 from shootstab.problems.chute import ChuteProblem
@@ -111,7 +112,7 @@ def test_far_frame_is_carried_by_the_system(scenes: dict[str, ChuteProblem]) -> 
     problem, sigma = scenes["fig2"], 0.0017 - 0.0016j
     values = []
     for nu in (1e-5, 1e-7, 1e-9):
-        shooting = Frame(rtol=1e-12).on(problem)
+        shooting = Shooting(problem, Frame(rtol=1e-12))
         height = problem.flow.height(nu)
         shooting._table = tabulate(problem, problem.mesh(height).astype(complex))
         for turn in range(6):
@@ -127,9 +128,9 @@ def test_far_frame_is_carried_by_the_system(scenes: dict[str, ChuteProblem]) -> 
 def test_sigma_does_not_move_with_the_far_field_start(scenes: dict[str, ChuteProblem], name: str) -> None:
     """A factor of 100 in ν moves σ by less than 1e−11."""
     problem = scenes[name]
-    shooting = Frame(rtol=1e-13).on(problem)
+    shooting = Shooting(problem, Frame(rtol=1e-13))
     sigma = newton(shooting, GUESS[name], 1e-14).sigma
-    higher = Frame(rtol=1e-13).on(problem)
+    higher = Shooting(problem, Frame(rtol=1e-13))
     nu = float(np.exp(problem.flow.at(shooting._mesh[0].real)[0].real)) / 100
     higher._table = tabulate(problem, problem.mesh(problem.flow.height(nu)).astype(complex))
     for turn in range(6):

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shootstab.discriminants.paths import Bend
+from shootstab.discriminants.product import Product, shoot
 from shootstab.discriminants.protocol import Value
 from shootstab.discriminants.shooting import Shooting
 from shootstab.discriminants.table import Table
@@ -22,20 +23,23 @@ class Frame:
     rtol: float = 1e-11
     name: str = "frame"
 
-    def on(self, problem: Problem, bend: Bend | None = None) -> Shooting:
+    def on(self, problem: Problem, bend: Bend | None = None) -> Shooting | Product:
         """D(σ) of the problem, along the real axis or along a bend; the mesh is made at the first σ and grows where another needs it."""
-        return Shooting(problem, self, bend)
+        return shoot(problem, lambda: self, bend)
 
     def carry(
         self, table: Table, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
     ) -> tuple[Value, np.ndarray]:
         """D = det[(W0 + σW1) Y]; the R factors of the orthonormalizations are carried along, so that D is analytic."""
-        Y, dY = far.frame.copy(), far.tangent.copy()
         errors = np.empty(len(table.nodes) - 1)
-        log_det, trace = transport(table.steps, table.X, table.V, table.G, table.T, sigma, Y, dY, tangent, errors)
+        if sigma.imag == 0.0 and table.real is not None and not (far.frame.imag.any() or far.tangent.imag.any()):
+            system, at, Y, dY = table.real, sigma.real, far.frame.real.copy(), far.tangent.real.copy()
+        else:
+            system, at, Y, dY = table.system, sigma, far.frame.copy(), far.tangent.copy()  # type: ignore[assignment]
+        log_det, trace = transport(system, at, Y, dY, tangent, errors)
         W = rows[0] + sigma * rows[1]
         det, slope = det_with_slope(W @ Y, rows[1] @ Y + W @ dY)
-        return Value(sigma, Scaled(det, log_det + far.log_scale), slope + trace * det), errors
+        return Value(sigma, Scaled(det, log_det + far.log_scale), slope + complex(trace) * det), errors
 
 
 def det_with_slope(M: ComplexArray, dM: ComplexArray) -> tuple[complex, complex]:

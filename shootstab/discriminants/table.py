@@ -2,7 +2,7 @@
 
 At every Runge–Kutta abscissa the pencil is reduced to
 
-    A(σ) = C⁻¹D = X0 + σ X1 + V γ(σ)⁻¹ t(σ),   γ = γ0 + σ γ1,   t = t0 + σ t1 + σ² t2.
+    A(σ) = C⁻¹D = X0 + σ X1 + V γ(σ)⁻¹ τ(σ),   γ = G0 + σ G1,   τ = T0 + σ T1 + σ² T2.
 
 The rows of C that σ does not enter fix ψ′ up to the null space V of those rows; the m rows that it does enter fix the rest. m is 0 for most
 problems and 1 for the chute, and det C vanishes where det γ does: nothing is divided by that is not singular in truth.
@@ -11,33 +11,32 @@ problems and 1 for the chute, and det C vanishes where det γ does: nothing is d
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.kernels.tableau import STAGES
 from shootstab.kernels.tableau import C as ABSCISSAE
+from shootstab.kernels.transport import Sampled
 from shootstab.problems.protocol import ComplexArray, Pencil, Problem
 from shootstab.vocabulary.errors import InputError
 
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """nodes (N+1,) from the far end to the wall; the reduced pencil at the 12 abscissae of each of N steps.
-
-    X (N, 12, 2, n, n), V (N, 12, n, m), G (N, 12, 2, m, m) for γ, T (N, 12, 3, m, n) for t.
-    """
+    """nodes (N+1,) from the far end to the wall; the reduced system on the N steps, in complex numbers."""
 
     nodes: ComplexArray
-    X: ComplexArray
-    V: ComplexArray
-    G: ComplexArray
-    T: ComplexArray
+    system: Sampled
 
-    @property
-    def steps(self) -> ComplexArray:
-        """h (N,)."""
-        return np.diff(self.nodes)
+    @cached_property
+    def real(self) -> Sampled | None:
+        """The system in real numbers, None if it is not real."""
+        parts = self.system[3:]
+        if any(part.imag.any() for part in parts):
+            return None
+        return Sampled(*self.system[:3], *(np.ascontiguousarray(part.real) for part in parts))
 
 
 def tabulate(problem: Problem, nodes: NDArray[np.complexfloating]) -> Table:
@@ -50,9 +49,27 @@ def tabulate(problem: Problem, nodes: NDArray[np.complexfloating]) -> Table:
     order = np.argsort(ABSCISSAE)
     points: ComplexArray = at[:-1, None] + h[:, None] * ABSCISSAE[order]
     reduced = reduce_pencil(problem.pencil(points.ravel()), problem.size)
-    steps = len(h)
     back = np.argsort(order)
-    return Table(at, *(a.reshape(steps, STAGES, *a.shape[1:])[:, back].copy() for a in reduced))
+    return Table(at, sample(h, *(a.reshape(len(h), STAGES, *a.shape[1:])[:, back] for a in reduced)))
+
+
+def sample(h: ComplexArray, X: ComplexArray, V: ComplexArray, G: ComplexArray, T: ComplexArray) -> Sampled:
+    """The reduced system at the abscissae of N steps of lengths h, in the form that the kernels take.
+
+    X (N, 12, 2, n, n), V (N, 12, n, m), G (N, 12, 2, m, m), T (N, 12, 3, m, n).
+    """
+    n, m = V.shape[2:]
+    lengths = h[:, None, None, None]
+    degree = 2 if T[:, :, 2].any() else 1
+    stacked = np.zeros((len(h), STAGES, degree + 1, n + m, n), dtype=np.complex128)
+    stacked[:, :, :2, :n] = X * lengths[..., None]
+    stacked[:, :, :, n:] = T[:, :, : degree + 1]
+    row, column = np.nonzero(stacked.any(axis=(0, 1, 2)))
+    start = np.searchsorted(row, np.arange(n + m + 1))
+    carries = np.flatnonzero(V.any(axis=(0, 1, 3)))
+    parts = stacked[:, :, :, row, column], V[:, :, carries] * lengths, G
+    P, V, G = (np.ascontiguousarray(part) for part in parts)
+    return Sampled(start.astype(np.uint64), column.astype(np.uint64), carries.astype(np.uint64), P, V, G)
 
 
 def reduce_pencil(pencil: Pencil, n: int) -> tuple[ComplexArray, ComplexArray, ComplexArray, ComplexArray]:

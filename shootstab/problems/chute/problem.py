@@ -30,6 +30,7 @@ class ChuteProblem:
     kx: float
     ky: float
     _crude: dict[float, ChuteProblem] = field(default_factory=dict, repr=False)
+    _nu: dict[float, float] = field(default_factory=dict, repr=False)  # ν0 at the heights where a far frame was asked for
 
     def __post_init__(self) -> None:
         for name, value in (("kx", self.kx), ("ky", self.ky)):
@@ -55,9 +56,11 @@ class ChuteProblem:
         return self.flow.height(self._far.reach(sigma, tolerance))
 
     def far_frame(self, z: float, sigma: complex) -> FarFrame:
-        nu = np.exp(self.flow.at(z)[0])
-        frame, tangent, error = self._far.at(complex(nu), sigma)
-        log_scale = np.trace(self._far.exponents).real * math.log(nu.real)
+        if z not in self._nu:
+            self._nu[z] = math.exp(self.flow.at(z)[0].real)
+        nu = self._nu[z]
+        frame, tangent, error = self._far.at(nu, sigma)
+        log_scale = self._far.trace * math.log(nu)
         return FarFrame(frame, tangent, log_scale, error)
 
     def mesh(self, start: float) -> NDArray[np.float64]:
