@@ -6,7 +6,7 @@ import numpy as np
 
 from shootstab.discriminants.table import sample
 from shootstab.kernels import tableau
-from shootstab.kernels.transport import Sampled
+from shootstab.kernels.system import Sampled
 
 
 def without_resolvent(h: np.ndarray, X: np.ndarray) -> Sampled:

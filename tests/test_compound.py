@@ -13,7 +13,7 @@ from sampled import between, constant, spoilt
 
 from shootstab.kernels import compound, exterior
 from shootstab.kernels.exterior import induced, minors, minors_with_slope
-from shootstab.kernels.transport import Sampled
+from shootstab.kernels.system import Sampled
 
 RNG = np.random.default_rng(17)
 SIZES = st.integers(2, 6).flatmap(lambda n: st.tuples(st.just(n), st.integers(1, n - 1), st.integers(0, 10**6)))

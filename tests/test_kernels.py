@@ -10,8 +10,8 @@ import scipy.linalg
 from sampled import constant, spoilt
 
 from shootstab.discriminants.table import sample
-from shootstab.kernels import regular_singular, tableau, transport
-from shootstab.kernels.transport import Sampled
+from shootstab.kernels import regular_singular, system, tableau, transport
+from shootstab.kernels.system import Sampled
 
 RNG = np.random.default_rng(5)
 
@@ -46,10 +46,10 @@ def test_error_weights_vanish_on_constants_and_see_more() -> None:
         assert abs(weights @ tableau.C**8) > 1e-6
 
 
-def run(system: Sampled, sigma: complex, Y: np.ndarray, dY: np.ndarray | None = None, kernel=transport.transport):
+def run(sampled: Sampled, sigma: complex, Y: np.ndarray, dY: np.ndarray | None = None, kernel=transport.transport):
     Y, slope = Y.copy(), np.zeros_like(Y) if dY is None else dY.copy()
-    errors = np.empty(len(system.P))
-    log_det, trace = kernel(system, sigma, Y, slope, True, errors)
+    errors = np.empty(len(sampled.P))
+    log_det, trace = kernel(sampled, sigma, Y, slope, True, errors)
     return Y, slope, log_det, trace, errors
 
 
@@ -119,10 +119,10 @@ def random_system(n: int, m: int, degree: int, steps: int, real: bool = False) -
 @pytest.mark.parametrize(("m", "degree"), [(0, 1), (1, 1), (1, 2), (3, 2)])
 def test_sampled_system_equals_its_dense_form(m: int, degree: int) -> None:
     n, sigma = 5, 0.2 + 0.1j
-    system, dense = random_system(n, m, degree, 1)
+    sampled, dense = random_system(n, m, degree, 1)
     A, dA = np.empty((n, n), complex), np.empty((n, n), complex)
-    for kernel in (transport.system_matrix, transport.system_matrix.py_func):
-        kernel(system, 0, 7, sigma, A, dA, transport.workspace(system, n), True)
+    for kernel in (system.system_matrix, system.system_matrix.py_func):
+        kernel(sampled, 0, 7, sigma, A, dA, system.workspace(sampled, n), True)
         np.testing.assert_allclose(A, dense(sigma), rtol=1e-11)
         np.testing.assert_allclose(dA, (dense(sigma + 1e-5) - dense(sigma - 1e-5)) / 2e-5, rtol=1e-6, atol=1e-8)
 
@@ -130,9 +130,9 @@ def test_sampled_system_equals_its_dense_form(m: int, degree: int) -> None:
 @pytest.mark.parametrize(("m", "degree", "k"), [(1, 1, 4), (1, 2, 3), (2, 2, 5), (2, 1, 1)])
 def test_transport_through_a_resolvent(m: int, degree: int, k: int) -> None:
     n, sigma = 6, 0.2 - 0.1j
-    system, dense = random_system(n, m, degree, 40)
+    sampled, dense = random_system(n, m, degree, 40)
     Y, W = random_complex(n, k), random_complex(k, n)
-    D, slope = det_and_slope(W, run(system, sigma, Y))
+    D, slope = det_and_slope(W, run(sampled, sigma, Y))
 
     def exact(s: complex) -> complex:
         return np.linalg.det(W @ scipy.linalg.expm(dense(s)) @ Y)
@@ -142,10 +142,10 @@ def test_transport_through_a_resolvent(m: int, degree: int, k: int) -> None:
 
 
 def test_real_arithmetic_gives_the_same() -> None:
-    system, _ = random_system(6, 1, 1, 20, real=True)
-    real = Sampled(*system[:3], *(np.ascontiguousarray(part.real) for part in system[3:]))
+    sampled, _ = random_system(6, 1, 1, 20, real=True)
+    real = Sampled(*sampled[:3], *(np.ascontiguousarray(part.real) for part in sampled[3:]))
     Y, dY = RNG.standard_normal((6, 3)), RNG.standard_normal((6, 3))
-    complex_result = run(system, 0.3 + 0j, Y.astype(complex), dY.astype(complex))
+    complex_result = run(sampled, 0.3 + 0j, Y.astype(complex), dY.astype(complex))
     for a, b in zip(run(real, 0.3, Y, dY), complex_result, strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-11, atol=1e-13)
 
@@ -162,14 +162,14 @@ NESTED = "orthonormalize", "reduce_tangent", "solve_small", "square", "evaluate"
 
 @pytest.mark.parametrize("real", [False, True])
 def test_compiled_equals_uncompiled(monkeypatch: pytest.MonkeyPatch, real: bool) -> None:
-    system, _ = random_system(4, 2, 2, 2, real)
+    sampled, _ = random_system(4, 2, 2, 2, real)
     Y, sigma = random_complex(4, 2), 0.3j
     if real:
-        system, Y, sigma = Sampled(*system[:3], *(np.ascontiguousarray(part.real) for part in system[3:])), Y.real.copy(), 0.3
-    compiled = run(system, sigma, Y)
+        sampled, Y, sigma = Sampled(*sampled[:3], *(np.ascontiguousarray(part.real) for part in sampled[3:])), Y.real.copy(), 0.3
+    compiled = run(sampled, sigma, Y)
     for name in (*NESTED, "workspace", "reals"):
         monkeypatch.setattr(transport, name, getattr(transport, name).py_func)
-    for a, b in zip(compiled, run(system, sigma, Y, kernel=transport.transport.py_func), strict=True):
+    for a, b in zip(compiled, run(sampled, sigma, Y, kernel=transport.transport.py_func), strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-12)
 
 

@@ -16,9 +16,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from shootstab.kernels.system import Sampled
 from shootstab.kernels.tableau import STAGES
 from shootstab.kernels.tableau import C as ABSCISSAE
-from shootstab.kernels.transport import Sampled
 from shootstab.problems.protocol import ComplexArray, Pencil, Problem
 from shootstab.vocabulary.errors import InputError
 

@@ -13,9 +13,10 @@ import numpy as np
 from numba import njit
 
 from shootstab.kernels.exterior import apply, row_sizes
+from shootstab.kernels.stages import combine, reals
+from shootstab.kernels.system import system_matrix, workspace
 from shootstab.kernels.tableau import E3, E5, STAGES, WEIGHTS
 from shootstab.kernels.tableau import A as RK_A
-from shootstab.kernels.transport import combine, reals, system_matrix, workspace
 
 LOG_2 = float(np.log(2.0))
 FLOOR = 1e-9  # of the largest row: rows smaller than this count as so large

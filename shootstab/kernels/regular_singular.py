@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from shootstab.kernels.transport import square
+from shootstab.kernels.system import square
 
 
 class Sparse(NamedTuple):

@@ -14,10 +14,11 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from shootstab.kernels.stages import combine, reals
+from shootstab.kernels.system import system_matrix, workspace
 from shootstab.kernels.tableau import E3, E5, STAGES, WEIGHTS
 from shootstab.kernels.tableau import A as RK_A
 from shootstab.kernels.tableau import B as RK_B
-from shootstab.kernels.transport import combine, reals, system_matrix, workspace
 
 SMALL = 1.1  # the charts chosen have no |S_ij| beyond this at a node; rounding grows with its square, and the steps are no fewer
 FLOOR = 1e-9  # of the largest row: rows smaller than this count as so large
