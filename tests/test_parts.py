@@ -117,5 +117,22 @@ def test_parts_of_a_shuffled_problem_keep_the_sign_of_D() -> None:
 
 
 def test_a_coupling_that_the_samples_missed_is_refused() -> None:
-    with pytest.raises(InputError, match="connects parts"):
+    with pytest.raises(InputError, match="couples parts"):
         Frame().on(Chains(late=True))(3.0)
+
+
+def test_a_discriminant_moves_to_a_neighbouring_problem_with_its_mesh(scenes: dict[str, ChuteProblem]) -> None:
+    flow = scenes["high"].flow
+    here = Frame(rtol=1e-10).on(scenes["high"])
+    here(0.004)
+    for kx, ky in ((0.0, 0.0103), (1e-4, 0.0103)):
+        there = ChuteProblem(flow, kx, ky)
+        moved, fresh = here.moved_to(there), Frame(rtol=1e-10).on(there)
+        for sigma in (0.004, 0.004 - 0.001j):
+            assert moved(sigma).over(fresh(sigma)) == pytest.approx(1.0, abs=1e-8)
+    # without spanwise wave it is in parts, with one it is not: the parts do not serve
+    apart = Frame(rtol=1e-10).on(ChuteProblem(flow, 5e-4, 0.0))
+    apart(0.002)
+    oblique = ChuteProblem(flow, 5e-4, 0.002)
+    assert isinstance(apart.moved_to(oblique), Shooting)
+    assert apart.moved_to(oblique)(0.002).over(Frame(rtol=1e-10).on(oblique)(0.002)) == pytest.approx(1.0, abs=1e-8)

@@ -24,6 +24,10 @@ ANYWHERE = 0.35 + 0.21j  # a σ without any property, times the problem's own sc
 I_POWERS = np.array([1, 1j])
 
 
+class Coupled(InputError):  # noqa: N818 - it is a finding, not a fault
+    """What was taken for independent parts is not."""
+
+
 @dataclass(frozen=True, eq=False)
 class Part:
     """Some states of a problem with the equations, decaying solutions and wall rows that belong to them, each with a phase 0 or 1.
@@ -53,13 +57,12 @@ class Part:
         return (1 + 0j, 1j, -1 + 0j, -1j)[turns]
 
     def pencil(self, z: ComplexArray) -> Pencil:
-        """Raises InputError where a state of the part meets an equation outside it: the samples have missed that."""
+        """Raises Coupled where a state of the part meets an equation outside it: the samples have missed that."""
         of_states, of_equations = self.phases[:2]
         turn = I_POWERS[of_equations].conj()[:, None] * I_POWERS[of_states]
         matrices = self.whole.pencil(z)
         for M in matrices.C0, matrices.C1, matrices.D0, matrices.D1:
-            if np.count_nonzero(M[:, :, self.states]) != np.count_nonzero(M[:, self.equations[:, None], self.states]):
-                raise InputError("the pencil connects parts somewhere that it leaves apart elsewhere: allowed is one structure for all z")
+            _require_apart("pencil", M, self.equations, self.states)
         C0, C1, D0, D1 = (M[:, self.equations[:, None], self.states] * turn for M in (matrices.C0, matrices.C1, matrices.D0, matrices.D1))
         return Pencil(C0, C1, D0, D1)
 
@@ -71,6 +74,7 @@ class Part:
         far = _far_frame(self.whole, z, sigma)
         turn = I_POWERS[self.phases[0]].conj()[:, None] * I_POWERS[self.phases[2]]
         pick = self.states[:, None], self.solutions
+        _require_apart("far frame", far.frame[None], self.states, self.solutions)
         share = far.log_scale * len(self.solutions) / self.whole.decaying
         return replace(far, frame=far.frame[pick] * turn, tangent=far.tangent[pick] * turn, log_scale=share)
 
@@ -79,6 +83,8 @@ class Part:
 
     def wall_rows(self) -> tuple[ComplexArray, ComplexArray]:
         turn = I_POWERS[self.phases[3]].conj()[:, None] * I_POWERS[self.phases[0]]
+        for W in self.whole.wall_rows():
+            _require_apart("wall rows", W[None], self.rows, self.states)
         W0, W1 = (W[self.rows[:, None], self.states] * turn for W in self.whole.wall_rows())
         return W0, W1
 
@@ -91,6 +97,12 @@ class Part:
 
     def continuum_at(self, z: ComplexArray) -> ComplexArray:
         return self.whole.continuum_at(z)
+
+
+def _require_apart(name: str, matrices: ComplexArray, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> None:
+    """Raise Coupled if one of the matrices (m, p, q) has entries in these columns that are not in these rows."""
+    if np.count_nonzero(matrices[:, :, columns]) != np.count_nonzero(matrices[:, rows[:, None], columns]):
+        raise Coupled(f"the {name} couples parts of the problem that are apart elsewhere: allowed is one structure for all z and sigma")
 
 
 @lru_cache(maxsize=2)

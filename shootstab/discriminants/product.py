@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from shootstab.discriminants.parts import Parts, parts_of
+from shootstab.discriminants.parts import Coupled, Parts, parts_of
 from shootstab.discriminants.paths import Bend
 from shootstab.discriminants.protocol import Value
 from shootstab.discriminants.shooting import Carrier, Shooting
@@ -21,14 +21,14 @@ def shoot(problem: Problem, method: Callable[[], Carrier], bend: Bend | None = N
     parts = parts_of(problem)
     if parts is None:
         return Shooting(problem, method(), bend)
-    return Product(parts, tuple(Shooting(part, method(), bend) for part in parts.members))
+    return Product(parts, tuple(Shooting(part, method(), bend) for part in parts.members), method)
 
 
 class Product:
     """D = factor Π D_i; a discriminant as `Shooting` is one."""
 
-    def __init__(self, parts: Parts, members: tuple[Shooting, ...]) -> None:
-        self._parts, self.members = parts, members
+    def __init__(self, parts: Parts, members: tuple[Shooting, ...], method: Callable[[], Carrier]) -> None:
+        self._parts, self.members, self._method = parts, members, method
 
     def __call__(self, sigma: complex) -> Scaled:
         D = Scaled(self._parts.factor, 0.0)
@@ -71,10 +71,19 @@ class Product:
     def of(self, problem: Problem) -> Product:
         others = self._parts.of(problem)
         members = tuple(member.of(other) for member, other in zip(self.members, others, strict=True))
-        return Product(replace(self._parts, members=others), members)
+        return Product(replace(self._parts, members=others), members, self._method)
+
+    def moved_to(self, problem: Problem) -> Shooting | Product:
+        """Of another problem, from the same mesh on; in the same parts if they are apart there too."""
+        others = self._parts.of(problem)
+        try:
+            members = tuple(member.moved_to(other, self._method()) for member, other in zip(self.members, others, strict=True))
+        except Coupled:
+            return shoot(problem, self._method, self.members[0].bend)
+        return Product(replace(self._parts, members=others), members, self._method)
 
     def _each(self, change: Callable[[Shooting], Shooting]) -> Product:
-        return Product(self._parts, tuple(map(change, self.members)))
+        return Product(self._parts, tuple(map(change, self.members)), self._method)
 
 
 def _times(a: Scaled, b: Scaled) -> Scaled:

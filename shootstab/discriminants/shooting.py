@@ -104,6 +104,13 @@ class Shooting:
         """Of another problem, on the same mesh."""
         return self._variant(lambda far: far, self._mesh, problem)
 
+    def moved_to(self, problem: Problem, method: Carrier | None = None) -> Shooting:
+        """Of another problem, from the same mesh on, which grows where it must; method carries it, if not the same object."""
+        other = Shooting(problem, method or self.method, self.bend)
+        if self._table is not None:
+            other._table = tabulate(problem, self._mesh)
+        return other
+
     @property
     def far_error(self) -> float:
         return self._far_error

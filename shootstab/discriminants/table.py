@@ -16,6 +16,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from shootstab.kernels.elimination import solve_each
 from shootstab.kernels.system import Sampled
 from shootstab.kernels.tableau import STAGES
 from shootstab.kernels.tableau import C as ABSCISSAE
@@ -95,11 +96,10 @@ def reduce_pencil(pencil: Pencil, n: int) -> tuple[ComplexArray, ComplexArray, C
     right = np.zeros((p, n, 2 * n + m), dtype=np.complex128)
     right[:, : n - m, :n], right[:, : n - m, n : 2 * n] = D0[:, fixed], D1[:, fixed]
     right[:, n - m :, 2 * n :] = np.eye(m)
-    try:
-        solved = np.linalg.solve(complete, right)
-    except np.linalg.LinAlgError:
-        raise InputError("the pencil's C has rows of deficient rank, whatever sigma is") from None
-    X0, X1, V = (np.asarray(part, dtype=np.complex128) for part in np.split(solved, (n, 2 * n), axis=2))
+    solve_each(complete, right)
+    if not np.isfinite(right).all():
+        raise InputError("the pencil's C has rows of deficient rank, whatever sigma is")
+    X0, X1, V = np.split(right, (n, 2 * n), axis=2)
     G0, G1 = C0[:, moving] @ V, C1[:, moving] @ V
     T0 = D0[:, moving] - C0[:, moving] @ X0
     T1 = D1[:, moving] - C0[:, moving] @ X1 - C1[:, moving] @ X0

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from shootstab.kernels.system import square
+from shootstab.kernels.elimination import factorize, substitute
 
 
 class Sparse(NamedTuple):
@@ -108,54 +108,6 @@ def _solve_order(C, c, left, right, F, pivots, f, R):  # type: ignore[no-untyped
         for q in range(k):
             R[C.row[e], q] -= c[0, e] * f[C.column[e], 0] * right[q]
     substitute(F, pivots, R)
-
-
-@njit(cache=True, error_model="numpy")
-def factorize(F, pivots):  # type: ignore[no-untyped-def]
-    """F ← its triangular factors, with partial pivoting, the diagonal inverted; a singular F gives NaN."""
-    n = len(F)
-    for p in range(n):
-        best = p
-        for i in range(p + 1, n):
-            if square(F[i, p]) > square(F[best, p]):
-                best = i
-        pivots[p] = best
-        if best != p:
-            for c in range(n):
-                F[p, c], F[best, c] = F[best, c], F[p, c]
-        inverse = F[p, p].conjugate() * (1.0 / square(F[p, p]))
-        F[p, p] = inverse
-        for i in range(p + 1, n):
-            if F[i, p] != 0j:
-                factor = F[i, p] * inverse
-                F[i, p] = factor
-                for c in range(p + 1, n):
-                    F[i, c] -= factor * F[p, c]
-
-
-@njit(cache=True, error_model="numpy")
-def substitute(F, pivots, R):  # type: ignore[no-untyped-def]
-    """R ← F⁻¹ R with the factors that `factorize` left; R (n, q)."""
-    n, columns = R.shape
-    for p in range(n):
-        best = pivots[p]
-        for q in range(columns):
-            R[p, q], R[best, q] = R[best, q], R[p, q]
-    for p in range(n):
-        for i in range(p + 1, n):
-            factor = F[i, p]
-            if factor != 0j:
-                for q in range(columns):
-                    R[i, q] -= factor * R[p, q]
-    for i in range(n):
-        p = n - 1 - i
-        for q in range(columns):
-            R[p, q] *= F[p, p]
-        for above in range(p):
-            factor = F[above, p]
-            if factor != 0j:
-                for q in range(columns):
-                    R[above, q] -= factor * R[p, q]
 
 
 @njit(cache=True, error_model="numpy")

@@ -15,6 +15,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from shootstab.kernels.elimination import solve_small
+
 
 class Sampled(NamedTuple):
     """The reduced system at the 12 abscissae of each of N steps, the length of the step multiplied into X and V.
@@ -30,40 +32,6 @@ class Sampled(NamedTuple):
     P: NDArray[np.inexact]
     V: NDArray[np.inexact]
     G: NDArray[np.inexact]
-
-
-@njit(cache=True, error_model="numpy")
-def solve_small(G, T):  # type: ignore[no-untyped-def]
-    """T ← G⁻¹ T for m×m G, by elimination with partial pivoting; G is destroyed, and a singular one gives NaN."""
-    m, n = T.shape
-    for p in range(m):
-        best = p
-        for i in range(p + 1, m):
-            if square(G[i, p]) > square(G[best, p]):
-                best = i
-        if best != p:
-            for c in range(m):
-                G[p, c], G[best, c] = G[best, c], G[p, c]
-            for c in range(n):
-                T[p, c], T[best, c] = T[best, c], T[p, c]
-        inverse = G[p, p].conjugate() * (1.0 / square(G[p, p]))
-        for c in range(p, m):
-            G[p, c] *= inverse
-        for c in range(n):
-            T[p, c] *= inverse
-        for i in range(m):
-            if i != p:
-                factor = G[i, p]
-                for c in range(p, m):
-                    G[i, c] -= factor * G[p, c]
-                for c in range(n):
-                    T[i, c] -= factor * T[p, c]
-
-
-@njit(cache=True, error_model="numpy")
-def square(x):  # type: ignore[no-untyped-def]
-    """|x|²."""
-    return x.real * x.real + x.imag * x.imag
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})

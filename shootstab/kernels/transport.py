@@ -9,8 +9,9 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from shootstab.kernels.elimination import solve_small, square
 from shootstab.kernels.stages import combine, reals
-from shootstab.kernels.system import add_carried, evaluate, multiply, solve_small, square, workspace
+from shootstab.kernels.system import add_carried, evaluate, multiply, workspace
 from shootstab.kernels.tableau import STAGES, WEIGHTS
 from shootstab.kernels.tableau import A as RK_A
 

@@ -12,13 +12,14 @@ defective. The leading order P_0 x^Λ is (2.20)–(2.22); this form is regular a
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.kernels.regular_singular import row_sizes, series_terms, series_value, sparse
-from shootstab.problems.chute.background import background
+from shootstab.problems.chute.background import Background, background
 from shootstab.problems.chute.balance import slopes
 from shootstab.problems.chute.parameters import Chute
 from shootstab.problems.chute.system import DECAYING, SIZE, pencil_entries
@@ -45,12 +46,17 @@ def flow_series(chute: Chute, far_temperature: Any, far_velocity: Any, terms: in
     return nu, T, u, Q
 
 
+@lru_cache(maxsize=16)
+def _far_background(chute: Chute, far_temperature: float, far_velocity: float) -> Background:
+    """The steady flow far up, in doubles: the same for all waves on it."""
+    return background(chute, *flow_series(chute, far_temperature, far_velocity, TERMS, math.pi), math.pi)
+
+
 class FarField:
     """The series of one flow and one wave; P_m for a σ on demand."""
 
     def __init__(self, chute: Chute, far_temperature: float, far_velocity: float, kx: float, ky: float) -> None:
-        nu, T, u, Q = flow_series(chute, far_temperature, far_velocity, TERMS, math.pi)
-        bg = background(chute, nu, T, u, Q, math.pi)
+        bg = _far_background(chute, far_temperature, far_velocity)
         decay = bg.decay[0]
         C0, C1, D0, D1 = pencil_entries(bg, chute.tan_theta, kx, ky)
         self._C = sparse(np.stack([_matrices({k: v * decay for k, v in part.items()}) for part in (C0, C1)]))

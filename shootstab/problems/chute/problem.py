@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,11 +89,17 @@ class ChuteProblem:
         return np.asarray(system.continuum(bg, self.kx), dtype=np.complex128)
 
     def _background(self, z: ComplexArray) -> Background:
-        return _background_of(self.flow, self.flow.at(z, order="path"))
+        return _along_path(self.flow, np.ascontiguousarray(z, dtype=np.complex128).tobytes())
 
     @cached_property
     def _far(self) -> FarField:
         return FarField(self.flow.chute, self.flow.far_temperature, self.flow.far_velocity, self.kx, self.ky)
+
+
+@lru_cache(maxsize=8)
+def _along_path(flow: Flow, points: bytes) -> Background:
+    """The background at points of a path: for all waves that share a mesh it is the same."""
+    return _background_of(flow, flow.at(np.frombuffer(points, dtype=np.complex128), order="path"))
 
 
 def _background_of(flow: Flow, states: ComplexArray) -> Background:
