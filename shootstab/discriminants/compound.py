@@ -43,7 +43,8 @@ class Compound:
         norms = np.linalg.norm(far.frame, axis=0)
         y, dy = minors_with_slope(far.frame / norms, far.tangent / norms, lists.subsets)
         errors = np.empty(len(table.nodes) - 1)
-        log_scale = transport_minors(table.system, sigma, *lists, y, dy, tangent, errors)
+        system, at, y, dy = table.numbers(sigma, y, dy)
+        log_scale = transport_minors(system, at, *lists, y, dy, tangent, errors)
         w, dw = minors_with_slope((rows[0] + sigma * rows[1]).T, rows[1].T, lists.subsets)
         with np.errstate(invalid="ignore", over="ignore"):  # a mesh too coarse for y: the errors tell
             D, dD = w @ y, w @ dy + dw @ y

@@ -11,6 +11,7 @@ from shootstab.discriminants.product import Product, shoot
 from shootstab.discriminants.protocol import Value
 from shootstab.discriminants.shooting import Shooting
 from shootstab.discriminants.table import Table
+from shootstab.kernels.elimination import det_with_slope
 from shootstab.kernels.transport import transport
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
 from shootstab.vocabulary.scaled import Scaled
@@ -32,25 +33,8 @@ class Frame:
     ) -> tuple[Value, np.ndarray]:
         """D = det[(W0 + σW1) Y]; the R factors of the orthonormalizations are carried along, so that D is analytic."""
         errors = np.empty(len(table.nodes) - 1)
-        if sigma.imag == 0.0 and table.real is not None and not (far.frame.imag.any() or far.tangent.imag.any()):
-            system, at, Y, dY = table.real, sigma.real, far.frame.real.copy(), far.tangent.real.copy()
-        else:
-            system, at, Y, dY = table.system, sigma, far.frame.copy(), far.tangent.copy()  # type: ignore[assignment]
+        system, at, Y, dY = table.numbers(sigma, far.frame, far.tangent)
         log_det, trace = transport(system, at, Y, dY, tangent, errors)
         W = rows[0] + sigma * rows[1]
         det, slope = det_with_slope(W @ Y, rows[1] @ Y + W @ dY)
         return Value(sigma, Scaled(det, log_det + far.log_scale), slope + complex(trace) * det), errors
-
-
-def det_with_slope(M: ComplexArray, dM: ComplexArray) -> tuple[complex, complex]:
-    """det M and its derivative, the sum of the determinants with one column differentiated.
-
-    It holds where M is singular, and elimination keeps the accuracy of rows of very different size.
-    """
-    k = len(M)
-    stack = np.repeat(M[None], k + 1, axis=0)
-    for j in range(k):
-        stack[j + 1, :, j] = dM[:, j]
-    with np.errstate(invalid="ignore"):  # a mesh that is too coarse gives NaN here, and is refused
-        dets = np.linalg.det(stack)
-    return complex(dets[0]), complex(dets[1:].sum())

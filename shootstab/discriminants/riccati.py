@@ -11,12 +11,12 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from shootstab.discriminants.frame import det_with_slope
 from shootstab.discriminants.paths import Bend
 from shootstab.discriminants.product import Product, shoot
 from shootstab.discriminants.protocol import Value
 from shootstab.discriminants.shooting import Shooting
 from shootstab.discriminants.table import Table
+from shootstab.kernels.elimination import det_with_slope
 from shootstab.kernels.riccati import transport_chart
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
 from shootstab.vocabulary.scaled import Scaled
@@ -102,11 +102,12 @@ def _carry(
     Y, dY = far.frame / units[:, None], far.tangent / units[:, None]
     p, q = order[:k], order[k:]
     U, dU = Y[p], dY[p]
-    S = np.linalg.solve(U.T, Y[q].T).T.copy()
-    dS = np.linalg.solve(U.T, (dY[q] - S @ dU).T).T.copy()
+    S: ComplexArray = np.linalg.solve(U.T, Y[q].T).T.astype(np.complex128)
+    dS: ComplexArray = np.linalg.solve(U.T, (dY[q] - S @ dU).T).T.astype(np.complex128)
     errors = np.full(len(table.nodes) - 1, np.nan)
     given = np.empty((0, 3), dtype=np.int64) if swaps is None else swaps
-    log_det, dlog_det, largest, made = transport_chart(table.system, sigma, units, order, S, dS, tangent, errors, given, swaps is None)
+    system, at, S, dS = table.numbers(sigma, S, dS)
+    log_det, dlog_det, largest, made = transport_chart(system, at, units, order, S, dS, tangent, errors, given, swaps is None)
     p, q = order[:k], order[k:]
     W, dW = (rows[0] + sigma * rows[1]) * units, rows[1] * units
     start, start_slope = det_with_slope(U, dU)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +39,13 @@ class Table:
         if any(part.imag.any() for part in parts):
             return None
         return Sampled(*self.system[:3], *(np.ascontiguousarray(part.real) for part in parts))
+
+
+    def numbers(self, sigma: complex, *arrays: ComplexArray) -> tuple[Any, ...]:
+        """The system, σ and copies of arrays for a kernel: as real numbers where all of them are, and complex ones otherwise."""
+        if sigma.imag == 0.0 and not any(a.imag.any() for a in arrays) and self.real is not None:
+            return self.real, sigma.real, *(a.real.copy() for a in arrays)
+        return self.system, sigma, *(a.astype(np.complex128) for a in arrays)
 
 
 def tabulate(problem: Problem, nodes: NDArray[np.complexfloating]) -> Table:

@@ -31,14 +31,14 @@ def transport_minors(system, sigma, subsets, row, column, sign, start, y, dy, ta
     """
     n = len(system.start) - 1 - system.G.shape[3]
     size = len(y)
-    A = np.empty((n, n), dtype=np.complex128)
-    dA = np.zeros((n, n), dtype=np.complex128)
+    A = np.empty((n, n), dtype=y.dtype)
+    dA = np.zeros((n, n), dtype=y.dtype)
     work = workspace(system, n)
-    K = np.empty((STAGES, size), dtype=np.complex128)
-    L = np.empty((STAGES, size), dtype=np.complex128)
-    Z = np.empty(size, dtype=np.complex128)
-    W = np.empty(size, dtype=np.complex128)
-    before = np.empty(size, dtype=np.complex128)
+    K = np.empty((STAGES, size), dtype=y.dtype)
+    L = np.empty((STAGES, size), dtype=y.dtype)
+    Z = np.empty(size, dtype=y.dtype)
+    W = np.empty(size, dtype=y.dtype)
+    before = np.empty(size, dtype=y.dtype)
     scales = np.empty((2, n))
     stages, slopes = reals(K).reshape(STAGES, -1), reals(L).reshape(STAGES, -1)
     exponent = halve(y, dy)
@@ -48,10 +48,10 @@ def transport_minors(system, sigma, subsets, row, column, sign, start, y, dy, ta
             if tangent:
                 combine(reals(dy), slopes, RK_A, i, i, reals(W))
             system_matrix(system, s, i, sigma, A, dA, work, tangent)
-            K[i] = 0j
+            K[i] = 0.0
             apply(A, row, column, sign, start, Z, K[i])
             if tangent:
-                L[i] = 0j
+                L[i] = 0.0
                 apply(A, row, column, sign, start, W, L[i])
                 apply(dA, row, column, sign, start, Z, L[i])
         before[:] = y
@@ -95,7 +95,7 @@ def local_error(K, y, ahead, subsets, scales):  # type: ignore[no-untyped-def]
         largest = max(largest, scales[0, i])
     worst = 0.0
     for c in range(len(y)):
-        sum5, sum3 = 0j, 0j
+        sum5, sum3 = 0 * y[0], 0 * y[0]
         for i in range(STAGES):
             sum5 += E5[i] * K[i, c]
             sum3 += E3[i] * K[i, c]

@@ -95,3 +95,44 @@ def solve_each(F, R):  # type: ignore[no-untyped-def]
     for p in range(len(F)):
         factorize(F[p], pivots)
         substitute(F[p], pivots, R[p])
+
+
+@njit(cache=True, error_model="numpy")
+def det_with_slope(M, dM):  # type: ignore[no-untyped-def]
+    """det M and its derivative, the sum of the determinants with one column differentiated; complex k×k.
+
+    It holds where M is singular, and elimination keeps the accuracy of rows of very different size.
+    """
+    k = len(M)
+    F, slope = M.copy(), 0j
+    det = determinant(F)
+    for j in range(k):
+        F[:] = M
+        F[:, j] = dM[:, j]
+        slope += determinant(F)
+    return det, slope
+
+
+@njit(cache=True, error_model="numpy")
+def determinant(F):  # type: ignore[no-untyped-def]
+    """det F, by elimination with partial pivoting; F is destroyed."""
+    k = len(F)
+    det = 1 + 0j
+    for p in range(k):
+        best = p
+        for i in range(p + 1, k):
+            if square(F[i, p]) > square(F[best, p]):
+                best = i
+        if F[best, p] == 0j:
+            return 0j
+        if best != p:
+            det = -det
+            for c in range(p, k):
+                F[p, c], F[best, c] = F[best, c], F[p, c]
+        det *= F[p, p]
+        inverse = 1.0 / F[p, p]
+        for i in range(p + 1, k):
+            factor = F[i, p] * inverse
+            for c in range(p + 1, k):
+                F[i, c] -= factor * F[p, c]
+    return det

@@ -35,17 +35,17 @@ def transport_chart(system, sigma, units, order, S, dS, tangent, errors, swaps, 
     steps = len(errors)
     rest, k = S.shape
     n = rest + k
-    A = np.empty((n, n), dtype=np.complex128)
-    dA = np.zeros((n, n), dtype=np.complex128)
-    B = np.empty((n, n), dtype=np.complex128)
-    dB = np.empty((n, n), dtype=np.complex128)
+    A = np.empty((n, n), dtype=S.dtype)
+    dA = np.zeros((n, n), dtype=S.dtype)
+    B = np.empty((n, n), dtype=S.dtype)
+    dB = np.empty((n, n), dtype=S.dtype)
     work = workspace(system, n)
-    K = np.empty((STAGES, rest, k), dtype=np.complex128)
-    L = np.empty((STAGES, rest, k), dtype=np.complex128)
-    Z = np.empty((rest, k), dtype=np.complex128)
-    W = np.empty((rest, k), dtype=np.complex128)
-    M = np.empty((2, k, k), dtype=np.complex128)
-    traces = np.empty(STAGES, dtype=np.complex128)
+    K = np.empty((STAGES, rest, k), dtype=S.dtype)
+    L = np.empty((STAGES, rest, k), dtype=S.dtype)
+    Z = np.empty((rest, k), dtype=S.dtype)
+    W = np.empty((rest, k), dtype=S.dtype)
+    M = np.empty((2, k, k), dtype=S.dtype)
+    traces = np.empty(STAGES, dtype=S.dtype)
     stages, slopes = reals(K).reshape(STAGES, -1), reals(L).reshape(STAGES, -1)
     log_det, dlog_det, largest, made = 0j, 0j, 0.0, 0
     for s in range(steps + 1):
@@ -64,9 +64,9 @@ def transport_chart(system, sigma, units, order, S, dS, tangent, errors, swaps, 
                     break
                 i, j = swaps[made, 1], swaps[made, 2]
             made += 1
-            if S[i, j] == 0j:
+            if S[i, j] == 0.0:
                 return log_det, dlog_det, np.inf, swaps[:made]
-            log_det += np.log(S[i, j])
+            log_det += np.log(S[i, j] + 0j)
             dlog_det += dS[i, j] / S[i, j]
             exchange(S, dS, i, j, tangent)
             order[j], order[k + i] = order[k + i], order[j]
@@ -107,13 +107,13 @@ def riccati(B, S, M, out):  # type: ignore[no-untyped-def]
     rest, k = S.shape
     multiply_add(B[:k, k:], S, B[:k, :k], M)
     multiply_add(B[k:, k:], S, B[k:, :k], out)
-    trace = 0j
+    trace = 0 * S[0, 0]
     for d in range(k):
         trace += M[d, d]
     for c in range(rest):
         for e in range(k):
             s = S[c, e]
-            if s != 0j:
+            if s != 0.0:
                 for d in range(k):
                     out[c, d] -= s * M[e, d]
     return trace
@@ -127,7 +127,7 @@ def riccati_tangent(B, dB, S, dS, M, out):  # type: ignore[no-untyped-def]
     multiply_add(B[:k, k:], dS, M[1], M[1])
     multiply_add(dB[k:, k:], S, dB[k:, :k], out)
     multiply_add(B[k:, k:], dS, out, out)
-    trace = 0j
+    trace = 0 * S[0, 0]
     for d in range(k):
         trace += M[1, d, d]
     for c in range(rest):
@@ -146,7 +146,7 @@ def multiply_add(P, Q, start, out):  # type: ignore[no-untyped-def]
             out[c, d] = start[c, d]
         for e in range(P.shape[1]):
             p = P[c, e]
-            if p != 0j:
+            if p != 0.0:
                 for d in range(out.shape[1]):
                     out[c, d] += p * Q[e, d]
 
@@ -201,7 +201,7 @@ def local_error(K, traces, S):  # type: ignore[no-untyped-def]
     The pivot rows of [I; S] are of size 1 and S is small: the sizes of its rows are those of an orthonormal frame up to a factor.
     """
     rest, k = S.shape
-    sum5, sum3 = 0j, 0j
+    sum5, sum3 = 0 * S[0, 0], 0 * S[0, 0]
     for stage in range(STAGES):
         sum5 += E5[stage] * traces[stage]
         sum3 += E3[stage] * traces[stage]
@@ -213,7 +213,7 @@ def local_error(K, traces, S):  # type: ignore[no-untyped-def]
         for d in range(k):
             # a row that starts from zero is as large as the step makes it
             size = max(size, abs(S[c, d]), abs(K[0, c, d]), abs(K[STAGES - 1, c, d]))
-            sum5, sum3 = 0j, 0j
+            sum5, sum3 = 0 * S[0, 0], 0 * S[0, 0]
             for stage in range(STAGES):
                 sum5 += E5[stage] * K[stage, c, d]
                 sum3 += E3[stage] * K[stage, c, d]

@@ -35,15 +35,17 @@ class Sampled(NamedTuple):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
-def evaluate(P, G, s, i, sigma, values, slopes, small, tangent):  # type: ignore[no-untyped-def]
-    """The entries of [X; τ] (E,), if tangent their σ-derivatives, and γ (m, m), at abscissa i of step s."""
+def evaluate(P, G, linear, s, i, sigma, values, slopes, small, tangent):  # type: ignore[no-untyped-def]
+    """The entries of [X; τ] (E,), the first of them linear in σ, if tangent their σ-derivatives, and γ (m, m), at abscissa i of step s."""
     if P.shape[2] == 2:
         for e in range(len(values)):
             values[e] = P[s, i, 0, e] + sigma * P[s, i, 1, e]
             slopes[e] = P[s, i, 1, e]
     else:
         for e in range(len(values)):
-            values[e] = P[s, i, 0, e] + sigma * (P[s, i, 1, e] + sigma * P[s, i, 2, e])
+            values[e] = P[s, i, 0, e] + sigma * P[s, i, 1, e]
+        for e in range(linear, len(values)):
+            values[e] += sigma * sigma * P[s, i, 2, e]
         if tangent:
             for e in range(len(values)):
                 slopes[e] = P[s, i, 1, e] + 2.0 * sigma * P[s, i, 2, e]
@@ -58,7 +60,7 @@ def system_matrix(system, s, i, sigma, A, dA, work, tangent):  # type: ignore[no
     start, column, carries, P, V, G = system
     values, slopes, small, right, slope = work
     n, m = A.shape[0], G.shape[3]
-    evaluate(P, G, s, i, sigma, values, slopes, small, tangent)
+    evaluate(P, G, start[n], s, i, sigma, values, slopes, small, tangent)
     A[:] = 0.0
     dA[:] = 0.0
     right[:] = 0.0

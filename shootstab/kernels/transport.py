@@ -95,7 +95,7 @@ def transport(system, sigma, Y, dY, tangent, errors):  # type: ignore[no-untyped
     trace = reduce_tangent(Y, dY, R) if tangent else 0 * R[0, 0]
     for s in range(len(errors)):
         for i in range(STAGES):
-            evaluate(P, G, s, i, sigma, values, slopes, small, tangent)
+            evaluate(P, G, start[n], s, i, sigma, values, slopes, small, tangent)
             combine(y, ks, RK_A, i, i, z)
             multiply(start, column, 0, values, Z, K, i, True)
             if m > 0:
