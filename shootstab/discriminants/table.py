@@ -45,7 +45,7 @@ class Table:
         """The system, σ and copies of arrays for a kernel: as real numbers where all of them are, and complex ones otherwise."""
         if sigma.imag == 0.0 and not any(a.imag.any() for a in arrays) and self.real is not None:
             return self.real, sigma.real, *(a.real.copy() for a in arrays)
-        return self.system, sigma, *(a.astype(np.complex128) for a in arrays)
+        return self.system, sigma, *(a.astype(np.complex128, order="C") for a in arrays)
 
 
 def tabulate(problem: Problem, nodes: NDArray[np.complexfloating]) -> Table:
