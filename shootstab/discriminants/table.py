@@ -11,6 +11,7 @@ problems and 1 for the chute, and det C vanishes where det γ does: nothing is d
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,13 +47,31 @@ def tabulate(problem: Problem, nodes: NDArray[np.complexfloating]) -> Table:
     Raises InputError where the pencil is of the wrong shape, not finite, or of deficient rank.
     """
     at: ComplexArray = np.asarray(nodes, dtype=np.complex128)
-    h = np.diff(at)
+    return Table(at, *_reduced(problem, at[:-1], np.diff(at)))
+
+
+def retabulate(problem: Problem, nodes: NDArray[np.complexfloating], known: Table) -> Table:
+    """The same as `tabulate`, where the problem is known on another mesh of the same path: the steps that both have are copied."""
+    at: ComplexArray = np.asarray(nodes, dtype=np.complex128)
+    places = {step: i for i, step in enumerate(pairwise(known.nodes.tolist()))}
+    old = np.array([places.get(step, -1) for step in pairwise(at.tolist())])
+    fresh = np.flatnonzero(old < 0)
+    if 2 * len(fresh) > len(old):
+        return tabulate(problem, at)
+    parts = [a[old] for a in (known.X, known.V, known.G, known.T)]
+    if len(fresh):
+        for part, new in zip(parts, _reduced(problem, at[:-1][fresh], np.diff(at)[fresh]), strict=True):
+            part[fresh] = new
+    return Table(at, *parts)
+
+
+def _reduced(problem: Problem, starts: ComplexArray, h: ComplexArray) -> tuple[ComplexArray, ...]:
+    """X, V, G and T on steps of these lengths from these points, in the order of the path."""
     order = np.argsort(ABSCISSAE)
-    points: ComplexArray = at[:-1, None] + h[:, None] * ABSCISSAE[order]
+    points: ComplexArray = starts[:, None] + h[:, None] * ABSCISSAE[order]
     reduced = reduce_pencil(problem.pencil(points.ravel()), problem.size)
-    steps = len(h)
     back = np.argsort(order)
-    return Table(at, *(a.reshape(steps, STAGES, *a.shape[1:])[:, back].copy() for a in reduced))
+    return tuple(a.reshape(len(h), STAGES, *a.shape[1:])[:, back].copy() for a in reduced)
 
 
 def reduce_pencil(pencil: Pencil, n: int) -> tuple[ComplexArray, ComplexArray, ComplexArray, ComplexArray]:
