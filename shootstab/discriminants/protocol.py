@@ -56,6 +56,11 @@ class Examinable(Discriminant, Protocol):
         """The relative error of the far-field frame at the last σ."""
         ...
 
+    @property
+    def steps(self) -> int:
+        """How many steps the mesh has."""
+        ...
+
     def refined(self, seed: int | None = None) -> Examinable:
         """On a mesh with every step halved; with a seed, cut a little off the middle, so that only rounding differs."""
         ...

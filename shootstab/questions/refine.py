@@ -14,6 +14,7 @@ from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.protocol import Examinable, Method
 from shootstab.problems.protocol import Problem
 from shootstab.questions.bounds import budget
+from shootstab.questions.multiple import multiple
 from shootstab.roots.iterations import Root, muller, newton
 from shootstab.roots.winding import wind
 from shootstab.vocabulary.errors import ConvergenceError, InputError
@@ -25,6 +26,7 @@ TIGHTEST = 1e-13  # the local error below which rounding takes over
 LOOSEST = 1e-5
 ATTEMPTS = 3
 PROOF = 32.0  # the circle of the proof, in error bounds: the noise of D must be small on it
+WIDEST_PROOF = 1e-2  # of |σ|
 UNKNOWN = Budget(math.inf, math.inf, math.inf, math.inf, math.inf)
 
 
@@ -124,21 +126,24 @@ def examine(atlas: Atlas, root: Root, rtol: float) -> tuple[Mode, int]:
     better = newton(fine, arrived.sigma, 1e-3 * rtol)
     coarse_value, fine_value = coarse.with_slope(better.sigma), fine.with_slope(better.sigma)
     parts = budget(atlas.problem, coarse, coarse_value, fine, fine_value, min(better.step, abs(fine_value.newton_step)))
-    status = _status(atlas, coarse, better.sigma, parts.total, rtol)
-    mode = Mode(better.sigma, parts.total, parts, status, atlas.method.name, 0, 0.0, atlas.distance(better.sigma), chart.path)
+    size = abs(better.sigma)
+    # next to a multiple zero the bound means nothing, but there is a circle that tells
+    radius = min(max(PROOF * parts.total, 1e-2 * rtol * size), WIDEST_PROOF * size)
+    count = wind(coarse, Disc(better.sigma, radius)).count
+    if count > 1:
+        mode = multiple(atlas, better.sigma, count, radius, rtol)
+    else:
+        status = _status(count, radius, better.sigma, parts.total, atlas.distance(better.sigma), rtol)
+        mode = Mode(better.sigma, parts.total, parts, status, atlas.method.name, 0, 0.0, atlas.distance(better.sigma), chart.path)
     return mode, coarse.evaluations - before + fine.evaluations
 
 
-def _status(atlas: Atlas, discriminant: Examinable, sigma: complex, error: float, rtol: float) -> str:
-    radius = max(PROOF * error, 1e-2 * rtol * abs(sigma))
-    if not math.isfinite(radius) or radius > 0.5 * abs(sigma):
+def _status(count: int, radius: float, sigma: complex, error: float, distance: float, rtol: float) -> str:
+    """What is to be said where so many zeros, one at most, were counted within the radius."""
+    if not error < 0.5 * abs(sigma):
         return f"not converged: the error bound {error:.1e} is as large as the mode itself"
-    count = wind(discriminant, Disc(sigma, radius)).count
     if count == 0:
         return f"not converged: the iteration stopped at {sigma:.6g}, but no zero lies within {radius:.1e}"
-    if count > 1:
-        return f"not converged: {count} modes lie within {radius:.1e} of {sigma:.12g}"
-    distance = atlas.distance(sigma)
     if distance <= error:
         return f"not converged: the continuous spectrum passes at {distance:.1e}, inside the error bound {error:.1e}"
     if error > rtol * abs(sigma):

@@ -17,11 +17,12 @@ from shootstab.discriminants.continuum import continuum_of
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.protocol import Method
 from shootstab.problems.protocol import Problem
-from shootstab.questions.find import find_modes
+from shootstab.questions.find import find_modes, modes_of
 from shootstab.questions.refine import examine, refine
-from shootstab.questions.unstable import count_unstable
-from shootstab.questions.zeros import Inaccurate, Zeros, zeros_in
-from shootstab.roots.iterations import Root, newton
+from shootstab.questions.unstable import HalfDisc, count_unstable
+from shootstab.questions.zeros import Crowded, Inaccurate, Zeros, zeros_in
+from shootstab.roots.find import Zero
+from shootstab.roots.iterations import Root
 from shootstab.vocabulary.errors import ConvergenceError, InputError
 from shootstab.vocabulary.records import (
     CONFIRMED,
@@ -34,13 +35,23 @@ from shootstab.vocabulary.records import (
     Verdict,
     digits_between,
 )
-from shootstab.vocabulary.regions import Disc, Rectangle
+from shootstab.vocabulary.regions import Disc, Rectangle, Region
 
 NEAR_DIGITS = 2  # a claim that shares fewer digits with a mode does not mean it
 MARGIN = 0.05  # of the box that the claims span
 CLEAR = 1e-4  # of the box, how far right of the continuous spectrum a search begins
 NOT_SEARCHED = "missing modes were not looked for"
 SHRINK = 3.0  # from one circle to the next smaller one, where D cannot be continued over it
+STEEPEST = 4.0  # change of ln D over the radius of the first circle around a claim
+FEW = 3  # modes in a circle that are told apart
+NEWTON_STEPS = 8
+LOOSE = 1e-5  # local error with which zeros are looked for: whether it is small enough, a mesh with every step halved tells
+REACH, FURTHER = 100.0, 16.0  # |σ| of the first mesh that is tried on the way to a large claim, and the factor to the next
+MOST_STEPS = 2000  # of a mesh for one claim
+MOST_TURNS = 60.0  # of D's phase along the box in which missing modes are looked for
+SMALLER = 4.0  # by which the box of the claims is made smaller where it has more
+POINTS = 12
+MISSING_RTOL = 1e-10
 Progress = Callable[[int, int], None]
 
 
@@ -48,7 +59,7 @@ def verify(
     problem: Problem,
     eigenvalues: Iterable[Any],
     digits: int = 6,
-    region: Rectangle | None = None,
+    region: Region | None = None,
     method: Method | None = None,
     progress: Progress | None = None,
     unstable: bool = False,
@@ -80,7 +91,8 @@ def verify(
     verdicts = _one_claim_a_mode([judged[i] for i in range(len(claims))])
     missing, searched, undecided = _missing(judge.atlas, verdicts, region)
     if unstable:
-        more, said = _unstable(judge.atlas, [*(v.sigma for v in verdicts if v.sigma is not None), *(m.sigma for m in missing)])
+        found = [Zero(complex(m.sigma), m.multiplicity, m.error) for m in missing]
+        more, said = _unstable(judge.atlas, [*_claimed_modes(verdicts), *found])
         missing, searched = missing + more, f"{searched}; {said}"
     return Report(tuple(verdicts), missing, digits, searched, undecided)
 
@@ -94,46 +106,79 @@ def radius_of(claim: complex, digits: int) -> float:
 
 
 class Judge:
-    """Atlases of discriminants of rising accuracy, for many claims."""
+    """Atlases of discriminants of rising accuracy, for many claims, best in the order of their size: the meshes only grow."""
 
     def __init__(self, problem: Problem, method: Method, digits: int) -> None:
         self.problem, self.digits = problem, digits
         self.atlas = Atlas(problem, method)
-        self._atlases = [self.atlas, *(Atlas(problem, Frame(rtol=rtol)) for rtol in (1e-10, 1e-13) if rtol < method.rtol)]
+        looser = [Atlas(problem, Frame(rtol=LOOSE))] if method.rtol < LOOSE else []
+        self._atlases = [*looser, self.atlas, *(Atlas(problem, Frame(rtol=rtol)) for rtol in (1e-10, 1e-13) if rtol < method.rtol)]
+        self._reach = REACH
+        self._too_far = math.inf
 
     def verdict(self, claim: complex) -> Verdict:
-        """Look for modes in the circle of the digits asked for; if there is none, in the wider one of a mode with fewer digits."""
+        """What the zeros around the claim say of it."""
         distance = self.atlas.distance(claim)
-        radius = radius_of(claim, self.digits)
         try:
-            judged = self._judge(claim, radius)
+            self._atlases[0].charts(claim, radius_of(claim, self.digits))
+            self._require_reach(claim)
+            judged = self._judge(claim)
         except Undecidable as error:
             judged = Verdict(claim, CONTINUUM, str(error))
         except ConvergenceError as error:
             judged = Verdict(claim, UNRESOLVED, str(error))
         return replace(judged, continuum_distance=distance)
 
-    def _judge(self, claim: complex, radius: float) -> Verdict:
-        near = self._zeros(Disc(claim, radius))
-        if len(near.modes) == 1:
-            return self._confirm(claim, near.modes[0], radius)
-        if len(near.modes) > 1:
-            return Verdict(claim, UNRESOLVED, f"{len(near.modes)} modes lie in the circle of {radius:.1e} that {self.digits} digits mean")
-        if near.resonances:
-            why = f"the zero at {near.resonances[0]:.6g} lies beyond the continuous spectrum: a resonance, not a mode"
+    def _judge(self, claim: complex) -> Verdict:
+        radius = radius_of(claim, self.digits)
+        counted, zeros = self._around(claim, radius)
+        if zeros.modes:
+            return self._mode(claim, zeros.modes, radius)
+        if zeros.resonances and abs(zeros.resonances[0].sigma - claim) <= radius:
+            why = f"the zero at {zeros.resonances[0].sigma:.6g} lies beyond the continuous spectrum: a resonance, not a mode"
             return Verdict(claim, SPURIOUS, why)
-        zero = self._neighbour(claim)
-        if zero is None:
-            wide, zeros = self._widest(claim, radius)
-            if not zeros:
-                return Verdict(claim, SPURIOUS, f"no zero of D within {wide:.1e}")
-            zero = min(zeros, key=lambda z: abs(z - claim))
-        mode = self._polish(zero)
-        agreed = digits_between(abs(claim - mode.sigma), abs(mode.sigma))
-        why = f"a mode lies {abs(claim - mode.sigma):.1e} away: {agreed:.1f} digits agree, {self.digits} were asked for"
-        return Verdict(claim, INACCURATE, why, complex(mode.sigma), mode.error, agreed)
+        neighbour = self._neighbour(claim, counted)
+        if neighbour is None:
+            return Verdict(claim, SPURIOUS, f"no zero of D within {counted:.1e}")
+        return self._mode(claim, (Zero(neighbour),), radius)
 
-    def _zeros(self, disc: Disc, most: int | None = None) -> Zeros:
+    def _require_reach(self, claim: complex) -> None:
+        """Raise ConvergenceError where so large a |σ| needs a mesh that is too long.
+
+        Solutions vary over σ^(−1/2): 16 times |σ| are 4 times the steps. So the claim is approached from smaller σ of its direction.
+        """
+        size = abs(claim)
+        while size > self._reach * FURTHER and self._reach < self._too_far:
+            probe = claim * (self._reach / size)
+            discriminant = self._atlases[0].at(probe).discriminant
+            discriminant(probe)
+            if discriminant.steps * math.sqrt(FURTHER) > MOST_STEPS:
+                self._too_far = self._reach
+            else:
+                self._reach *= FURTHER
+        if size > self._too_far * FURTHER:
+            raise ConvergenceError(f"solutions for |sigma| = {size:.1e} are so steep that the mesh would need over {MOST_STEPS} steps")
+
+    def _around(self, claim: complex, radius: float) -> tuple[float, Zeros]:
+        """The radius of the largest circle, up to that of two digits, in which zeros can be counted and are few, and those zeros.
+
+        A circle along which ln D changes much holds many zeros or needs many samples: the first is chosen by the slope of ln D.
+        Raises what the circle of the digits asked for raises, if that cannot be counted either.
+        """
+        wide = max(radius, radius_of(claim, NEAR_DIGITS))
+        slope = abs(self._atlases[0].at(claim).discriminant.with_slope(claim).slope)
+        if slope * wide > STEEPEST:
+            wide = max(radius, STEEPEST / slope)
+        while wide > radius:
+            try:
+                return wide, self._zeros(Disc(claim, wide), FEW)
+            except Crowded as crowded:
+                wide /= max(SHRINK, crowded.count)
+            except ConvergenceError:
+                wide /= SHRINK
+        return radius, self._zeros(Disc(claim, radius), None)
+
+    def _zeros(self, disc: Disc, most: int | None) -> Zeros:
         """By the first atlas that is accurate enough."""
         for atlas in self._atlases[:-1]:
             try:
@@ -142,105 +187,172 @@ class Judge:
                 continue
         return zeros_in(self._atlases[-1], disc, most)
 
-    def _neighbour(self, claim: complex) -> complex | None:
-        """The mode that Newton finds from the claim, if it lies in the circle of two digits: cheaper than a count, and proved later."""
+    def _neighbour(self, claim: complex, empty: float) -> complex | None:
+        """The mode that Newton finds between the circle that is empty and that of two digits: not all of it was counted."""
         wide = radius_of(claim, min(NEAR_DIGITS, self.digits))
-        try:
-            root = newton(self.atlas.at(claim).discriminant, claim, 1e-8, most=8)
-            if not root.converged or abs(root.sigma - claim) > wide:
-                return None
-            root = newton(self.atlas.at(root.sigma).discriminant, root.sigma, 1e-8, most=4)
-        except ConvergenceError:
+        sigma = claim
+        if empty >= wide:
             return None
-        return root.sigma if root.converged and abs(root.sigma - claim) < wide else None
+        try:
+            for _ in range(NEWTON_STEPS):
+                step = self.atlas.at(sigma).discriminant.with_slope(sigma).newton_step
+                sigma += step
+                if not abs(sigma - claim) < wide:
+                    return None
+                if abs(step) < 1e-8 * abs(sigma):
+                    return sigma
+        except ConvergenceError:
+            pass  # it leads where D cannot be computed
+        return None
 
-    def _widest(self, claim: complex, radius: float) -> tuple[float, tuple[complex, ...]]:
-        """The mode in the circle of two digits, or in the largest smaller one in which there is one at most and it can be counted."""
-        wide = radius_of(claim, min(NEAR_DIGITS, self.digits))
-        while wide > radius:
-            try:
-                return wide, self._zeros(Disc(claim, wide), 1).modes
-            except ConvergenceError:
-                wide /= SHRINK
-        return radius, ()
-
-    def _confirm(self, claim: complex, zero: complex, radius: float) -> Verdict:
-        mode = self._polish(zero)
+    def _mode(self, claim: complex, zeros: tuple[Zero, ...], radius: float) -> Verdict:
+        """Whether a claim shares the digits with the nearest of the zeros around it."""
+        near = [z for z in zeros if abs(z.sigma - claim) <= radius]
+        modes = self._polish(min(zeros, key=lambda z: abs(z.sigma - claim)))
+        if len(near) > 1 or len(modes) > 1:
+            several = max(len(near), len(modes))
+            return Verdict(claim, UNRESOLVED, f"{several} modes lie in the circle of {radius:.1e} that {self.digits} digits mean")
+        (mode,) = modes
         off = abs(claim - mode.sigma)
+        agreed = digits_between(max(off, mode.error), abs(mode.sigma))
+        found = Verdict(claim, UNRESOLVED, "", complex(mode.sigma), mode.error, multiplicity=mode.multiplicity)
+        if off - mode.error > radius:
+            why = f"a mode lies {off:.1e} away: {agreed:.1f} digits agree, {self.digits} were asked for"
+            return replace(found, verdict=INACCURATE, why=why, digits_agreed=agreed)
         if off + mode.error > radius:
             why = f"the mode, {off:.1e} away and known to {mode.error:.1e}, may lie on either side of the circle of {radius:.1e}"
-            return Verdict(claim, UNRESOLVED, why, complex(mode.sigma), mode.error)
-        agreed = digits_between(max(off, mode.error), abs(mode.sigma))
-        return Verdict(claim, CONFIRMED, f"exactly one zero of D within {radius:.1e}", complex(mode.sigma), mode.error, agreed)
+            return replace(found, why=why)
+        many = f", of multiplicity {mode.multiplicity}" if mode.multiplicity > 1 else ""
+        return replace(found, verdict=CONFIRMED, why=f"exactly one zero of D within {radius:.1e}{many}", digits_agreed=agreed)
 
-    def _polish(self, zero: complex) -> Mode:
+    def _polish(self, zero: Zero) -> list[Mode]:
+        """The mode with its error bar, or those into which a multiple zero falls."""
         rtol = 10.0 ** -(self.digits + 2)
-        mode, _ = examine(self.atlas, Root(zero, 0.0, 0, True), rtol)
-        if not mode.converged:
-            mode = refine(self.problem, zero, rtol)
-        if not math.isfinite(mode.error):
-            raise ConvergenceError(mode.status)
-        return mode
+        if zero.multiplicity > 1:
+            modes = modes_of(self.atlas, zero, rtol)
+        else:
+            modes = [examine(self.atlas, Root(zero.sigma, 0.0, 0, True), rtol)[0]]
+            if not modes[0].converged:
+                modes = [refine(self.problem, zero.sigma, rtol)]
+        for mode in modes:
+            if not math.isfinite(mode.error):
+                raise ConvergenceError(mode.status)
+        return modes
 
 
 def _one_claim_a_mode(verdicts: list[Verdict]) -> list[Verdict]:
-    """A simple mode answers one claim, the nearest; what else was taken for it is spurious, with the reason."""
-    owners: dict[int, int] = {}
+    """A mode answers as many claims as its multiplicity, the nearest; what else was taken for it is spurious, with the reason."""
+    owners: dict[int, int] = {}  # claims that a mode answers, and how many more of them it may
     out = list(verdicts)
     order = sorted((i for i, v in enumerate(verdicts) if v.sigma is not None), key=lambda i: -(verdicts[i].digits_agreed or 0.0))
     for i in order:
         v = verdicts[i]
-        assert v.sigma is not None
-        for j in owners:
-            other = verdicts[j].sigma
-            assert other is not None
-            if abs(v.sigma - other) <= (v.error or 0.0) + (verdicts[j].error or 0.0) + 1e-12 * abs(other):
-                what = "repeats" if v.verdict == CONFIRMED else "is farther from the mode than"
-                why = f"{what} claim {j + 1}, and the mode is simple"
-                out[i] = replace(v, verdict=SPURIOUS, why=why, sigma=None, error=None, digits_agreed=None)
-                break
+        owner = next((j for j in owners if _same_mode(v, verdicts[j])), None)
+        if owner is None:
+            owners[i] = v.multiplicity - 1
+        elif owners[owner] > 0:
+            owners[owner] -= 1
         else:
-            owners[i] = i
+            what = "repeats" if v.verdict == CONFIRMED else "is farther from the mode than"
+            how = "simple" if v.multiplicity == 1 else f"of multiplicity {v.multiplicity} only"
+            why = f"{what} claim {owner + 1}, and the mode is {how}"
+            out[i] = replace(v, verdict=SPURIOUS, why=why, sigma=None, error=None, digits_agreed=None, multiplicity=1)
     return out
 
 
-def _missing(atlas: Atlas, verdicts: list[Verdict], region: Rectangle | None) -> tuple[tuple[Mode, ...], str, tuple[str, ...]]:
+def _same_mode(v: Verdict, w: Verdict) -> bool:
+    assert v.sigma is not None
+    assert w.sigma is not None
+    return abs(v.sigma - w.sigma) <= (v.error or 0.0) + (w.error or 0.0) + 1e-12 * abs(w.sigma)
+
+
+def _missing(atlas: Atlas, verdicts: list[Verdict], region: Region | None) -> tuple[tuple[Mode, ...], str, tuple[str, ...]]:
     """Modes in the region that no claim means; where they were looked for; what could not be searched."""
-    box = region or _box([v.claimed for v in verdicts])
-    if box is None:
-        return (), NOT_SEARCHED, ("the claims span no box, and no region was given",)
-    known = [v.sigma for v in verdicts if v.sigma is not None]
+    claims = [v.claimed for v in verdicts]
     undecided: tuple[str, ...] = ()
+    box = region
+    if box is None:
+        box, undecided = _searchable(atlas, claims)
+        if box is None:
+            return (), NOT_SEARCHED, undecided
+    known = _claimed_modes(verdicts)
+    low, high = _extremes(box)
     try:
-        modes, whole = find_modes(atlas, box, known)
+        zeros, whole = find_modes(atlas, box, known)
     except Undecidable as error:
         # the part right of the continuous spectrum, where instability is
         assert atlas.continuum is not None
-        undecided = (f"left of the continuous spectrum: {error}",)
-        edge = max(float(atlas.continuum.sigma.real.max()), 0.0) + CLEAR * abs(complex(box.upper_right))
-        if complex(box.upper_right).real <= edge:
+        undecided += (f"left of the continuous spectrum: {error}",)
+        edge = max(float(atlas.continuum.sigma.real.max()), 0.0) + CLEAR * abs(high)
+        if not isinstance(box, Rectangle) or high.real <= edge:
             return (), NOT_SEARCHED, undecided
-        box = Rectangle(complex(max(edge, complex(box.lower_left).real), complex(box.lower_left).imag), box.upper_right)
+        low = complex(max(edge, low.real), low.imag)
         try:
-            modes, whole = find_modes(atlas, box, known)
+            zeros, whole = find_modes(atlas, Rectangle(low, high), known)
         except ConvergenceError as again:
             return (), NOT_SEARCHED, (*undecided, str(again))
     except ConvergenceError as error:
-        return (), NOT_SEARCHED, (str(error),)
-    where = f"missing modes were looked for from {complex(box.lower_left):.6g} to {complex(box.upper_right):.6g}"
+        return (), NOT_SEARCHED, (*undecided, str(error))
+    where = f"missing modes were looked for from {low:.6g} to {high:.6g}, which holds {whole.count}"
     left_out = tuple(f"what lies within {d.radius:.1e} of the end {d.centre:.6g} of the continuous spectrum" for d in whole.left_out)
-    return tuple(refine(atlas.problem, z) for z in modes), where, undecided + left_out
+    return _modes(atlas, zeros), where, undecided + left_out
 
 
-def _unstable(atlas: Atlas, known: list[complex]) -> tuple[tuple[Mode, ...], str]:
+def _searchable(atlas: Atlas, claims: list[complex]) -> tuple[Rectangle | None, tuple[str, ...]]:
+    """The box that the claims span, without the largest of them where the contour around it would be too long; what was left out."""
+    kept = list(claims)
+    while True:
+        box = _box(kept)
+        if box is None:
+            return None, ("the claims span no box, and no region was given",)
+        if _turns(atlas, box) <= MOST_TURNS:
+            break
+        limit = max(map(abs, kept)) / SMALLER
+        kept = [c for c in kept if abs(c) <= limit]
+        if not kept:
+            return None, ("the box that the claims span is too large to be searched: name a region",)
+    if len(kept) == len(claims):
+        return box, ()
+    return box, (f"the part of the box that the {len(claims) - len(kept)} largest claims add: name a region to search there",)
+
+
+def _turns(atlas: Atlas, box: Rectangle) -> float:
+    """About how often the phase of D turns along the boundary, or ln |D| changes by 2π: a measure of its cost."""
+    turns = 0.0
+    for k in range(POINTS):
+        sigma = box.boundary((k + 0.5) / POINTS)
+        try:
+            slope = atlas.at(sigma).discriminant.with_slope(sigma).slope
+        except ConvergenceError:
+            return math.inf
+        turns += abs(slope) * abs(box.boundary((k + 1) / POINTS) - box.boundary(k / POINTS)) / (2 * math.pi)
+    return turns
+
+
+def _claimed_modes(verdicts: list[Verdict]) -> list[Zero]:
+    """The modes that claims mean, a multiple one as often as it is claimed."""
+    return [Zero(v.sigma, 1, v.error or 0.0) for v in verdicts if v.sigma is not None]
+
+
+def _extremes(region: Region) -> tuple[complex, complex]:
+    """Lower left and upper right of what the region reaches over."""
+    hull = region.hull
+    re, im = [v.real for v in hull], [v.imag for v in hull]
+    return complex(min(re), min(im)), complex(max(re), max(im))
+
+
+def _modes(atlas: Atlas, zeros: list[Zero]) -> tuple[Mode, ...]:
+    return tuple(mode for zero in zeros for mode in modes_of(atlas, zero, MISSING_RTOL))
+
+
+def _unstable(atlas: Atlas, known: list[Zero]) -> tuple[tuple[Mode, ...], str]:
     """The unstable modes that are not known, and what is now known of all of them."""
-    growing = [k.real for k in known if k.real > 0.0]
+    growing = [k.sigma.real for k in known if k.sigma.real > 0.0]
     counted = count_unstable(atlas.problem, min(1e-8, 1e-3 * min(growing, default=1.0)), atlas.method)
     said = f"in all {counted.count} modes have Re sigma > {counted.floor:.1e}, none of them |sigma| > {counted.radius:g}"
-    if counted.count == sum(k.real > counted.floor for k in known):
+    if counted.count == sum(k.multiplicity for k in known if k.sigma.real > counted.floor):
         return (), said
-    half = Rectangle(complex(counted.floor, -counted.radius), complex(counted.radius, counted.radius))
-    return tuple(refine(atlas.problem, z) for z in find_modes(atlas, half, known)[0]), said
+    return _modes(atlas, find_modes(atlas, HalfDisc(counted.radius, counted.floor), known)[0]), said
 
 
 def _box(claims: list[complex]) -> Rectangle | None:
