@@ -99,6 +99,19 @@ class Shooting:
         """Of another problem, on the same mesh."""
         return self._variant(lambda far: far, self._mesh, problem)
 
+    def adopt(self, other: Shooting) -> None:
+        """Begin with the mesh and the table that another path of the same problem has off the detours."""
+        if other._table is None or self.bend is None:
+            return
+        nodes = other._mesh
+        real = nodes[nodes.imag == 0.0].real
+        if other.bend is not None:
+            inside = self.problem.mesh(real[0])
+            inside = inside[np.abs(inside - other.bend.centre) < other.bend.half_width]
+            real = np.union1d(real, inside)
+            real = real if nodes[-1].real > nodes[0].real else real[::-1]
+        self._table = retabulate(self.problem, self.bend.of(real), other._table)
+
     @property
     def far_error(self) -> float:
         return self._far_error

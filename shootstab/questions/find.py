@@ -84,6 +84,6 @@ def _everywhere(atlas: Atlas) -> Search:
         return accurate_count(charts[0], disc)
 
     def holds(region: Region, sigma: complex) -> bool:
-        return region.contains(sigma) and not any(disc.contains(sigma) for disc in ends)
+        return region.contains(sigma) and not any(disc.contains(sigma) and region.contains(disc.centre) for disc in ends)
 
     return Search(lambda region: survey(atlas, region), closely, arrive, holds)

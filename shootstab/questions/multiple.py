@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from shootstab.discriminants.atlas import Atlas
-from shootstab.questions.bounds import FLOW_FACTOR, FLOW_GAIN, PROBE, SAFETY
+from shootstab.questions.bounds import FLOW_NOISE, FLOWS, PROBE, SAFETY
 from shootstab.roots.find import moments
 from shootstab.roots.winding import Winding, wind
 from shootstab.vocabulary.errors import ConvergenceError
@@ -19,27 +19,29 @@ from shootstab.vocabulary.regions import Disc
 
 AGREEMENT = 0.3  # of the errors of D, relative to D, all along the circle: 1 would do
 GOAL = 0.1  # what the next circle is chosen for
-CIRCLES = 8
+CIRCLES = 10
+WIDER = 8.0  # from a circle that is too small to be counted to the next
+WIDEST = 1e-2  # of |σ|
 PROBES = 4
 
 
 def multiple(atlas: Atlas, centre: complex, multiplicity: int, radius: float, rtol: float) -> Mode:
-    """The mode of this multiplicity in a circle, which is made as small as D allows.
+    """The mode of this multiplicity around a centre, in a circle about as small as D allows; radius is that of the first.
 
-    Raises ConvergenceError where so many zeros cannot be counted even in the first circle.
+    Raises ConvergenceError where so many zeros cannot be counted in any circle.
     """
     chart = atlas.at(centre)
     before = chart.discriminant.evaluations
     best: tuple[Disc, complex] | None = None
     for _ in range(CIRCLES):
         disc = Disc(centre, radius)
-        try:
-            winding = wind(chart.discriminant, disc)
-        except ConvergenceError:
-            break
+        winding = wind(chart.discriminant, disc)
         off = _inaccuracy(atlas, winding) if winding.count == multiplicity else math.inf
         if off > AGREEMENT:
-            break
+            if best is not None or radius > WIDEST * abs(centre):
+                break
+            radius *= WIDER
+            continue
         best = disc, moments(winding)[0]
         smaller = radius * max((off / GOAL) ** (1 / multiplicity), 1e-3)
         if smaller > 0.5 * radius:
@@ -72,12 +74,12 @@ def _inaccuracy(atlas: Atlas, winding: Winding) -> float:
     """The largest sum of the relative errors of D at some samples: of the mesh, the far field and the steady flow."""
     chart = atlas.at(winding.centre)
     D = chart.discriminant
-    crude = atlas.problem.cruder(FLOW_FACTOR)
+    crude = atlas.problem.cruder(FLOWS[0])
     worst = 0.0
     for value in winding.samples[:: max(1, len(winding.samples) // PROBES)]:
         off = abs(D.refined()(value.sigma).over(value.D) - 1)
         off += SAFETY * abs(D.jiggled(1, PROBE)(value.sigma).over(value.D) - 1) / PROBE * D.far_error
         if crude is not atlas.problem:
-            off += abs(D.of(crude)(value.sigma).over(value.D) - 1) / FLOW_GAIN
+            off += FLOW_NOISE * abs(D.of(crude)(value.sigma).over(value.D) - 1)
         worst = max(worst, off)
     return worst

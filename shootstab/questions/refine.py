@@ -27,6 +27,8 @@ LOOSEST = 1e-5
 ATTEMPTS = 3
 PROOF = 32.0  # the circle of the proof, in error bounds: the noise of D must be small on it
 WIDEST_PROOF = 1e-2  # of |σ|
+SIXTHS = 6  # a zero in its middle turns D by 60° from one sixth of a circle to the next, which is short enough
+NEAR_ENOUGH = 1e-6  # relative step to the zero on the finer mesh, beyond which one step of Newton does not reach it
 UNKNOWN = Budget(math.inf, math.inf, math.inf, math.inf, math.inf)
 
 
@@ -123,18 +125,22 @@ def examine(atlas: Atlas, root: Root, rtol: float) -> tuple[Mode, int]:
     if not arrived.converged:
         raise ConvergenceError(f"the iteration does not settle at {root.sigma:.6g} along the path {chart.path}")
     fine = coarse.refined()
-    better = newton(fine, arrived.sigma, 1e-3 * rtol)
-    coarse_value, fine_value = coarse.with_slope(better.sigma), fine.with_slope(better.sigma)
-    parts = budget(atlas.problem, coarse, coarse_value, fine, fine_value, min(better.step, abs(fine_value.newton_step)))
-    size = abs(better.sigma)
+    coarse_value, fine_value = coarse.with_slope(arrived.sigma), fine.with_slope(arrived.sigma)
+    if abs(fine_value.newton_step) > NEAR_ENOUGH * abs(arrived.sigma):
+        better = newton(fine, arrived.sigma, 1e-3 * rtol)
+        coarse_value, fine_value = coarse.with_slope(better.sigma), fine.with_slope(better.sigma)
+    sigma = fine_value.sigma + fine_value.newton_step
+    size = abs(sigma)
+    parts = budget(atlas.problem, coarse, coarse_value, fine, fine_value)
     # next to a multiple zero the bound means nothing, but there is a circle that tells
     radius = min(max(PROOF * parts.total, 1e-2 * rtol * size), WIDEST_PROOF * size)
-    count = wind(coarse, Disc(better.sigma, radius)).count
+    count = wind(coarse, Disc(sigma, radius), SIXTHS).count
     if count > 1:
-        mode = multiple(atlas, better.sigma, count, radius, rtol)
+        mode = multiple(atlas, sigma, count, radius, rtol)
     else:
-        status = _status(count, radius, better.sigma, parts.total, atlas.distance(better.sigma), rtol)
-        mode = Mode(better.sigma, parts.total, parts, status, atlas.method.name, 0, 0.0, atlas.distance(better.sigma), chart.path)
+        distance = atlas.distance(sigma)
+        status = _status(count, radius, sigma, parts.total, distance, rtol)
+        mode = Mode(sigma, parts.total, parts, status, atlas.method.name, 0, 0.0, distance, chart.path)
     return mode, coarse.evaluations - before + fine.evaluations
 
 

@@ -42,12 +42,12 @@ MARGIN = 0.05  # of the box that the claims span
 CLEAR = 1e-4  # of the box, how far right of the continuous spectrum a search begins
 NOT_SEARCHED = "missing modes were not looked for"
 SHRINK = 3.0  # from one circle to the next smaller one, where D cannot be continued over it
-STEEPEST = 4.0  # change of ln D over the radius of the first circle around a claim
+STEEPEST = 2.5  # change of ln D over the radius of the first circle around a claim
 FEW = 3  # modes in a circle that are told apart
 NEWTON_STEPS = 8
 LOOSE = 1e-5  # local error with which zeros are looked for: whether it is small enough, a mesh with every step halved tells
 REACH, FURTHER = 100.0, 16.0  # |σ| of the first mesh that is tried on the way to a large claim, and the factor to the next
-MOST_STEPS = 2000  # of a mesh for one claim
+MOST_STEPS = 800  # of the loose mesh for one claim: where D must be more accurate it is some times as long
 MOST_TURNS = 60.0  # of D's phase along the box in which missing modes are looked for
 SMALLER = 4.0  # by which the box of the claims is made smaller where it has more
 POINTS = 12
@@ -160,23 +160,42 @@ class Judge:
             raise ConvergenceError(f"solutions for |sigma| = {size:.1e} are so steep that the mesh would need over {MOST_STEPS} steps")
 
     def _around(self, claim: complex, radius: float) -> tuple[float, Zeros]:
-        """The radius of the largest circle, up to that of two digits, in which zeros can be counted and are few, and those zeros.
+        """The radius of the largest circle, up to that of two digits, that was counted, and the zeros in it; it grows until there are any.
 
         A circle along which ln D changes much holds many zeros or needs many samples: the first is chosen by the slope of ln D.
-        Raises what the circle of the digits asked for raises, if that cannot be counted either.
+        Raises what the circle of the digits asked for raises, if no larger one can be counted and that cannot either.
         """
         wide = max(radius, radius_of(claim, NEAR_DIGITS))
-        slope = abs(self._atlases[0].at(claim).discriminant.with_slope(claim).slope)
-        if slope * wide > STEEPEST:
-            wide = max(radius, STEEPEST / slope)
-        while wide > radius:
+        tried = self._first_circle(claim, radius, wide)
+        while tried > radius:
             try:
-                return wide, self._zeros(Disc(claim, wide), FEW)
+                zeros = self._zeros(Disc(claim, tried), FEW)
             except Crowded as crowded:
-                wide /= max(SHRINK, crowded.count)
+                tried /= max(SHRINK, crowded.count)
             except ConvergenceError:
-                wide /= SHRINK
+                tried /= SHRINK
+            else:
+                return self._grown(claim, tried, zeros, wide)
         return radius, self._zeros(Disc(claim, radius), None)
+
+    def _first_circle(self, claim: complex, radius: float, wide: float) -> float:
+        if wide == radius:
+            return radius
+        # between two zeros of a row ln D is flat, but beside the row it is as steep as they are dense
+        places = (claim, claim * complex(1.0, wide / abs(claim))) if claim != 0.0 else (claim,)
+        slope = max(abs(self._atlases[0].at(s).discriminant.with_slope(s).slope) for s in places)
+        return max(radius, min(wide, STEEPEST / slope))
+
+    def _grown(self, claim: complex, radius: float, zeros: Zeros, wide: float) -> tuple[float, Zeros]:
+        """Larger circles, up to the wide one, as long as there is no zero in them and they can be counted."""
+        while radius < wide and not zeros.modes:
+            larger = min(wide, 2 * radius)
+            try:
+                zeros = self._zeros(Disc(claim, larger), FEW)
+            except ConvergenceError:
+                break
+            radius = larger
+        return radius, zeros
 
     def _zeros(self, disc: Disc, most: int | None) -> Zeros:
         """By the first atlas that is accurate enough."""
@@ -188,7 +207,7 @@ class Judge:
         return zeros_in(self._atlases[-1], disc, most)
 
     def _neighbour(self, claim: complex, empty: float) -> complex | None:
-        """The mode that Newton finds between the circle that is empty and that of two digits: not all of it was counted."""
+        """The mode that Newton finds between the circle that is empty and that of two digits, which could not be counted."""
         wide = radius_of(claim, min(NEAR_DIGITS, self.digits))
         sigma = claim
         if empty >= wide:

@@ -19,7 +19,7 @@ from shootstab.vocabulary.errors import ConvergenceError
 from shootstab.vocabulary.regions import Disc, Region, halves, size
 
 HANDFUL = 5  # zeros taken from the moments of one contour
-CLOSE = 1e-4  # relative distance of two zeros that an iteration may confuse: such are counted one by one
+CLOSE = 1e-5  # relative distance of two zeros that an iteration may confuse: such are counted one by one
 SAME = 1e-7  # relative distance below which two numbers mean one zero
 SMALLEST = 1e-9  # of the first region's size: what is left in so small a part is one multiple zero
 CUTS = (0.5, 0.47, 0.55, 0.41, 0.62, 0.36)  # where a region is divided; the next if a zero lies on the cut
@@ -159,7 +159,7 @@ def _resolved(search: Search, region: Region, group: list[complex], others: list
     """
     centre = sum(group) / len(group)
     gap = min((abs(z - centre) for g in others for z in g), default=size(region))
-    radius = min(0.3 * gap, max(10 * max(abs(z - centre) for z in group), CLOSE * abs(centre)))
+    radius = min(0.3 * gap, max(3 * max(abs(z - centre) for z in group), CLOSE * abs(centre)))
     disc = Disc(centre, radius)
     if not all(region.contains(disc.boundary(k / 8)) for k in range(8)):
         raise ConvergenceError("zeros lie too near to the boundary")

@@ -47,12 +47,12 @@ class Winding:
         return ((1, (*self.samples, self.samples[0])),)
 
 
-def wind(discriminant: Discriminant, region: Region) -> Winding:
-    """Count the zeros inside a region on whose closure D is analytic.
+def wind(discriminant: Discriminant, region: Region, pieces: int = FIRST_PIECES) -> Winding:
+    """Count the zeros inside a region on whose closure D is analytic; a smooth boundary is first cut into so many pieces.
 
     Raises ConvergenceError when a zero lies on the boundary, or so near to it that no sampling tells the side.
     """
-    values = follow(lambda t: discriminant.with_slope(region.boundary(t)), region.corners, closed=True)
+    values = follow(lambda t: discriminant.with_slope(region.boundary(t)), region.corners, True, pieces)
     count = whole_turns(sum(change(a, b).imag for a, b in pairwise(values)))
     centre = sum(v.sigma for v in values[:-1]) / (len(values) - 1)
     total = sum(_predicted(a, b) for a, b in pairwise(values))
@@ -92,12 +92,14 @@ def whole_turns(phase: float, slack: float = 1e-6) -> int:
     return round(turns)
 
 
-def follow(evaluate: Callable[[float], Value], stops: Sequence[float], closed: bool = False) -> list[Value]:
+def follow(
+    evaluate: Callable[[float], Value], stops: Sequence[float], closed: bool = False, first_pieces: int = FIRST_PIECES
+) -> list[Value]:
     """Samples of D along a curve t ↦ σ(t), from the first stop to the last, so dense that no turn of the phase is missed.
 
     The stops are those t at which the curve is not smooth, its ends included. On a closed curve the first sample serves as the last.
     """
-    pieces = FIRST_PIECES if len(stops) == 2 else 2
+    pieces = first_pieces if len(stops) == 2 else 2
     ts = [a + (b - a) * i / pieces for a, b in pairwise(stops) for i in range(pieces)]
     samples = [(t, evaluate(t)) for t in ts]
     samples.append((stops[-1], samples[0][1] if closed else evaluate(stops[-1])))
