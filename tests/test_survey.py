@@ -6,13 +6,13 @@ import itertools
 
 import numpy as np
 import pytest
+from doubled import Doubled
 
 import shootstab as st
 from shootstab.discriminants.atlas import Atlas, Undecidable
 from shootstab.discriminants.frame import Frame
 from shootstab.problems.chute import ChuteProblem
 from shootstab.problems.gallery.poiseuille import PlanePoiseuille
-from shootstab.problems.protocol import FarFrame, Pencil
 from shootstab.questions.resonances import find_resonances
 from shootstab.questions.survey import survey
 from shootstab.questions.unstable import HalfDisc, bound, departure_from_law
@@ -137,68 +137,19 @@ def test_verify_states_the_number_of_growing_modes(scenes: dict[str, ChuteProble
     assert "1 modes have Re sigma >" in report.searched
 
 
-class Doubled:
-    """Two copies of plane Poiseuille flow side by side: every eigenvalue is double."""
-
-    size, decaying = 8, 4
-
-    def __init__(self) -> None:
-        self.single = PlanePoiseuille(reynolds=500.0)
-
-    def pencil(self, z: np.ndarray) -> Pencil:
-        return Pencil(*(_blocks(M) for M in (getattr(self.single.pencil(z), name) for name in ("C0", "C1", "D0", "D1"))))
-
-    def start(self, sigma: complex, tolerance: float) -> float:
-        return self.single.start(sigma, tolerance)
-
-    def far_frame(self, z: float, sigma: complex) -> FarFrame:
-        frame = _blocks(self.single.far_frame(z, sigma).frame[None])[0]
-        return FarFrame(frame, np.zeros_like(frame), 0.0, 0.0)
-
-    def mesh(self, start: float) -> np.ndarray:
-        return self.single.mesh(start)
-
-    def wall_rows(self) -> tuple[np.ndarray, np.ndarray]:
-        W0, W1 = self.single.wall_rows()
-        return _blocks(W0[None])[0], _blocks(W1[None])[0]
-
-    def cruder(self, factor: float) -> Doubled:
-        return self
-
-    def heights(self, points: int) -> None:
-        return None
-
-    def continuum_at(self, z: np.ndarray) -> np.ndarray:
-        return np.empty(0, complex)
-
-
-def _blocks(M: np.ndarray) -> np.ndarray:
-    out = np.zeros((len(M), 2 * M.shape[1], 2 * M.shape[2]), complex)
-    out[:, : M.shape[1], : M.shape[2]] = M
-    out[:, M.shape[1] :, M.shape[2] :] = M
-    return out
-
-
-class Defective(Doubled):
-    """Two copies, the second driven by the first: every eigenvalue is double and has one eigenfunction only."""
-
-    def pencil(self, z: np.ndarray) -> Pencil:
-        p = super().pencil(z)
-        p.D0[:, 4:, :4] += np.eye(4)
-        return p
-
-
+SINGLE = PlanePoiseuille(reynolds=500.0)
+SEMISIMPLE, DEFECTIVE = Doubled(SINGLE), Doubled(SINGLE, drive=1.0)
 NOWHERE = Rectangle(1 + 1j, 2 + 2j)
 
 
 @pytest.fixture(scope="module")
 def single() -> complex:
-    (mode,) = st.find(PlanePoiseuille(reynolds=500.0), Rectangle(-0.1 - 0.45j, 0.05 - 0.2j)).modes
+    (mode,) = st.find(SINGLE, Rectangle(-0.1 - 0.45j, 0.05 - 0.2j)).modes
     assert mode.multiplicity == 1
     return complex(mode.sigma)
 
 
-@pytest.mark.parametrize("problem", [Doubled(), Defective()], ids=["semisimple", "defective"])
+@pytest.mark.parametrize("problem", [SEMISIMPLE, DEFECTIVE], ids=["semisimple", "defective"])
 def test_a_double_eigenvalue_is_reported_as_such(problem: Doubled, single: complex) -> None:
     near = Disc(single * (1 + 1e-4), 1e-3 * abs(single))
     assert st.count(problem, near) == 2
@@ -210,7 +161,7 @@ def test_a_double_eigenvalue_is_reported_as_such(problem: Doubled, single: compl
 
 def test_claims_of_a_double_eigenvalue(single: complex) -> None:
     """It answers two claims, not three; claimed once, one is missing."""
-    problem = Defective()
+    problem = DEFECTIVE
     claims = [single, single * (1 + 1e-7), single * (1 + 2e-7)]
     report = st.verify(problem, claims, digits=4, region=NOWHERE)
     assert [v.verdict for v in report.verdicts] == ["confirmed", "confirmed", "spurious"]
