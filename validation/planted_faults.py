@@ -14,8 +14,8 @@ import shootstab as st
 from shootstab.problems.chute import ChuteProblem
 from shootstab.problems.gallery.poiseuille import PlanePoiseuille
 from shootstab.problems.protocol import Problem
+from shootstab.questions.judge import radius_of
 from shootstab.questions.reference import claims
-from shootstab.questions.verify import radius_of
 from shootstab.vocabulary.records import Report
 
 DIGITS = 7

@@ -41,8 +41,8 @@ def verify(options: Namespace) -> int:
     region = None if options.region is None else _rectangle(options.region)
     claimed = None if options.eigenvalues is None else readers.read(options.eigenvalues)
     scene = scene_files.load(options.scene)
+    from shootstab.questions.missing import unstable_box
     from shootstab.questions.reference import claims
-    from shootstab.questions.verify import unstable_box
     from shootstab.questions.verify import verify as question
 
     with progress(f"verifying {scene.name}") as told:

@@ -13,10 +13,10 @@ HALVING = 12.0  # of the 2^8 that halving the steps gains, what is counted on
 FLOWS = (4.0, 2.0)  # by which the base flow is computed less accurately, for another one that errs about as much
 PROBE = 1e-7  # relative change of the far frame by which its influence is measured
 SAFETY = 3.0  # on what a random sample of the far frame shows
-# A sample of rounding is the difference of two draws, the zero's own error and another one. The own error exceeds F times the largest
-# of k samples in about (0.5/F)^k of all cases where σ is real, and where it is complex much less often: in less than 1 of 100 here.
-NOISE = 5.0  # on four samples of the rounding of the transport
-FLOW_NOISE = 6.0  # on two flows computed anew, with every rounding on the way from the flow to the system
+# A sample of rounding is the difference of two draws, the zero's own error and another one. With σ real the own error exceeds 5 times the
+# root mean square of four samples, and 6 times the larger of two, in less than 1 of 100 cases, with σ complex much less often.
+NOISE = 5.0  # on samples of the rounding of the transport
+FLOW_NOISE = 6.0  # on two flows computed anew, with every rounding on the way from the inputs over the flow to the system
 NEGLIGIBLE = 0.1  # part of the integration error that another part may have without being measured further
 CURVATURE = 1e3  # |σ D″/(2 D′)| next to a simple zero
 EPSILON = sys.float_info.epsilon
@@ -61,8 +61,12 @@ def _rounding(problem: Problem, coarse: Examinable, coarse_value: Value, fine: E
     A problem without a flow of its own has its system computed anew at other points.
     """
     seen = [displacement(coarse.turned(seed), coarse_value) for seed in (1, 2)]
-    if NOISE * max(seen) > NEGLIGIBLE * integration:
+    if NOISE * _rms(seen) > NEGLIGIBLE * integration:
         seen += [displacement(fine.turned(seed), fine_value) for seed in (1, 2)]
         if problem.cruder(FLOWS[0]) is problem:
             seen.append(displacement(coarse.refined(seed=1), fine_value))
-    return NOISE * max(seen) + 8 * EPSILON * abs(fine_value.sigma)
+    return NOISE * _rms(seen) + 8 * EPSILON * abs(fine_value.sigma)
+
+
+def _rms(samples: list[float]) -> float:
+    return math.sqrt(sum(x * x for x in samples) / len(samples))
