@@ -73,6 +73,12 @@ class Product:
         members = tuple(member.of(other) for member, other in zip(self.members, others, strict=True))
         return Product(replace(self._parts, members=others), members, self._method)
 
+    def adopt(self, other: Shooting | Product) -> None:
+        """Begin with the meshes that another path of the same problem has."""
+        if isinstance(other, Product):
+            for member, known in zip(self.members, other.members, strict=True):
+                member.adopt(known)
+
     def moved_to(self, problem: Problem) -> Shooting | Product:
         """Of another problem, from the same mesh on; in the same parts if they are apart there too."""
         others = self._parts.of(problem)

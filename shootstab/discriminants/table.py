@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -54,12 +55,33 @@ def tabulate(problem: Problem, nodes: NDArray[np.complexfloating]) -> Table:
     Raises InputError where the pencil is of the wrong shape, not finite, or of deficient rank.
     """
     at: ComplexArray = np.asarray(nodes, dtype=np.complex128)
-    h = np.diff(at)
+    return Table(at, _sampled(problem, at[:-1], np.diff(at)))
+
+
+def retabulate(problem: Problem, nodes: NDArray[np.complexfloating], known: Table) -> Table:
+    """The same as `tabulate`, where the problem is known on another mesh of the same path: the steps that both have are copied."""
+    at: ComplexArray = np.asarray(nodes, dtype=np.complex128)
+    places = {step: i for i, step in enumerate(pairwise(known.nodes.tolist()))}
+    old = np.array([places.get(step, -1) for step in pairwise(at.tolist())])
+    fresh = np.flatnonzero(old < 0)
+    if 2 * len(fresh) > len(old):
+        return tabulate(problem, at)
+    P, V, G = (a[old] for a in known.system[3:])
+    if len(fresh):
+        new = _sampled(problem, at[:-1][fresh], np.diff(at)[fresh])
+        if new.P.shape[2:] != P.shape[2:] or not all(map(np.array_equal, new[:3], known.system[:3])):
+            return tabulate(problem, at)  # an entry vanishes on one of the two
+        P[fresh], V[fresh], G[fresh] = new[3:]
+    return Table(at, Sampled(*known.system[:3], P, V, G))
+
+
+def _sampled(problem: Problem, starts: ComplexArray, h: ComplexArray) -> Sampled:
+    """The system on steps of these lengths from these points, in the order of the path."""
     order = np.argsort(ABSCISSAE)
-    points: ComplexArray = at[:-1, None] + h[:, None] * ABSCISSAE[order]
+    points: ComplexArray = starts[:, None] + h[:, None] * ABSCISSAE[order]
     reduced = reduce_pencil(problem.pencil(points.ravel()), problem.size)
     back = np.argsort(order)
-    return Table(at, sample(h, *(a.reshape(len(h), STAGES, *a.shape[1:])[:, back] for a in reduced)))
+    return sample(h, *(a.reshape(len(h), STAGES, *a.shape[1:])[:, back] for a in reduced))
 
 
 def sample(h: ComplexArray, X: ComplexArray, V: ComplexArray, G: ComplexArray, T: ComplexArray) -> Sampled:
