@@ -18,14 +18,14 @@ Matrix = list[list[Any]]  # of numbers
 
 
 class Convolution(Protocol):
-    """Σ_j A_j Y_{m−j} for m = 0, 1, …, with Y given one term at a time."""
+    """Σ_j A_j Y_{m−j} for m = 0, 1, …, with Y given one term at a time; where A and Y_0 are real, all of Y is."""
 
     def push(self, term: Matrix) -> None:
         """The next term of Y, (n, k)."""
         ...
 
     def value(self) -> Matrix:
-        """Σ_j A_j Y_{m−j} with m the last term given."""
+        """Σ_j A_j Y_{m−j}, (r, k), with m the last term given."""
         ...
 
 
@@ -96,8 +96,12 @@ class Arithmetic(Protocol):
 
     def power(self, a: Any, exponent: Any) -> Any: ...
 
-    def convolution(self, A: Sequence[Sequence[Any]], terms: int) -> Convolution:
-        """Of a matrix whose entries are pairs of payloads (Re, Im), None for zero."""
+    def convolution(self, A: Sequence[Sequence[Any]]) -> Convolution:
+        """Of a matrix (r, n) whose entries are pairs of payloads (Re, Im), None for zero."""
+        ...
+
+    def inverse(self, A: Matrix) -> Matrix:
+        """A⁻¹. Raises ZeroDivisionError where A is singular as far as the precision can tell."""
         ...
 
 

@@ -15,6 +15,7 @@ from flint import acb, acb_mat, arb, arb_mat, arb_series, ctx, fmpq
 from shootstab.discriminants.precise.arithmetic import Matrix
 
 LONGEST = 10**6  # terms, more than any series has
+GROUP = 4  # terms of a convolution that one matrix product takes
 
 
 class Balls:
@@ -96,33 +97,73 @@ class Balls:
     def power(self, a: Any, exponent: Any) -> Any:
         return a.sqrt() if exponent == 0.5 else a ** arb(exponent)
 
-    def convolution(self, A: Sequence[Sequence[Any]], terms: int) -> Products:
-        return Products(self, A, terms)
+    def convolution(self, A: Sequence[Sequence[Any]]) -> Products:
+        return Products(A)
+
+    def inverse(self, A: Matrix) -> Matrix:
+        exact = any(isinstance(x, acb) for row in A for x in row)
+        inverse: Matrix = (acb_mat if exact else arb_mat)(A).inv().mid().tolist()
+        return inverse
 
 
 class Products:
-    """Σ_j A_j Y_{m−j} as a sum of matrix products, real where everything is."""
+    """Σ_j A_j Y_{m−j} by products of real matrices, GROUP terms at a time, the rows Re A over Im A and the columns Re Y beside Im Y.
 
-    def __init__(self, ring: Balls, A: Sequence[Sequence[Any]], terms: int) -> None:
-        self._real = all(im is None for row in A for _, im in row)
-        n = len(A)
-        nothing = [arb(0)] * terms
-        re = [[nothing if e[0] is None else ring.coefficients(e[0], terms) for e in row] for row in A]
-        im = [[nothing if e[1] is None else ring.coefficients(e[1], terms) for e in row] for row in A]
-        cells = range(n)
-        self._A: list[Any] = [arb_mat([[re[i][j][m] for j in cells] for i in cells]) for m in range(terms)]
-        if not self._real:
-            self._A = [acb_mat([[acb(re[i][j][m], im[i][j][m]) for j in cells] for i in cells]) for m in range(terms)]
-        self._Y: list[Any] = []
+    Rows that vanish in every A_j are left out.
+    """
+
+    def __init__(self, A: Sequence[Sequence[Any]]) -> None:
+        self._n, self._places = len(A[0]), []
+        rows: list[list[Any]] = []
+        for row in A:
+            place: list[int | None] = []
+            for part in (0, 1):
+                series = [None if e[part] is None else e[part].coeffs() for e in row]
+                place.append(len(rows) if any(series) else None)
+                if any(series):
+                    rows.append([[] if c is None else c for c in series])
+            self._places.append(place)
+        self._wide = any(im is not None for _, im in self._places)
+        terms = max((len(c) for row in rows for c in row), default=0)
+        nothing = arb(0)
+        self._A = [
+            arb_mat([[c[m].mid() if m < len(c) else nothing for m in range(start, start + GROUP) for c in row] for row in rows])
+            for start in range(0, terms, GROUP)
+        ]
+        self._last: list[Any] = []  # the last GROUP terms of Y, the newest first, row by row
+        self._Y: list[Any] = []  # those terms, one matrix for each m
 
     def push(self, term: Matrix) -> None:
-        real = self._real and not any(isinstance(x, acb) for row in term for x in row)
-        self._Y.append(arb_mat(term) if real else acb_mat(term))
+        k = len(term[0])
+        if not self._last:
+            self._k, self._wide = k, self._wide or any(isinstance(x, acb) for row in term for x in row)
+            self._last = [arb(0)] * (self._n * k * (1 + self._wide) * GROUP)
+        flat = [x for row in term for x in ([*(_real(x) for x in row), *(_imag(x) for x in row)] if self._wide else row)]
+        self._last = flat + self._last[: len(self._last) - len(flat)]
+        self._Y.append(arb_mat(self._n * GROUP, k * (1 + self._wide), self._last).mid())
 
     def value(self) -> Matrix:
-        A, Y = self._A, self._Y
+        k, A, Y = self._k, self._A, self._Y
         m = len(Y) - 1
+        if not A:
+            return [[arb(0)] * k for _ in self._places]
         total = A[0] * Y[m]
-        for j in range(1, min(m + 1, len(A))):
-            total = total + A[j] * Y[m - j]
-        return [[x.mid() for x in row] for row in total.tolist()]
+        for i in range(1, min(m // GROUP + 1, len(A))):
+            total = total + A[i] * Y[m - GROUP * i]
+        found = total.mid().tolist()
+        nothing = [arb(0)] * (2 * k)
+        if not self._wide:
+            return [nothing[:k] if re is None else found[re] for re, _ in self._places]
+        out = []
+        for re, im in self._places:
+            a, b = (nothing if at is None else found[at] for at in (re, im))
+            out.append([acb(a[q] - b[k + q], a[k + q] + b[q]) for q in range(k)])
+        return out
+
+
+def _real(x: Any) -> Any:
+    return x.real if isinstance(x, acb) else x
+
+
+def _imag(x: Any) -> Any:
+    return x.imag if isinstance(x, acb) else arb(0)

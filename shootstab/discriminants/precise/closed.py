@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol, runtime_checkable
 
 from shootstab.discriminants.precise.arithmetic import Arithmetic, Matrix, exact, simplified
-from shootstab.discriminants.precise.protocol import Entries, Expansion, Tick
+from shootstab.discriminants.precise.protocol import Base, Entries, Expansion, Tick
 from shootstab.discriminants.precise.settings import Settings
 from shootstab.discriminants.precise.taylor import Taylor, real_series
 
@@ -51,13 +51,15 @@ class ClosedFormulation:
     """See protocol.Formulation."""
 
     real = False
-    has_base_flow = False
 
     def __init__(self, problem: ClosedForm) -> None:
         self._problem = problem
         self.size = problem.size
 
-    def course(self, ring: Arithmetic, settings: Settings, base_settings: Settings, tick: Tick) -> ClosedCourse:
+    def base(self, ring: Arithmetic, settings: Settings, tick: Tick) -> Base:
+        return ()
+
+    def course(self, ring: Arithmetic, settings: Settings, base: Base) -> ClosedCourse:
         return ClosedCourse(ring, self._problem, settings)
 
 
@@ -100,6 +102,9 @@ class ClosedCourse:
     def wall_rows(self) -> tuple[Matrix, Matrix]:
         W0, W1 = self._problem.exact_wall(self._exact)
         return self._matrix(W0), self._matrix(W1)
+
+    def asked(self) -> Base:
+        return ()
 
     def _entries(self, part: Mapping[tuple[int, int], Any], z: Taylor) -> Entries:
         return {at: e if isinstance(e, Taylor) else 0 * z + e for at, e in part.items()}

@@ -11,6 +11,7 @@ from typing import Any
 
 from mpmath import libmp, mp
 
+from shootstab.discriminants.precise import matrices
 from shootstab.discriminants.precise.arithmetic import Matrix
 from shootstab.discriminants.precise.blocks import Block, conv, fixed, inverse_conv, power_conv, shifted, trimmed
 
@@ -111,8 +112,11 @@ class Floats:
         first = mp.make_mpf(libmp.from_man_exp(a[0][0], a[1])) ** exponent
         return trimmed(power_conv(a, first, mp.mpf(exponent), self._bits), self._bits)
 
-    def convolution(self, A: Sequence[Sequence[Any]], terms: int) -> Dots:
+    def convolution(self, A: Sequence[Sequence[Any]]) -> Dots:
         return Dots(self._bits, A)
+
+    def inverse(self, A: Matrix) -> Matrix:
+        return matrices.eliminated(self, A)
 
 
 class Dots:
