@@ -7,7 +7,7 @@ there, and each is the other's test.
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from fractions import Fraction
 from typing import Any, Protocol
@@ -98,6 +98,10 @@ class Arithmetic(Protocol):
 
     def convolution(self, A: Sequence[Sequence[Any]]) -> Convolution:
         """Of a matrix (r, n) whose entries are pairs of payloads (Re, Im), None for zero."""
+        ...
+
+    def multiplier(self, A: Matrix) -> Callable[[Matrix], Matrix]:
+        """B ↦ A B, rounded."""
         ...
 
     def inverse(self, A: Matrix) -> Matrix:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 from operator import mul
@@ -100,9 +100,17 @@ class Balls:
     def convolution(self, A: Sequence[Sequence[Any]]) -> Products:
         return Products(A)
 
+    def multiplier(self, A: Matrix) -> Callable[[Matrix], Matrix]:
+        left = _matrix(A)
+
+        def multiply(B: Matrix) -> Matrix:
+            product: Matrix = (left * _matrix(B)).mid().tolist()
+            return product
+
+        return multiply
+
     def inverse(self, A: Matrix) -> Matrix:
-        exact = any(isinstance(x, acb) for row in A for x in row)
-        inverse: Matrix = (acb_mat if exact else arb_mat)(A).inv().mid().tolist()
+        inverse: Matrix = _matrix(A).inv().mid().tolist()
         return inverse
 
 
@@ -159,6 +167,11 @@ class Products:
             a, b = (nothing if at is None else found[at] for at in (re, im))
             out.append([acb(a[q] - b[k + q], a[k + q] + b[q]) for q in range(k)])
         return out
+
+
+def _matrix(A: Matrix) -> Any:
+    """Real if every entry is."""
+    return acb_mat(A) if any(isinstance(x, acb) for row in A for x in row) else arb_mat(A)
 
 
 def _real(x: Any) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 from operator import mul
@@ -114,6 +114,10 @@ class Floats:
 
     def convolution(self, A: Sequence[Sequence[Any]]) -> Dots:
         return Dots(self._bits, A)
+
+    def multiplier(self, A: Matrix) -> Callable[[Matrix], Matrix]:
+        rows = [[(j, a) for j, a in enumerate(row) if a] for row in A]
+        return lambda B: [[sum((a * B[j][q] for j, a in row if B[j][q]), mp.zero) for q in range(len(B[0]))] for row in rows]
 
     def inverse(self, A: Matrix) -> Matrix:
         return matrices.eliminated(self, A)

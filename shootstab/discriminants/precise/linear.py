@@ -55,14 +55,13 @@ def taylor_terms(ring: Arithmetic, n: int, C: Entries, D: Entries, Y: Matrix, te
         if not columns:
             continue
         size = len(rows)
-        inverse = matrices.inverse(ring, leading(ring, C, rows, unknowns))
+        solved = ring.multiplier(matrices.inverse(ring, leading(ring, C, rows, unknowns)))
         convolution = ring.convolution(stacked(ring, C, D, rows, unknowns, terms, shift=1))
         part = [[Y[i][q] for q in columns] for i in unknowns]
         for m in range(1, terms):
             convolution.push(part)
             both = convolution.value()
-            right = matrices.combined(both[:size], both[size:], -m)
-            part = [[x / m for x in row] for row in matrices.product(ring, inverse, right)]
+            part = solved([[e / m - c for e, c in zip(x, y, strict=True)] for x, y in zip(both[:size], both[size:], strict=True)])
             for i, row in zip(unknowns, part, strict=True):
                 for q, x in zip(columns, row, strict=True):
                     out[m][i][q] = x

@@ -11,13 +11,17 @@ from shootstab.vocabulary.errors import ConvergenceError
 
 def product(ring: Arithmetic, A: Matrix, B: Matrix) -> Matrix:
     """A B."""
-    columns = range(len(B[0]))
-    return [[ring.rounded(sum((a * B[j][q] for j, a in enumerate(row) if not vanishes(a)), ring.number(0))) for q in columns] for row in A]
+    return ring.multiplier(A)(B)
 
 
 def combined(A: Matrix, B: Matrix, factor: Any) -> Matrix:
     """A + factor B."""
     return [[a + factor * b for a, b in zip(x, y, strict=True)] for x, y in zip(A, B, strict=True)]
+
+
+def scaled(A: Matrix, factor: Any) -> Matrix:
+    """factor A."""
+    return [[factor * a for a in row] for row in A]
 
 
 def vanishes(x: Any) -> bool:

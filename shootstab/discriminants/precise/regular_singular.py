@@ -23,17 +23,21 @@ def decaying_series(ring: Arithmetic, C: Entries, D: Entries, P0: Matrix, rate: 
             continue
         size = len(rows)
         N = [[nilpotent[p][q] for q in columns] for p in columns]
+
+        def times_N(A: Matrix, N: Matrix = N) -> Matrix:
+            return matrices.product(ring, A, N)
+
         C0, D0 = leading(ring, C, rows, unknowns), leading(ring, D, rows, unknowns)
+        times_C0 = ring.multiplier(C0)
         convolution = ring.convolution(stacked(ring, C, D, rows, unknowns, terms, shift=0))
         part = [[P0[i][q] for q in columns] for i in unknowns]
         for m in range(1, terms):
             convolution.push(part)
             both = convolution.value()
             E, CP = both[:size], both[size:]
-            R = matrices.combined(matrices.combined(E, CP, -(m + rate)), matrices.product(ring, CP, N), -1)
-            G = matrices.inverse(ring, [[(m + rate) * c - d for c, d in zip(x, y, strict=True)] for x, y in zip(C0, D0, strict=True)])
-            RN = matrices.product(ring, C0, matrices.product(ring, matrices.product(ring, G, R), N))
-            part = matrices.product(ring, G, matrices.combined(R, RN, -1))
+            R = matrices.combined(matrices.combined(E, CP, -(m + rate)), times_N(CP), -1)
+            G = ring.multiplier(matrices.inverse(ring, matrices.combined(matrices.scaled(C0, m + rate), D0, -1)))
+            part = G(matrices.combined(R, times_C0(times_N(G(R))), -1))
             for i, row in zip(unknowns, part, strict=True):
                 for q, x in zip(columns, row, strict=True):
                     P[m][i][q] = x
