@@ -15,6 +15,8 @@ from typing import Any, Protocol
 from shootstab.vocabulary.errors import InputError
 
 Matrix = list[list[Any]]  # of numbers
+Payloads = Sequence[Sequence[tuple[Any, Any]]]  # a matrix of series, each as its real and its imaginary part, None for zero
+ASKED = 4  # last terms of a series that show where it holds
 
 
 class Convolution(Protocol):
@@ -96,8 +98,15 @@ class Arithmetic(Protocol):
 
     def power(self, a: Any, exponent: Any) -> Any: ...
 
-    def convolution(self, A: Sequence[Sequence[Any]]) -> Convolution:
-        """Of a matrix (r, n) whose entries are pairs of payloads (Re, Im), None for zero."""
+    def convolution(self, A: Payloads) -> Convolution:
+        """Of a matrix (r, n) of series."""
+        ...
+
+    def carried(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> tuple[Matrix, list[Matrix]]:
+        """Σ Y_m, and the last ASKED of so many terms, of Y_m = left (Σ_j E_j Y_{m−1−j}/m − Σ_j F_j Y_{m−1−j}), Y_0 = Y (n, k).
+
+        A is E (n, n) above F.
+        """
         ...
 
     def multiplier(self, A: Matrix) -> Callable[[Matrix], Matrix]:

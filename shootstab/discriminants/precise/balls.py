@@ -12,7 +12,7 @@ from typing import Any
 import mpmath
 from flint import acb, acb_mat, arb, arb_mat, arb_series, ctx, fmpq
 
-from shootstab.discriminants.precise.arithmetic import Matrix
+from shootstab.discriminants.precise.arithmetic import ASKED, Matrix, Payloads
 
 LONGEST = 10**6  # terms, more than any series has
 GROUP = 4  # terms of a convolution that one matrix product takes
@@ -97,8 +97,28 @@ class Balls:
     def power(self, a: Any, exponent: Any) -> Any:
         return a.sqrt() if exponent == 0.5 else a ** arb(exponent)
 
-    def convolution(self, A: Sequence[Sequence[Any]]) -> Products:
+    def convolution(self, A: Payloads) -> Products:
         return Products(A)
+
+    def carried(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> tuple[Matrix, list[Matrix]]:
+        """Nothing is unpacked on the way: the products go from one matrix to the next."""
+        products = Products(A)
+        found = [products.packed(Y)]
+        products.push_packed(found[0])
+        turn = products.turn
+        (E, iE), (F, iF) = (products.after(left, range(start, start + len(Y))) for start in (0, len(Y)))
+        for m in range(1, terms):
+            P = products.sums()
+            new = E * P * (1 / arb(m)) - F * P
+            if products.wide:
+                iP = P * turn
+                new = new + iE * iP * (1 / arb(m)) - iF * iP
+            found.append(new.mid())
+            products.push_packed(found[-1])
+        total = found[-1]
+        for term in found[-2::-1]:
+            total = total + term
+        return products.unpacked(total), [products.unpacked(term) for term in found[-ASKED:]]
 
     def multiplier(self, A: Matrix) -> Callable[[Matrix], Matrix]:
         left = _matrix(A)
@@ -115,58 +135,89 @@ class Balls:
 
 
 class Products:
-    """Σ_j A_j Y_{m−j} by products of real matrices, GROUP terms at a time, the rows Re A over Im A and the columns Re Y beside Im Y.
+    """Σ_j A_j Y_{m−j} by products of real matrices, GROUP terms at a time, the rows of Re A and of Im A and the columns Re Y beside Im Y.
 
-    Rows that vanish in every A_j are left out.
+    Rows that vanish in every A_j are left out. A Y is real (n, k), or packed as Re Y beside Im Y (n, 2k) if anything is complex.
     """
 
-    def __init__(self, A: Sequence[Sequence[Any]]) -> None:
-        self._n, self._places = len(A[0]), []
+    def __init__(self, A: Payloads) -> None:
+        self._n, self._places = len(A[0]), []  # where the real and the imaginary part of each row went
         rows: list[list[Any]] = []
         for row in A:
             place: list[int | None] = []
             for part in (0, 1):
-                series = [None if e[part] is None else e[part].coeffs() for e in row]
+                series = [[] if e[part] is None else e[part].coeffs() for e in row]
                 place.append(len(rows) if any(series) else None)
                 if any(series):
-                    rows.append([[] if c is None else c for c in series])
+                    rows.append(series)
             self._places.append(place)
-        self._wide = any(im is not None for _, im in self._places)
+        self._rows = len(rows)
+        self.wide = any(im is not None for _, im in self._places)
         terms = max((len(c) for row in rows for c in row), default=0)
         nothing = arb(0)
         self._A = [
-            arb_mat([[c[m].mid() if m < len(c) else nothing for m in range(start, start + GROUP) for c in row] for row in rows])
+            arb_mat([[c[m] if m < len(c) else nothing for m in range(start, start + GROUP) for c in row] for row in rows]).mid()
             for start in range(0, terms, GROUP)
         ]
         self._last: list[Any] = []  # the last GROUP terms of Y, the newest first, row by row
         self._Y: list[Any] = []  # those terms, one matrix for each m
 
     def push(self, term: Matrix) -> None:
-        k = len(term[0])
-        if not self._last:
-            self._k, self._wide = k, self._wide or any(isinstance(x, acb) for row in term for x in row)
-            self._last = [arb(0)] * (self._n * k * (1 + self._wide) * GROUP)
-        flat = [x for row in term for x in ([*(_real(x) for x in row), *(_imag(x) for x in row)] if self._wide else row)]
-        self._last = flat + self._last[: len(self._last) - len(flat)]
-        self._Y.append(arb_mat(self._n * GROUP, k * (1 + self._wide), self._last).mid())
+        self.push_packed(self.packed(term))
 
-    def value(self) -> Matrix:
-        k, A, Y = self._k, self._A, self._Y
-        m = len(Y) - 1
+    def packed(self, term: Matrix) -> Any:
+        """As one real matrix. The first one decides whether Y is complex."""
+        if not self._last:
+            self._k = len(term[0])
+            self.wide = self.wide or any(isinstance(x, acb) for row in term for x in row)
+            self._last = [arb(0)] * (self._n * self._k * (1 + self.wide) * GROUP)
+        if not self.wide:
+            return arb_mat(term)
+        return arb_mat([[*(_real(x) for x in row), *(_imag(x) for x in row)] for row in term])
+
+    def push_packed(self, term: Any) -> None:
+        """The next term of Y."""
+        flat = term.entries()
+        self._last = flat + self._last[: len(self._last) - len(flat)]
+        self._Y.append(arb_mat(self._n * GROUP, self._k * (1 + self.wide), self._last).mid())
+
+    def sums(self) -> Any:
+        """The rows of Σ_j A_j Y_{m−j} that do not vanish, the packed columns."""
+        A, Y = self._A, self._Y
         if not A:
-            return [[arb(0)] * k for _ in self._places]
+            return arb_mat(self._rows, self._k * (1 + self.wide))
+        m = len(Y) - 1
         total = A[0] * Y[m]
         for i in range(1, min(m // GROUP + 1, len(A))):
             total = total + A[i] * Y[m - GROUP * i]
-        found = total.mid().tolist()
-        nothing = [arb(0)] * (2 * k)
-        if not self._wide:
-            return [nothing[:k] if re is None else found[re] for re, _ in self._places]
-        out = []
-        for re, im in self._places:
-            a, b = (nothing if at is None else found[at] for at in (re, im))
-            out.append([acb(a[q] - b[k + q], a[k + q] + b[q]) for q in range(k)])
-        return out
+        return total.mid()
+
+    def value(self) -> Matrix:
+        found = self.sums()
+        identity = [[arb(int(i == j)) for j in range(len(self._places))] for i in range(len(self._places))]
+        real, imaginary = self.after(identity, range(len(self._places)))
+        return self.unpacked(real * found + imaginary * (found * self.turn) if self.wide else real * found)
+
+    def after(self, left: Matrix, part: range) -> tuple[Any, Any]:
+        """U, V with left · (this part of the rows of Σ_j A_j Y_{m−j}) = U P + V (iP), P being `sums`."""
+        U, V = ([[arb(0)] * self._rows for _ in left] for _ in range(2))
+        for u, v, row in zip(U, V, left, strict=True):
+            for place, x in zip((self._places[i] for i in part), row, strict=True):
+                for at, here, there in ((place[0], _real(x), _imag(x)), (place[1], -_imag(x), _real(x))):
+                    if at is not None:
+                        u[at], v[at] = here, there
+        return arb_mat(U), arb_mat(V)
+
+    @property
+    def turn(self) -> Any:
+        """The matrix that takes packed columns to those of i times them."""
+        k = self._k
+        return arb_mat([[(j == i + k) - (i == j + k) for j in range(2 * k)] for i in range(2 * k)])
+
+    def unpacked(self, term: Any) -> Matrix:
+        """As numbers."""
+        k, rows = self._k, term.mid().tolist()
+        return [[acb(x, y) for x, y in zip(row[:k], row[k:], strict=True)] for row in rows] if self.wide else rows
 
 
 def _matrix(A: Matrix) -> Any:

@@ -8,12 +8,12 @@ from typing import Any
 
 import mpmath
 
-from shootstab.discriminants.precise.arithmetic import Arithmetic, Matrix, exact, simplified
+from shootstab.discriminants.precise.arithmetic import ASKED, Arithmetic, Matrix, exact, simplified
 from shootstab.discriminants.precise.linear import affine
 from shootstab.discriminants.precise.protocol import Base, Expansion, Tick
 from shootstab.discriminants.precise.regular_singular import decaying_series
 from shootstab.discriminants.precise.secant import Secant, Values
-from shootstab.discriminants.precise.settings import ASKED, Settings, step_limit
+from shootstab.discriminants.precise.settings import Settings, step_limit
 from shootstab.discriminants.precise.steady import Base as FlowBase
 from shootstab.discriminants.precise.steady import Descent, descend, evaluate, far_series, start_of
 from shootstab.discriminants.precise.taylor import Taylor, real_series

@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from shootstab.discriminants.precise import matrices
-from shootstab.discriminants.precise.arithmetic import Arithmetic, Matrix
+from shootstab.discriminants.precise.arithmetic import ASKED, Arithmetic, Matrix, Payloads
 from shootstab.discriminants.precise.taylor import Taylor
 from shootstab.vocabulary.errors import ConvergenceError
 
@@ -45,27 +45,22 @@ def parts(n: int, C: Entries, D: Entries) -> list[Part]:
     return found
 
 
-def taylor_terms(ring: Arithmetic, n: int, C: Entries, D: Entries, Y: Matrix, terms: int) -> list[Matrix]:
-    """Y_m (n, k) for m below terms, from Y_0 = Y."""
-    k = len(Y[0])
-    nothing = ring.number(0)
-    out = [Y, *([[nothing] * k for _ in range(n)] for _ in range(terms - 1))]
+def carried(ring: Arithmetic, n: int, C: Entries, D: Entries, Y: Matrix, terms: int) -> tuple[Matrix, list[Matrix]]:
+    """ψ(1) (n, k) from ψ(0) = Y by a series of so many terms, and the last of them."""
+    k, nothing = len(Y[0]), ring.number(0)
+    end, *last = ([[nothing] * k for _ in range(n)] for _ in range(1 + ASKED))
     for rows, unknowns in parts(n, C, D):
         columns = [q for q in range(k) if not all(matrices.vanishes(Y[i][q]) for i in unknowns)]
         if not columns:
             continue
-        size = len(rows)
-        solved = ring.multiplier(matrices.inverse(ring, leading(ring, C, rows, unknowns)))
-        convolution = ring.convolution(stacked(ring, C, D, rows, unknowns, terms, shift=1))
-        part = [[Y[i][q] for q in columns] for i in unknowns]
-        for m in range(1, terms):
-            convolution.push(part)
-            both = convolution.value()
-            part = solved([[e / m - c for e, c in zip(x, y, strict=True)] for x, y in zip(both[:size], both[size:], strict=True)])
+        inverse = matrices.inverse(ring, leading(ring, C, rows, unknowns))
+        start = [[Y[i][q] for q in columns] for i in unknowns]
+        total, tail = ring.carried(stacked(ring, C, D, rows, unknowns, terms, shift=1), inverse, start, terms)
+        for out, part in ((end, total), *zip(last, tail, strict=True)):
             for i, row in zip(unknowns, part, strict=True):
                 for q, x in zip(columns, row, strict=True):
-                    out[m][i][q] = x
-    return out
+                    out[i][q] = x
+    return end, last
 
 
 def leading(ring: Arithmetic, C: Entries, rows: Sequence[int], unknowns: Sequence[int]) -> Matrix:
@@ -73,7 +68,7 @@ def leading(ring: Arithmetic, C: Entries, rows: Sequence[int], unknowns: Sequenc
     return [[C[i, j].coefficients(1)[0] if (i, j) in C else ring.number(0) for j in unknowns] for i in rows]
 
 
-def stacked(ring: Arithmetic, C: Entries, D: Entries, rows: Sequence[int], unknowns: Sequence[int], terms: int, shift: int) -> Any:
+def stacked(ring: Arithmetic, C: Entries, D: Entries, rows: Sequence[int], unknowns: Sequence[int], terms: int, shift: int) -> Payloads:
     """The rows of D + C′ over those of C, as payloads (Re, Im) of series: in t from C_1 on (shift = 1), or, where t d/dt stands
     for d/dt, all of both but the terms of order zero (shift = 0).
     """

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass, replace
 
 SHRINK = 1.5  # a step is about e^−1.5 of the radius of convergence: cheapest per length when a product costs order²
-ASKED = 4  # last terms of a series that show where it holds
 GUARD = 8  # digits that recurrences and eliminations may eat
 
 

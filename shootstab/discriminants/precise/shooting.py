@@ -11,9 +11,9 @@ from typing import Any
 
 from shootstab.discriminants.precise import matrices
 from shootstab.discriminants.precise.arithmetic import Arithmetic, Matrix
-from shootstab.discriminants.precise.linear import affine, taylor_terms
+from shootstab.discriminants.precise.linear import affine, carried
 from shootstab.discriminants.precise.protocol import Base, Course, Expansion, Tick
-from shootstab.discriminants.precise.settings import ASKED, Settings, step_limit
+from shootstab.discriminants.precise.settings import Settings, step_limit
 from shootstab.vocabulary.errors import ConvergenceError
 
 MOST_STEPS = 5000
@@ -47,16 +47,16 @@ class PreciseShooting:
         Y, det = self._course.far_frame(sigma)
         for step in self._steps:
             self._tick()
-            Y, det = self._normalized(self._sum(self._columns(step, sigma, Y)), det)
+            Y, det = self._normalized(self._carried(step, sigma, Y)[0], det)
         return self._at_wall(sigma, Y, det)
 
     def _march(self, sigma: Any) -> Any:
         Y, det = self._course.far_frame(sigma)
         longest = float("inf")
         while not (self._steps and self._steps[-1].at_wall):
-            step, terms = self._step(sigma, Y, longest)
+            step, Y = self._step(sigma, Y, longest)
             self._steps.append(step)
-            Y, det = self._normalized(self._sum(terms), det)
+            Y, det = self._normalized(Y, det)
             self._course.advance()
             longest = self._next
             if len(self._steps) > MOST_STEPS:
@@ -64,17 +64,17 @@ class PreciseShooting:
         self._rows = self._course.wall_rows()
         return self._at_wall(sigma, Y, det)
 
-    def _step(self, sigma: Any, Y: Matrix, longest: float) -> tuple[Expansion, list[Matrix]]:
-        """A step as long as the flow's series and the frame's own hold."""
+    def _step(self, sigma: Any, Y: Matrix, longest: float) -> tuple[Expansion, Matrix]:
+        """A step as long as the flow's series and the frame's own hold, and the frame after it."""
         for _ in range(TRIALS):
             self._tick()
             step = self._course.expand(longest)
-            terms = self._columns(step, sigma, Y)
-            limit = self._limit(terms)
+            end, last = self._carried(step, sigma, Y)
+            limit = self._limit(Y, last)
             here = self.ring.log2(step.h)
             if limit * self.settings.order >= -SLACK:
                 self._next = 2.0 ** (here + min(limit, GROWTH) - 0.02)
-                return step, terms
+                return step, end
             longest = 2.0 ** (here + limit - 0.02)
         raise ConvergenceError("no Taylor step is short enough: sigma lies on the continuous spectrum")
 
@@ -82,22 +82,15 @@ class PreciseShooting:
         rows = matrices.combined(*self._rows, sigma)
         return self.ring.rounded(det * matrices.determinant(self.ring, matrices.product(self.ring, rows, Y)))
 
-    def _columns(self, step: Expansion, sigma: Any, Y: Matrix) -> list[Matrix]:
-        """Taylor coefficients of the frame over a step."""
+    def _carried(self, step: Expansion, sigma: Any, Y: Matrix) -> tuple[Matrix, list[Matrix]]:
+        """The frame at the end of the step, and the last terms of its series."""
         C, D = affine(step.C0, step.C1, sigma), affine(step.D0, step.D1, sigma)
-        return taylor_terms(self.ring, self._n, C, {at: e * step.h for at, e in D.items()}, Y, self.settings.order)
+        return carried(self.ring, self._n, C, {at: e * step.h for at, e in D.items()}, Y, self.settings.order)
 
-    def _limit(self, terms: list[Matrix]) -> float:
+    def _limit(self, Y: Matrix, last: list[Matrix]) -> float:
         """log2 of the fraction of the step at which the frame's own series holds."""
-        first, *last = (max(self.ring.log2(x) for row in term for x in row) for term in (terms[0], *terms[-ASKED:]))
-        return step_limit(last, len(terms), first, self.settings.tolerance)
-
-    def _sum(self, terms: list[Matrix]) -> Matrix:
-        """Σ Y_m, from the smallest on."""
-        total = terms[-1]
-        for term in terms[-2::-1]:
-            total = [[y + x for x, y in zip(a, b, strict=True)] for a, b in zip(term, total, strict=True)]
-        return [[self.ring.rounded(x) for x in row] for row in total]
+        first, *sizes = (max(self.ring.log2(x) for row in term for x in row) for term in (Y, *last))
+        return step_limit(sizes, self.settings.order, first, self.settings.tolerance)
 
     def _normalized(self, Y: Matrix, det: Any) -> tuple[Matrix, Any]:
         ring = self.ring

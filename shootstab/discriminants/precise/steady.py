@@ -11,9 +11,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from shootstab.discriminants.precise.arithmetic import Arithmetic
+from shootstab.discriminants.precise.arithmetic import ASKED, Arithmetic
 from shootstab.discriminants.precise.online import Graph, Node
-from shootstab.discriminants.precise.settings import ASKED, Settings, step_limit
+from shootstab.discriminants.precise.settings import Settings, step_limit
 from shootstab.problems.chute import constitutive as law
 from shootstab.problems.chute.balance import slip, slopes
 from shootstab.problems.chute.parameters import Chute
