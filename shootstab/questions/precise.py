@@ -17,12 +17,13 @@ import mpmath
 
 from shootstab.discriminants.precise.arithmetic import Arithmetic, choose
 from shootstab.discriminants.precise.chute import PreciseChute
-from shootstab.discriminants.precise.closed import ClosedForm, ClosedFormulation
+from shootstab.discriminants.precise.closed import ClosedFormulation
 from shootstab.discriminants.precise.protocol import Base, Formulation
 from shootstab.discriminants.precise.secant import Secant, Values
 from shootstab.discriminants.precise.settings import Settings
 from shootstab.discriminants.precise.shooting import PreciseShooting
 from shootstab.problems.chute import ChuteProblem
+from shootstab.problems.closed import ClosedForm
 from shootstab.problems.protocol import Problem
 from shootstab.questions.clock import Clock, Progress
 from shootstab.questions.refine import UNKNOWN, refine
@@ -31,6 +32,7 @@ from shootstab.vocabulary.records import CONVERGED, Budget, Mode
 
 METHOD = "taylor"
 START = 1e-11  # relative accuracy of the double-precision mode
+NEAR = 0.5  # of the larger of the two, how far a mode may lie from the guess that means it
 DOUBLE = 12.5  # digits that it has
 LOWEST = 20.0  # digits of the first rung
 RISE = 2.3  # of digits from rung to rung: two secants double them and add those of the slope
@@ -46,7 +48,7 @@ ATTEMPTS = 2
 def refine_digits(problem: Problem, guess: Any, digits: int, progress: Progress | None = None, arithmetic: str | None = None) -> Mode:
     """The mode next to guess with |true − sigma| ≤ error and error ≤ 10^−digits |sigma| if its status is 'converged'.
 
-    sigma is an mpc. The problem is a chute or has a closed form (discriminants.precise.closed.ClosedForm); its parameters mean the
+    sigma is an mpc. The problem is a chute or has a closed form (problems.closed.ClosedForm); its parameters mean the
     shortest decimals that their floats stand for. arithmetic is 'flint' or 'mpmath', by default flint where it is installed.
     progress(done, total, seconds left) is told how far it is. Where no mode is near, or the base flow does not determine it, the
     status says so.
@@ -54,11 +56,17 @@ def refine_digits(problem: Problem, guess: Any, digits: int, progress: Progress 
     began = perf_counter()
     if not 1 <= digits <= 10_000:
         raise InputError(f"digits = {digits}: allowed is 1 to 10000")
-    ring, formulation = choose(arithmetic), formulation_of(problem)
+    guess, ring, formulation = complex(guess), choose(arithmetic), formulation_of(problem)
     seed = refine(problem, guess, rtol=START)
     if not seed.converged and not seed.error <= 1e-6 * abs(seed.sigma):
         return _failed(
             seed, f"not converged: double precision finds no mode to start from ({seed.status.removeprefix('not converged: ')})", began
+        )
+    if abs(seed.sigma - guess) > NEAR * max(abs(seed.sigma), abs(guess)):
+        return _failed(
+            seed,
+            f"not converged: no mode is near the guess {guess:.6g}; the iteration goes to {seed.sigma:.6g}: start there if that is meant",
+            began,
         )
     search = Search(formulation, ring, seed, Clock(progress))
     wanted = digits
@@ -80,7 +88,7 @@ def formulation_of(problem: Problem) -> Formulation:
     if isinstance(problem, ClosedForm):
         return ClosedFormulation(problem)
     raise InputError(
-        f"{type(problem).__name__}: more than 13 digits ask for a problem with exact_ends, exact_pencil, exact_far and exact_wall"
+        f"{type(problem).__name__}: more than 12 digits ask for a problem with exact_ends, exact_pencil, exact_far and exact_wall"
     )
 
 
@@ -97,7 +105,7 @@ class Search:
 
     def mode(self, digits: int, rtol: Any) -> Mode:
         """The mode to about so many digits, with its error bound."""
-        rungs = _rungs(digits + SPARE, self._known)
+        rungs = _rungs(max(digits + SPARE, LOWEST), self._known)
         self._clock.plan([STAGE * _cost(d) for d in rungs] + [_cost(rungs[-1])] * VARIANTS)
         for d in rungs:
             settings = Settings.of(d)
@@ -105,6 +113,7 @@ class Search:
                 base = self._formulation.base(self._ring, settings, self._clock.tick)
                 shooting = self._shooting(settings, base)
                 self._secant.settle(partial(self._values, shooting), d, least=1 + (d == rungs[-1]))
+                self._require_near(self._secant.x)
             self._known = d
             self._clock.done()
         return self._result(settings, self._budget(settings, base, shooting), rtol)
@@ -114,7 +123,6 @@ class Search:
         return PreciseShooting(self._ring, self._formulation.size, settings, course, self._clock.tick)
 
     def _values(self, shooting: PreciseShooting, sigma: Any) -> Values:
-        self._require_near(sigma)
         self.evaluations += 1
         ring = self._ring
         return (ring.to_mpmath(shooting(ring.number(sigma) if self._real else ring.complex(sigma))),)
@@ -148,14 +156,17 @@ class Search:
         with ring.working(settings.digits), mpmath.workdps(settings.digits):
             other = _off(base, [shooting.asked(), *(asked for _, asked in varied)])
             root, epsilon = SAFETY * secant.error, abs(secant.x) * mpmath.mpf(10) ** -settings.digits
-        steady = moved(settings, other)[0] if other != base else 0.0
+        steady = 0.0
+        if other == base:  # there is none, or nothing found it to be off
+            self._clock.done()
+        else:
+            steady, _ = moved(settings, other)
         return Budget(integration, far, steady, _plain(root), _plain(rounding + epsilon))
 
     def _result(self, settings: Settings, parts: Budget, rtol: Any) -> Mode:
         with mpmath.workdps(settings.digits):
             error = _plain(mpmath.fsum(parts.as_dict().values()))
             sigma = mpmath.mpc(self._secant.x)
-            self._require_near(sigma)
             status = CONVERGED if error <= rtol * abs(sigma) else f"not converged: the error bound {mpmath.nstr(error, 2)} is too large"
             return Mode(sigma, error, parts, status, METHOD, self.evaluations, 0.0)
 
