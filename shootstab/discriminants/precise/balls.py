@@ -193,10 +193,12 @@ class Products:
         return total.mid()
 
     def value(self) -> Matrix:
-        found = self.sums()
-        identity = [[arb(int(i == j)) for j in range(len(self._places))] for i in range(len(self._places))]
-        real, imaginary = self.after(identity, range(len(self._places)))
-        return self.unpacked(real * found + imaginary * (found * self.turn) if self.wide else real * found)
+        k, found = self._k, self.sums().tolist()
+        nothing = [arb(0)] * (k * (1 + self.wide))
+        pairs = [[nothing if at is None else found[at] for at in place] for place in self._places]
+        if not self.wide:
+            return [re for re, _ in pairs]
+        return [[acb(re[q] - im[k + q], re[k + q] + im[q]) for q in range(k)] for re, im in pairs]
 
     def after(self, left: Matrix, part: range) -> tuple[Any, Any]:
         """U, V with left · (this part of the rows of Σ_j A_j Y_{m−j}) = U P + V (iP), P being `sums`."""
