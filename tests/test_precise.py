@@ -225,6 +225,16 @@ def test_the_first_digits_are_those_of_double_precision(scenes: dict[str, ChuteP
     assert all(part > 0 for part in mode.budget.as_dict().values())
 
 
+def test_a_flow_given_by_its_far_temperature_has_an_exact_one() -> None:
+    flow = st.chute.steady(far_temperature=0.7, **GRAINS)
+    problem = st.chute.problem(flow, 0.01, 0.0)
+    rough = st.refine(problem, guess=4.09e-5 - 0.03244j, rtol=1e-11)
+    mode = st.refine(problem, guess=rough.sigma, digits=14)
+    assert rough.converged
+    assert mode.converged
+    assert abs(complex(mode.sigma) - rough.sigma) <= rough.error
+
+
 def test_two_runs_agree_on_every_digit_that_the_bound_promises(scenes: dict[str, ChuteProblem]) -> None:
     """Different digits asked for means another precision, order, step and start."""
     fewer, more = (refine_digits(scenes["high"], 0.004, digits) for digits in (14, 24))

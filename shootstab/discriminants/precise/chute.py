@@ -60,13 +60,16 @@ class PreciseChute:
         """(T_∞, u_∞): for a given mass flux by secants on Q0(T_∞), from a rougher precision on; u_∞ comes along."""
         flow = self.problem.flow
 
+        def end(at: Settings, T: Any) -> FlowBase:
+            return descend(ring, self.chute(ring), ring.number(T), at, flow.height, tick)
+
         def found(at: Settings, T: Any) -> Values:
-            base = descend(ring, self.chute(ring), ring.number(T), at, flow.height, tick)
+            base = end(at, T)
             return self.misfit(ring, base.mass_flux), ring.to_mpmath(base.far_velocity)
 
         if flow.asked_flux is None:
             T = ring.to_mpmath(ring.number(exact(flow.far_temperature)))
-            return T, found(settings, T)[1]
+            return T, ring.to_mpmath(end(settings, T).far_velocity)
         secant = self._secant or Secant(mpmath.mpf(flow.far_temperature))
         try:
             for at in (settings,) if self._secant else (Settings.of(ROUGH * settings.tolerance + 1.0), settings):
