@@ -342,6 +342,26 @@ def test_a_base_flow_at_a_fold() -> None:
     assert mode.digits < 16
 
 
+def test_without_python_flint_mpmath_does_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    assert choose().name == "mpmath"
+    with pytest.raises(st.InputError, match="pip install"):
+        choose("flint")
+
+
+def test_a_problem_without_formulas_is_refused(scenes: dict[str, ChuteProblem]) -> None:
+    class Plain:
+        """Everything of a problem but formulas for numbers of any kind."""
+
+        def __getattr__(self, name: str) -> Any:
+            if name.startswith("exact_"):
+                raise AttributeError(name)
+            return getattr(scenes["high"], name)
+
+    with pytest.raises(st.InputError, match="Plain: more than 12 digits ask for a problem with exact_ends"):
+        refine_digits(Plain(), 0.004, 20)  # type: ignore[arg-type]
+
+
 def test_what_cannot_be_done_is_refused(scenes: dict[str, ChuteProblem]) -> None:
     with pytest.raises(st.InputError, match="Taylor"):
         st.refine(scenes["high"], guess=0.004, digits=20, method=st.Frame())
