@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from shootstab.discriminants.frame import Frame
     from shootstab.discriminants.riccati import Riccati
     from shootstab.problems import chute, gallery
+    from shootstab.problems.closed import ClosedProblem
     from shootstab.questions.count import count
     from shootstab.questions.find import find
     from shootstab.questions.refine import refine
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
+    "ClosedProblem": "shootstab.problems.closed",
     "Compound": "shootstab.discriminants.compound",
     "ConvergenceError": "shootstab.vocabulary.errors",
     "Disc": "shootstab.vocabulary.regions",
@@ -54,6 +56,7 @@ _HOMES = {
 }
 
 __all__ = [
+    "ClosedProblem",
     "Compound",
     "ConvergenceError",
     "Disc",
