@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from shootstab.discriminants.frame import Frame
     from shootstab.discriminants.riccati import Riccati
     from shootstab.problems import chute, gallery
+    from shootstab.problems.linear import Infinity, Interface, LinearProblem, Wall, problem
     from shootstab.questions.count import count
     from shootstab.questions.find import find
     from shootstab.questions.refine import refine
@@ -38,6 +39,11 @@ _HOMES = {
     "Disc": "shootstab.vocabulary.regions",
     "Frame": "shootstab.discriminants.frame",
     "InputError": "shootstab.vocabulary.errors",
+    "problem": "shootstab.problems.linear",
+    "Wall": "shootstab.problems.linear",
+    "LinearProblem": "shootstab.problems.linear",
+    "Interface": "shootstab.problems.linear",
+    "Infinity": "shootstab.problems.linear",
     "Polygon": "shootstab.vocabulary.regions",
     "NoFlowError": "shootstab.vocabulary.errors",
     "Rectangle": "shootstab.vocabulary.regions",
@@ -58,17 +64,22 @@ __all__ = [
     "ConvergenceError",
     "Disc",
     "Frame",
+    "Infinity",
     "InputError",
+    "Interface",
+    "LinearProblem",
     "NoFlowError",
     "Polygon",
     "Rectangle",
     "Riccati",
     "ShootstabError",
+    "Wall",
     "chute",
     "count",
     "count_unstable",
     "find",
     "gallery",
+    "problem",
     "refine",
     "testing",
     "verify",

@@ -215,9 +215,8 @@ def _missing(atlas: Atlas, verdicts: list[Verdict], region: Rectangle | None) ->
         modes, whole = find_modes(atlas, box, known)
     except Undecidable as error:
         # the part right of the continuous spectrum, where instability is
-        assert atlas.continuum is not None
         undecided = (f"left of the continuous spectrum: {error}",)
-        edge = max(float(atlas.continuum.sigma.real.max()), 0.0) + CLEAR * abs(complex(box.upper_right))
+        edge = max(atlas.rightmost, 0.0) + CLEAR * abs(complex(box.upper_right))
         if complex(box.upper_right).real <= edge:
             return (), NOT_SEARCHED, undecided
         box = Rectangle(complex(max(edge, complex(box.lower_left).real), complex(box.lower_left).imag), box.upper_right)
