@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from shootstab.problems import chute, gallery
     from shootstab.problems.linear import Infinity, Interface, LinearProblem, Wall, problem
     from shootstab.questions.count import count
+    from shootstab.questions.critical import critical
     from shootstab.questions.find import find
     from shootstab.questions.refine import refine
     from shootstab.questions.unstable import count_unstable
@@ -51,6 +52,7 @@ _HOMES = {
     "ShootstabError": "shootstab.vocabulary.errors",
     "chute": "shootstab.problems",
     "count": "shootstab.questions.count",
+    "critical": "shootstab.questions.critical",
     "count_unstable": "shootstab.questions.unstable",
     "find": "shootstab.questions.find",
     "gallery": "shootstab.problems",
@@ -77,6 +79,7 @@ __all__ = [
     "chute",
     "count",
     "count_unstable",
+    "critical",
     "find",
     "gallery",
     "problem",

@@ -23,7 +23,6 @@ from shootstab.problems.protocol import Pencil
 from shootstab.vocabulary.errors import InputError
 
 NEGLIGIBLE = 1e-20  # of the largest entry of each matrix: coefficients are at their limit
-LAST_PLACE = 2.3e-16  # of each entry: the same
 NEAREST, FARTHEST = 2.0**-10, 2.0**20
 SAMPLES = 64
 TAIL = 2.0  # the tail is sampled out to so many times the distance, 1 more
@@ -51,7 +50,7 @@ def distance_to_limit(matrices: Matrices, limit: Limit, origin: float, where: st
     def settled(distance: float) -> bool:
         pencil = matrices((origin + limit.direction * distance * np.geomspace(1.0, 1.0 + TAIL, SAMPLES)).astype(np.complex128))
         for at, there in zip(_parts(pencil), (limit.C0, limit.C1, limit.D0, limit.D1), strict=True):
-            if (np.abs(at - there) > NEGLIGIBLE * np.abs(there).max() + LAST_PLACE * np.abs(there)).any():
+            if (np.abs(at - there) > NEGLIGIBLE * np.abs(there).max()).any():
                 return False
         return True
 
