@@ -9,10 +9,11 @@ import importlib
 import sys
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from shootstab.faces.conventions import Convention
 from shootstab.faces.notation import shortened
 from shootstab.vocabulary.errors import InputError
 
@@ -26,13 +27,23 @@ CHUTE_UNIT = "√(g cosθ/d)"
 
 @dataclass(frozen=True)
 class Scene:
-    """A problem with a name. flow is the steady flow under it, if it has one; unit is that of σ."""
+    """A problem with a name. flow is the steady flow under it, if it has one; symbol is what the eigenvalue is called, unit its unit."""
 
     name: str
     description: str
     problem: Problem
     flow: Flow | None = None
     unit: str = ""
+    symbol: str = "σ"
+
+    def seen(self, convention: Convention) -> Scene:
+        """The same with somebody else's eigenvalue."""
+        if convention.plain:
+            return self
+        from shootstab.problems.rescaled import Rescaled
+
+        description = f"{self.description}, {convention.formula}"
+        return replace(self, description=description, problem=Rescaled(self.problem, convention.unit), unit="", symbol=convention.symbol)
 
 
 def _paper(branch: str, kx: float, ky: float) -> dict[str, Any]:

@@ -6,7 +6,7 @@ analytic in σ, or it is and what it decays like is not: nothing is counted acro
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -30,6 +30,7 @@ class Barrier:
     points: ComplexArray
     lines: tuple[ComplexArray, ...]
     endings: tuple[tuple[Ending, int], ...]
+    unit: complex = 1.0
 
     def distance(self, sigma: complex) -> float:
         """Of σ to the barrier, to a hundredth or so."""
@@ -53,10 +54,14 @@ class Barrier:
     def beyond(self, sigma: complex) -> bool:
         """Whether a solution that counts as decaying grows at σ, or one that does not decays."""
         for ending, k in self.endings:
-            rates = ending.rates(sigma).real
+            rates = ending.rates(self.unit * sigma).real
             if (k > 0 and rates[k - 1] >= 0.0) or (k < len(rates) and rates[k] <= 0.0):
                 return True
         return False
+
+    def rescaled(self, unit: complex) -> Barrier:
+        """The same for v with σ = unit·v."""
+        return replace(self, points=self.points / unit, lines=tuple(line / unit for line in self.lines), unit=self.unit * unit)
 
 
 def box(region: Region) -> tuple[complex, complex]:
