@@ -97,7 +97,10 @@ def refine(options: Namespace) -> int:
 
         return tables.mode(found, scene)
 
-    _answer(options, documents.mode(found), tables)
+    document = documents.mode(found)
+    if not convention.plain:
+        document["convention"] = convention.formula
+    _answer(options, document, tables)
     return DONE if found.converged else BAD_NEWS
 
 
@@ -230,7 +233,7 @@ def scenes(options: Namespace) -> int:
         _write_json(options, {"scenes": built_in})
     if options.json != "-":
         for name, (description, _) in scene_files.BUILT_IN.items():
-            print(f"{name:<12}{description}")
+            print(f"{name:<16}{description}")
     return DONE
 
 

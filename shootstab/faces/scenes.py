@@ -8,7 +8,7 @@ from __future__ import annotations
 import importlib
 import sys
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -58,6 +58,15 @@ BUILT_IN: Mapping[str, tuple[str, dict[str, Any]]] = {
     "low": ("granular chute, low flow at Q0 = 3, kx = 0.011, ky = 0, its most unstable wavenumber", _paper("low", 0.011, 0.0)),
     "fig2": ("granular chute, high flow at Q0 = 3, kx = 5e-4, ky = 0: figure 2 of the paper", _paper("high", 5e-4, 0.0)),
     "poiseuille": ("plane Poiseuille flow, Re = 10000, alpha = 1", {"problem": {"name": "poiseuille", "reynolds": 10000.0, "alpha": 1.0}}),
+    "blasius": ("Blasius boundary layer, R = 580, alpha = 0.179", {"problem": {"name": "blasius", "reynolds": 580.0, "alpha": 0.179}}),
+    "suction": ("asymptotic suction layer, R = 54370, alpha = 0.1555", {"problem": {"name": "suction"}}),
+    "benard": (
+        "Rayleigh-Benard convection, rigid, Ra = 2000, a = 3.117",
+        {"problem": {"name": "benard", "rayleigh": 2e3, "wavenumber": 3.117}},
+    ),
+    "poeschl-teller": ("Poeschl-Teller potential, nu = 0.2", {"problem": {"name": "poeschl-teller", "nu": 0.2}}),
+    "davies": ("Davies' operator -u'' + i x^2 u", {"problem": {"name": "davies"}}),
+    "shear-layer": ("shear layer U = tanh y, inviscid, alpha = 0.4446", {"problem": {"name": "shear-layer", "alpha": 0.4446}}),
 }
 
 
@@ -165,21 +174,21 @@ def _chute(name: str, description: str, tables: Mapping[str, Any]) -> Scene:
     return Scene(name, description, chute.problem(flow, kx=wave["kx"], ky=wave["ky"]), flow, CHUTE_UNIT)
 
 
-# the gallery
+# the gallery: name in [problem]: its table, and the function of shootstab.problems.gallery that its values make the problem with
 
 
-def _poiseuille(reynolds: float, alpha: float, half: bool = True) -> Problem:
-    from shootstab.problems.gallery.poiseuille import PlanePoiseuille
-
-    return PlanePoiseuille(reynolds=reynolds, alpha=alpha, half=half)
+def _numbers(*keys: str, required: tuple[str, ...] = (), **others: type) -> Table:
+    return Table("problem", {"name": str, **dict.fromkeys(keys, float), **others}, required=("name", *required))
 
 
-# name in [problem]: its table, and the problem its values make
-_GALLERY: Mapping[str, tuple[Table, Callable[..., Problem]]] = {
-    "poiseuille": (
-        Table("problem", {"name": str, "reynolds": float, "alpha": float, "half": bool}, required=("name", "reynolds", "alpha")),
-        _poiseuille,
-    ),
+_GALLERY: Mapping[str, tuple[Table, str]] = {
+    "poiseuille": (_numbers("reynolds", "alpha", required=("reynolds", "alpha"), half=bool), "PlanePoiseuille"),
+    "blasius": (_numbers("reynolds", "alpha"), "blasius"),
+    "suction": (_numbers("reynolds", "alpha"), "suction"),
+    "benard": (_numbers("rayleigh", "wavenumber", "prandtl", lower=str, upper=str), "benard"),
+    "poeschl-teller": (_numbers("nu"), "poeschl_teller"),
+    "davies": (_numbers("start"), "davies"),
+    "shear-layer": (_numbers("alpha"), "shear_layer"),
 }
 
 
@@ -191,7 +200,9 @@ def _gallery(name: str, description: str, tables: Mapping[str, Any]) -> Scene:
     table, make = _GALLERY[wanted]
     values = table.checked(tables)
     del values["name"]
-    return Scene(name, description, make(**values))
+    from shootstab.problems import gallery
+
+    return Scene(name, description, getattr(gallery, make)(**values))
 
 
 # module:object
