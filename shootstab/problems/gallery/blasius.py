@@ -2,7 +2,7 @@
 
 Source of the flow: H. Blasius, Z. Math. Phys. 56 (1908) 1; f″(0) = 0.332057336215196 (Boyd, Exp. Math. 8 (1999) 381). Source of the mode:
 R. Jordinson, J. Fluid Mech. 43 (1970) 801; R = 580, α = 0.179 in these units, c = 0.36412287 + 0.00795972i. Beware of tables that call
-this R one of the displacement thickness, which is 1.7207876573 times as large.
+this R one of the displacement thickness, which is 1.7207876575 times as large.
 """
 
 from __future__ import annotations

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from shootstab.problems.barrier import Barrier
+from shootstab.problems.barrier import Barrier, curve_through
 from shootstab.problems.linear.ends import Infinity, Interface, Wall
-from shootstab.problems.linear.essential import essential_points
+from shootstab.problems.linear.essential import essential_curve
 from shootstab.problems.linear.far import AtInfinity, Decaying
 from shootstab.problems.linear.layout import Layout, lay_out
 from shootstab.problems.linear.matrices import Matrices
@@ -125,10 +125,10 @@ class LinearProblem:
     def barrier(self) -> Barrier | None:
         """The continuous spectrum that no path in z leads around: of the ends at infinity and, with several pieces, that of the inside."""
         limits = [(end.section.limit, end.columns) for end in self.at_infinity if end.tail is not None]
-        inside = [] if self.heights(2) is not None or self.curve is None else [self.continuum_at(z) for z in self.layout.lines]
-        if not limits and not inside:
-            return None
-        return Barrier(essential_points([limit for limit, _ in limits]), tuple(inside), tuple(limits))
+        curves = [essential_curve(limit) for limit, _ in limits]
+        if self.curve is not None and self.heights(2) is None:
+            curves += [curve_through(self.continuum_at(z), z.real) for z in self.layout.lines]
+        return Barrier(tuple(curves), tuple(limits)) if curves else None
 
     @property
     def at_infinity(self) -> tuple[Decaying, ...]:

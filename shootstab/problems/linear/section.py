@@ -33,6 +33,7 @@ CIRCLE = 2.0  # radius of the circle of samples, in sides of the cell
 WALK = 1.05  # from an anchor towards σ0, out of its cell, in the same unit
 TAIL = 1e-7  # of the series of f: its last terms on the circle; in the cell they are smaller by 2.8^24
 LEVELS = 60  # halvings of the side
+MOST = 4000  # cells: a path along a cut, instead of away from it, would need more
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +85,8 @@ class Section:
             offset = (sigma - self.reference) / side
             key = level, math.floor(offset.real + 0.5), math.floor(offset.imag + 0.5)
             if key not in self._cells:
+                if len(self._cells) >= MOST:
+                    break
                 self._cells[key] = None  # as long as it is being made: no path to σ0 leads back into it
                 self._cells[key] = self._made(self.reference + side * complex(key[1], key[2]), side)
             cell = self._cells[key]
@@ -109,9 +112,10 @@ class Section:
         cell = Cell(anchor, side, R, integral)
         if abs(anchor - self.reference) < 0.25 * side:
             return cell
-        for horizontal_first in (True, False):
+        up = 1j if anchor.imag >= self.reference.imag else -1j
+        for away in (up, 1, -up, -1):
             try:
-                return self._joined(cell, self._towards_reference(anchor, WALK * side, horizontal_first))
+                return self._joined(cell, self._towards_reference(anchor, WALK * side, away))
             except Undecidable:
                 continue
         return None
@@ -124,14 +128,12 @@ class Section:
         log_c = cmath.log(ratio) + before.logarithm(place) - cell.logarithm(place)
         return Cell(cell.anchor, cell.side, cell.R, cell.integral, log_c)
 
-    def _towards_reference(self, anchor: complex, length: float, horizontal_first: bool) -> complex:
-        """So far along the path to σ0 that has one corner."""
-        left = self.reference - anchor
-        x = math.copysign(min(length, abs(left.real)), left.real)
-        y = math.copysign(min(length, abs(left.imag)), left.imag)
-        if horizontal_first:
-            return anchor + complex(x, math.copysign(min(length - abs(x), abs(left.imag)), left.imag))
-        return anchor + complex(math.copysign(min(length - abs(y), abs(left.real)), left.real), y)
+    def _towards_reference(self, anchor: complex, length: float, away: complex) -> complex:
+        """So far along a path to σ0 that first goes away from the cut that may lie between, where cells are large, and then straight."""
+        off = (anchor - self.reference) / away
+        if off.real < abs(off.imag) and abs(off) > length:
+            return anchor + length * away
+        return anchor - min(1.0, length / abs(off)) * off * away
 
     def _slopes(self, sigmas: ComplexArray, R: ComplexArray) -> ComplexArray:
         """f at many σ, from eigenvectors; from Schur forms where the eigenvectors are no basis."""
