@@ -45,14 +45,16 @@ class Layout:
         return tuple((piece.offset + piece.scale * t).astype(np.complex128) for piece in self.pieces)
 
 
-def lay_out(matrices: Matrices, left: Wall | Infinity, right: Wall | Infinity, interfaces: tuple[Interface, ...], fold: float) -> Layout:
+def lay_out(
+    matrices: Matrices, left: Wall | Infinity, right: Wall | Infinity, interfaces: tuple[Interface, ...], fold: float, near: complex | None
+) -> Layout:
     """Raises InputError for a problem that does not fit together."""
     n = matrices.size
     joints = _joints(left, right, interfaces)
     ends = {-1: left, 1: right}
     rows = {side: end.matrices(n, SIDES[side]) for side, end in ends.items() if isinstance(end, Wall)}
     limits = _limits(matrices, ends)
-    counts, reference = _counts(n, ends, rows, limits)
+    counts, reference = _counts(n, ends, rows, limits, near)
     if not joints and isinstance(left, Infinity) and isinstance(right, Infinity):
         joints = (Interface(fold, np.eye(n), -np.eye(n)),)
     origin = {-1: joints[0].z if joints else _place(right), 1: joints[-1].z if joints else _place(left)}
@@ -71,7 +73,7 @@ def lay_out(matrices: Matrices, left: Wall | Infinity, right: Wall | Infinity, i
         z = origin[side] + side * distance
         if end.start is not None:
             limit = Limit(*matrices.at(z), side)
-        return Decaying(Section(limit, counts[side], reference), matrices, origin[side], z, tail, NAMES[side])
+        return Decaying(Section(limit, counts[side], reference, distance), matrices, origin[side], z, tail, NAMES[side])
 
     if not joints:
         return _one_piece(ends, rows, reach, far)
@@ -169,7 +171,11 @@ def _reach(matrices: Matrices, end: Infinity, limit: Limit, side: int, origin: f
 
 
 def _counts(
-    n: int, ends: dict[int, Wall | Infinity], rows: dict[int, tuple[ComplexArray, ComplexArray]], limits: dict[int, Limit]
+    n: int,
+    ends: dict[int, Wall | Infinity],
+    rows: dict[int, tuple[ComplexArray, ComplexArray]],
+    limits: dict[int, Limit],
+    near: complex | None,
 ) -> tuple[dict[int, int], complex]:
     """How many solutions begin at each end, and a σ at which as many decay, by the widest gap."""
     fixed = {side: n - len(W0) for side, (W0, _) in rows.items()}
@@ -183,7 +189,7 @@ def _counts(
             raise InputError(f"at {NAMES[side]} decaying = {k}: allowed is 0 to {n}")
     best: tuple[float, complex, dict[int, int]] | None = None
     seen = ""
-    for sigma in reference_points().tolist():
+    for sigma in reference_points().tolist() if near is None else [complex(near)]:
         try:
             rates = {side: limit.rates(sigma) for side, limit in limits.items()}
         except Exception as error:  # C is singular at this σ: not one to begin at
@@ -195,6 +201,7 @@ def _counts(
         if sum(counts.values()) != n or any(counts[s] != k for s, k in wanted.items()):
             continue
         width = min((gap(r, counts[s]) / np.abs(r).max() for s, r in rates.items() if np.abs(r).max() > 0.0), default=math.inf)
+        width /= 1.0 + abs(math.log10(abs(sigma)))  # and not far from where modes are
         # growth comes first: another direction must be wider by far
         if best is None or width > (1.0 if (best[1].real > 0.0) == (sigma.real > 0.0) else 100.0) * best[0]:
             best = (width, sigma, counts)
@@ -208,7 +215,7 @@ def _counts(
         asked = f"allowed are {n} in all, the order of the system"
     if wanted:
         asked += ", and " + " and ".join(f"decaying = {k} was given at {NAMES[s]}" for s, k in wanted.items())
-    raise InputError(f"{seen}, and nowhere on the axes as many as needed: {asked}")
+    raise InputError(f"{seen}, and nowhere as many as needed: {asked}")
 
 
 def _null_space(W0: ComplexArray) -> ComplexArray:

@@ -34,6 +34,7 @@ def problem(
     interfaces: Sequence[Interface] = (),
     continuum: Callable[[Any], Any] | None = None,
     fold: float = 0.0,
+    reference: complex | None = None,
     vectorized: bool = False,
     coarser: Callable[[float], LinearProblem] | None = None,
 ) -> LinearProblem:
@@ -45,6 +46,9 @@ def problem(
     there is such a curve. Interfaces couple ψ(z−) and ψ(z+). coarser(factor) is the problem on a base flow computed less accurately by
     this factor, if the base flow is computed at all.
 
+    reference is a σ at which the solutions that decay are as many as are wanted, in the part of the plane where modes are looked for; found
+    on the axes if it is not given, which does where that part is not cut off from them by continuous spectra.
+
     Raises InputError, which names what is wrong: shapes, numbers that are not finite, dependent rows, or conditions that are too many or
     too few for the solutions that decay.
     """
@@ -55,8 +59,10 @@ def problem(
     for name, end in (("left", left), ("right", right)):
         if not isinstance(end, Wall | Infinity):
             raise InputError(f"{name} = {end!r}: allowed is st.Wall(z, rows) or st.Infinity()")
+    if reference is not None and not (np.isfinite(reference) and reference != 0):
+        raise InputError(f"reference = {reference!r}: allowed is a finite number other than 0, where as many solutions decay as are wanted")
     matrices = Matrices(size, pencil, vectorized)
-    layout = lay_out(matrices, left, right, tuple(interfaces), fold)
+    layout = lay_out(matrices, left, right, tuple(interfaces), fold, reference)
     return LinearProblem(matrices, layout, continuum, coarser)
 
 

@@ -11,14 +11,18 @@ in a cell around each anchor, a square of such a size that the series converges,
 result does not depend on the path, as transport by an analytic equation does not, as long as two paths do not enclose a part of the
 continuous spectrum.
 
+The solutions at a distance are X e^{Λ·distance}, Λ the matrix on the space: without that factor D(σ) would go as e^{−distance·tr Λ(σ)},
+and Newton's iteration would see little else.
+
 The factor is exact to 1e-9 or so. It has no zeros, so that those of D are not touched by its error.
 """
 
 from __future__ import annotations
 
 import cmath
+import heapq
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,10 +34,13 @@ from shootstab.vocabulary.errors import Undecidable
 SAMPLES = 32
 TERMS = 24  # kept of the series
 CIRCLE = 2.0  # radius of the circle of samples, in sides of the cell
-WALK = 1.05  # from an anchor towards σ0, out of its cell, in the same unit
+WALK = 1.05  # from an anchor to a place in a neighbouring cell, in the same unit
 TAIL = 1e-7  # of the series of f: its last terms on the circle; in the cell they are smaller by 2.8^24
 LEVELS = 60  # halvings of the side
-MOST = 4000  # cells: a path along a cut, instead of away from it, would need more
+MOST = 600  # cells looked at for one path
+DIRECTIONS = np.exp(0.25j * np.pi * np.arange(8)).tolist()
+
+Key = tuple[int, int, int]  # ln2 of the side, and the place of the anchor from σ0 in sides
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,44 +65,57 @@ class Cell:
 class Section:
     """The frame of the k solutions that decay fastest at an end, for any σ off the continuous spectrum."""
 
-    def __init__(self, limit: Limit, k: int, reference: complex) -> None:
-        self.limit, self.k, self.reference = limit, k, reference
-        self._cells: dict[tuple[int, int, int], Cell | None] = {}
+    def __init__(self, limit: Limit, k: int, reference: complex, distance: float = 0.0) -> None:
+        self.limit, self.k, self.reference, self.distance = limit, k, reference, distance
+        self._plain: dict[Key, Cell | None] = {}
+        self._joined: dict[Key, Cell] = {}
 
     def frame(self, sigma: complex) -> tuple[ComplexArray, ComplexArray, float, Split]:
         """The frame (n, k), its σ-derivative, the logarithm of a factor on its determinant, and the split they come from.
+
+        The solutions are what they would be at the given distance if they were those of the limiting matrix and began as X.
 
         Raises Undecidable on the continuous spectrum, and where no path leads to σ around it.
         """
         split = self.limit.split(sigma, self.k)
         if self.k in (0, len(split.A)):
-            return split.X, np.zeros_like(split.X), 0.0, split
+            return self._whole(split)
         cell = self._cell(sigma)
         frame, tangent = split.projected(cell.R)
-        logarithm = cell.logarithm(sigma)
+        logarithm = cell.logarithm(sigma) + self.distance * split.trace
+        slope = self.distance * split.trace_slope - split.slope(cell.R)
         turn = cmath.exp(1j * logarithm.imag / self.k)
-        return turn * frame, turn * (tangent - split.slope(cell.R) / self.k * frame), logarithm.real, split
+        return turn * frame, turn * (tangent + slope / self.k * frame), logarithm.real, split
+
+    def _whole(self, split: Split) -> tuple[ComplexArray, ComplexArray, float, Split]:
+        """Where all solutions decay, or none: a constant frame, but for the factor."""
+        k = max(self.k, 1)
+        logarithm, slope = self.distance * split.trace, self.distance * split.trace_slope
+        turn = cmath.exp(1j * logarithm.imag / k)
+        return turn * split.X, turn * slope / k * split.X, logarithm.real, split
 
     def _cell(self, sigma: complex) -> Cell:
-        """The largest cell around σ in which the series converges."""
+        """The largest cell around σ in which the series converges, joined to that of σ0."""
+        key = self._key(sigma)
+        if key not in self._joined:
+            self._join(key, sigma)
+        return self._joined[key]
+
+    def _key(self, sigma: complex) -> Key:
+        """Level and place of the largest cell around σ in which the series converges. Raises Undecidable if there is none."""
         scale = max(abs(sigma - self.reference), abs(self.reference))
         top = math.ceil(math.log2(scale)) + 1
         for level in range(top, top - LEVELS, -1):
-            side = 2.0**level
-            offset = (sigma - self.reference) / side
+            offset = (sigma - self.reference) / 2.0**level
             key = level, math.floor(offset.real + 0.5), math.floor(offset.imag + 0.5)
-            if key not in self._cells:
-                if len(self._cells) >= MOST:
-                    break
-                self._cells[key] = None  # as long as it is being made: no path to σ0 leads back into it
-                self._cells[key] = self._made(self.reference + side * complex(key[1], key[2]), side)
-            cell = self._cells[key]
-            if cell is not None:
-                return cell
-        raise Undecidable(f"the decaying space at infinity cannot be continued to sigma = {sigma:.6g}: the continuous spectrum")
+            if key not in self._plain:
+                self._plain[key] = self._made(self.reference + 2.0**level * complex(key[1], key[2]), 2.0**level)
+            if self._plain[key] is not None:
+                return key
+        raise Undecidable(f"the decaying space at infinity is not analytic around sigma = {sigma:.6g}: the continuous spectrum")
 
     def _made(self, anchor: complex, side: float) -> Cell | None:
-        """The cell, joined to that of σ0; None if its series does not converge or σ0 cannot be reached."""
+        """The cell, with c = 1; None if its series does not converge."""
         circle = CIRCLE * side * np.exp(2j * np.pi * np.arange(SAMPLES) / SAMPLES)
         try:
             R = self.limit.split(anchor, self.k).X
@@ -108,32 +128,50 @@ class Section:
         if np.abs(series[TERMS:]).max() > TAIL * max(1.0, np.abs(series).max()):
             return None
         m = np.arange(TERMS)
-        integral = np.concatenate(([0j], series[:TERMS] / ((m + 1) * CIRCLE ** (m + 1.0))))
-        cell = Cell(anchor, side, R, integral)
-        if abs(anchor - self.reference) < 0.25 * side:
-            return cell
-        up = 1j if anchor.imag >= self.reference.imag else -1j
-        for away in (up, 1, -up, -1):
-            try:
-                return self._joined(cell, self._towards_reference(anchor, WALK * side, away))
-            except Undecidable:
-                continue
-        return None
+        return Cell(anchor, side, R, np.concatenate(([0j], series[:TERMS] / ((m + 1) * CIRCLE ** (m + 1.0)))))
 
-    def _joined(self, cell: Cell, place: complex) -> Cell:
-        """With the c at which its determinant at a place in a cell nearer to σ0 is that cell's."""
-        before = self._cell(place)
-        left = self.limit.split(place, self.k).left
-        ratio = complex(np.linalg.det(left @ before.R) / np.linalg.det(left @ cell.R))
-        log_c = cmath.log(ratio) + before.logarithm(place) - cell.logarithm(place)
-        return Cell(cell.anchor, cell.side, cell.R, cell.integral, log_c)
+    def _join(self, key: Key, sigma: complex) -> None:
+        """Find c of a cell along neighbours that lead to σ0 or to a cell whose c is known: those first from which σ0 is the fewest sides
+        away.
 
-    def _towards_reference(self, anchor: complex, length: float, away: complex) -> complex:
-        """So far along a path to σ0 that first goes away from the cut that may lie between, where cells are large, and then straight."""
-        off = (anchor - self.reference) / away
-        if off.real < abs(off.imag) and abs(off) > length:
-            return anchor + length * away
-        return anchor - min(1.0, length / abs(off)) * off * away
+        So a path leads away from a cut first, to where cells are large. Raises Undecidable if none is found.
+        """
+        queue: list[tuple[float, int, Key]] = [(0.0, 0, key)]
+        came: dict[Key, tuple[Key, complex] | None] = {key: None}
+        while queue and len(came) < MOST:
+            _, _, here = heapq.heappop(queue)
+            if here in self._joined or here[1:] == (0, 0):
+                self._joined.setdefault(here, self._cell_at(here))
+                self._walk_back(here, came)
+                return
+            cell = self._cell_at(here)
+            for direction in DIRECTIONS:
+                place = cell.anchor + WALK * cell.side * direction
+                try:
+                    there = self._key(place)
+                except Undecidable:
+                    continue
+                if there not in came:
+                    came[there] = here, place
+                    neighbour = self._cell_at(there)
+                    heapq.heappush(queue, (abs(neighbour.anchor - self.reference) / neighbour.side, len(came), there))
+        raise Undecidable(f"no path from {self.reference:.3g} to sigma = {sigma:.6g} was found around the continuous spectrum at infinity")
+
+    def _walk_back(self, here: Key, came: dict[Key, tuple[Key, complex] | None]) -> None:
+        """c of every cell on the path: at the place where two meet, their determinants are the same."""
+        step = came[here]
+        while step is not None:
+            key, place = step
+            before, cell = self._joined[here], self._cell_at(key)
+            left = self.limit.split(place, self.k).left
+            ratio = complex(np.linalg.det(left @ before.R) / np.linalg.det(left @ cell.R))
+            self._joined[key] = replace(cell, log_c=cmath.log(ratio) + before.logarithm(place) - cell.logarithm(place))
+            here, step = key, came[key]
+
+    def _cell_at(self, key: Key) -> Cell:
+        cell = self._plain[key]
+        assert cell is not None
+        return cell
 
     def _slopes(self, sigmas: ComplexArray, R: ComplexArray) -> ComplexArray:
         """f at many σ, from eigenvectors; from Schur forms where the eigenvectors are no basis."""

@@ -62,7 +62,7 @@ class Limit:
         if k in (0, n):
             whole = np.eye(n, dtype=np.complex128)
             X, X2 = whole[:, :k], whole[:, k:]
-            return Split(A, X, X2, X.T, np.zeros((k, n - k), dtype=np.complex128), np.zeros((n - k, k), dtype=np.complex128), X2.T)
+            return Split(A, slope, X, X2, X.T, np.zeros((k, n - k), dtype=np.complex128), np.zeros((n - k, k), dtype=np.complex128), X2.T)
         rates = np.sort(np.linalg.eigvals(A).real)
         gap = rates[k] - rates[k - 1]
         if not gap > CLOSE * np.abs(rates).max():
@@ -77,7 +77,7 @@ class Limit:
         X2, left2 = Q[:, :k] @ Z + Q[:, k:], Q[:, k:].conj().T
         G = sylvester(T11, T22, left @ slope @ X2)
         H = -sylvester(T22, T11, left2 @ slope @ X)
-        return Split(A, X, X2, left, G, H, left2)
+        return Split(A, slope, X, X2, left, G, H, left2)
 
 
 def sylvester(T: ComplexArray, U: ComplexArray, right: ComplexArray) -> ComplexArray:
@@ -88,15 +88,26 @@ def sylvester(T: ComplexArray, U: ComplexArray, right: ComplexArray) -> ComplexA
 
 @dataclass(frozen=True, eq=False)
 class Split:
-    """A (n, n), bases X (n, k) and X2 (n, n−k) of the two invariant spaces, their dual rows left and left2, and G, H of P′."""
+    """A and A′ (n, n), bases X (n, k) and X2 (n, n−k) of the two invariant spaces, their dual rows left and left2, and G, H of P′."""
 
     A: ComplexArray
+    A_slope: ComplexArray
     X: ComplexArray
     X2: ComplexArray
     left: ComplexArray
     G: ComplexArray
     H: ComplexArray
     left2: ComplexArray
+
+    @property
+    def trace(self) -> complex:
+        """The sum of the k rates."""
+        return complex(np.trace(self.left @ self.A @ self.X))
+
+    @property
+    def trace_slope(self) -> complex:
+        """Its derivative, tr(ℓ A′ X)."""
+        return complex(np.trace(self.left @ self.A_slope @ self.X))
 
     def projected(self, R: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
         """P R and P′ R for R (n, k)."""
