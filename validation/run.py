@@ -7,7 +7,7 @@ import importlib
 import sys
 import time
 
-CLAIMS = ("paper_modes", "against_pseudospectral", "near_continuum", "methods", "planted_faults")
+CLAIMS = ("paper_modes", "against_pseudospectral", "near_continuum", "methods", "planted_faults", "gallery")
 
 
 def main() -> int:

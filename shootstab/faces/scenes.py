@@ -51,6 +51,10 @@ def _paper(branch: str, kx: float, ky: float) -> dict[str, Any]:
     return {"flow": flow, "wave": {"kx": kx, "ky": ky}}
 
 
+_PLATE = {"name": "plate", "second": 2 / 15}
+_MALIK_3 = {**_PLATE, "mach": 2.5, "far_temperature": 600 / 1.8 / 2.25, "reynolds": 3000.0, "alpha": 0.06, "beta": 0.1}
+_MALIK_6 = {**_PLATE, "mach": 4.5, "far_temperature": 1100 / 1.8 / 5.05, "reynolds": 1500.0, "omega": 0.23}
+
 # name: (description, what a scene file would say)
 BUILT_IN: Mapping[str, tuple[str, dict[str, Any]]] = {
     "high": ("granular chute, high flow at Q0 = 3, kx = 0, ky = 0.0100, its most unstable wavenumber", _paper("high", 0.0, 0.01)),
@@ -67,6 +71,8 @@ BUILT_IN: Mapping[str, tuple[str, dict[str, Any]]] = {
     "poeschl-teller": ("Poeschl-Teller potential, nu = 0.2", {"problem": {"name": "poeschl-teller", "nu": 0.2}}),
     "davies": ("Davies' operator -u'' + i x^2 u", {"problem": {"name": "davies"}}),
     "shear-layer": ("shear layer U = tanh y, inviscid, alpha = 0.4446", {"problem": {"name": "shear-layer", "alpha": 0.4446}}),
+    "malik-3": ("compressible flat plate, M = 2.5, temporal: Malik's case 3, Mack's bulk viscosity", {"problem": _MALIK_3}),
+    "malik-6": ("compressible flat plate, M = 4.5, spatial: Malik's case 6, Mack's bulk viscosity", {"problem": _MALIK_6}),
 }
 
 
@@ -189,6 +195,13 @@ _GALLERY: Mapping[str, tuple[Table, str]] = {
     "poeschl-teller": (_numbers("nu"), "poeschl_teller"),
     "davies": (_numbers("start"), "davies"),
     "shear-layer": (_numbers("alpha"), "shear_layer"),
+    "plate": (
+        _numbers(
+            *("mach", "far_temperature", "reynolds", "alpha", "omega", "beta", "second", "sutherland", "prandtl", "gamma", "wall"),
+            required=("mach", "far_temperature", "reynolds"),
+        ),
+        "plate",
+    ),
 }
 
 

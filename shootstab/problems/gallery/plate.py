@@ -22,7 +22,6 @@ from shootstab.vocabulary.errors import InputError
 STOKES = -2 / 3  # second coefficient of viscosity, in μ
 MACK = 2 / 3 * (1.2 - 1)  # Mack's ratio 1.2
 RANKINE = 1 / 1.8  # kelvin
-SUTHERLAND = 198.6 * RANKINE
 STILL = np.eye(SIZE)[[0, 2, 4, 6]]  # u = v = θ = w = 0
 SQUARED = [0, 2, 3, 4, 6]  # u, v, p, θ, w: what α² acts on
 ROUNDING = 1e-16
@@ -81,14 +80,34 @@ def plate_spatial(
     return problem(size, pencil(_flow(gas, accuracy)), end, Infinity(), reference=1.1 * omega, vectorized=True, coarser=made)
 
 
+def plate(
+    mach: float,
+    far_temperature: float,
+    reynolds: float,
+    alpha: float | None = None,
+    omega: float | None = None,
+    beta: float = 0.0,
+    second: float = STOKES,
+    **gas: float,
+) -> LinearProblem:
+    """Temporal modes for a given α, or spatial ones for a given ω; far_temperature in kelvin, gas: sutherland, prandtl, gamma, wall."""
+    if (alpha is None) == (omega is None):
+        raise InputError("exactly one of alpha (temporal modes) and omega (spatial modes) must be given")
+    made = Gas(mach, far_temperature, **gas)
+    if alpha is not None:
+        return plate_temporal(made, reynolds, alpha, beta, second)
+    assert omega is not None
+    return plate_spatial(made, reynolds, omega, beta, second)
+
+
 def malik_3(second: float = MACK) -> LinearProblem:
     """M = 2.5, R = 3000, α = 0.06, β = 0.1, T0 = 600 °R, adiabatic; temporal."""
-    return plate_temporal(Gas(2.5, stagnation(2.5, 600.0) * RANKINE, SUTHERLAND), 3000.0, 0.06, 0.1, second)
+    return plate(2.5, stagnation(2.5, 600.0) * RANKINE, 3000.0, alpha=0.06, beta=0.1, second=second)
 
 
 def malik_6(second: float = MACK) -> LinearProblem:
     """M = 4.5, R = 1500, ω = 0.23, β = 0, T0 = 1100 °R, adiabatic; spatial."""
-    return plate_spatial(Gas(4.5, stagnation(4.5, 1100.0) * RANKINE, SUTHERLAND), 1500.0, 0.23, 0.0, second)
+    return plate(4.5, stagnation(4.5, 1100.0) * RANKINE, 1500.0, omega=0.23, second=second)
 
 
 def _flow(gas: Gas, accuracy: float) -> PlateFlow:
