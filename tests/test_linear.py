@@ -82,7 +82,7 @@ def test_four_matrices_and_two_are_the_same_problem() -> None:
 
 @pytest.mark.parametrize("method", [st.Frame(rtol=1e-11), st.Compound(rtol=1e-11), st.Riccati(rtol=1e-11)], ids=lambda m: m.name)
 def test_poeschl_teller_next_to_its_continuum(method: Any) -> None:
-    """λ = ν² on the whole line, both spaces found from the limiting matrix; ν = 0.02 decays over 50 lengths and starts at 22."""
+    """λ = ν² on the whole line, both spaces found from the limiting matrix; ν = 0.02 decays over 50 lengths and starts at 25."""
     for nu in (0.2, 0.02):
         problem = st.gallery.poeschl_teller(nu)
         mode = st.refine(problem, 1.1 * nu**2, rtol=1e-9, method=method)
@@ -94,14 +94,12 @@ def test_poeschl_teller_next_to_its_continuum(method: Any) -> None:
 
 
 def test_all_bound_states_and_nothing_across_the_continuum() -> None:
-    problem = st.gallery.poeschl_teller(2.5)
-    found = st.find(problem, st.Rectangle(0.01 - 1j, 9 + 1j))
-    np.testing.assert_allclose([m.sigma for m in found.modes], [0.25, 2.25, 6.25], rtol=1e-9)
+    problem = st.gallery.poeschl_teller(1.5)
     with pytest.raises(Undecidable, match="enters the region"):
-        st.count(problem, st.Rectangle(-1 - 1j, 9 + 1j))
-    report = st.verify(problem, [6.25, -0.5, 3.0, 2.25001])
-    assert [v.verdict for v in report.verdicts] == ["confirmed", "continuum", "spurious", "inaccurate"]
-    assert [round(complex(m.sigma).real, 6) for m in report.missing] == [0.25]
+        st.count(problem, st.Rectangle(-1 - 1j, 3 + 1j))
+    report = st.verify(problem, [-0.5, 1.0, 2.25001], digits=6, region=st.Rectangle(0.01 - 1j, 3 + 1j))
+    assert [v.verdict for v in report.verdicts] == ["continuum", "spurious", "inaccurate"]
+    assert [round(complex(m.sigma).real, 9) for m in report.missing] == [0.25]
 
 
 def test_a_half_line_wants_as_many_rows_as_solutions_grow() -> None:
@@ -188,6 +186,43 @@ def test_coefficients_may_jump_at_an_interface() -> None:
     joints = [st.Interface.jump(z, np.eye(2)) for z in (-1, 1)]
     mode = st.refine(st.problem(2, pencil, st.Infinity(), st.Infinity(), interfaces=joints), 4 - k * k + 0.1)
     assert abs(mode.sigma - (4 - k * k)) <= mode.error < 1e-9
+
+
+# the continuous spectrum inside
+
+
+def channel(alpha: float, curve: bool) -> st.LinearProblem:
+    """Rayleigh's equation for U = tanh y between walls at ±3: C is singular where σ = −iαU(y)."""
+    a2 = alpha * alpha
+
+    def pencil(y: complex) -> tuple[Any, ...]:
+        U = np.tanh(y)
+        D0 = np.array([[0, 1], [1j * alpha * U * (a2 - 2 * (1 - U * U)), 0]])
+        return np.diag([1, 1j * alpha * U]), np.diag([0, 1]), D0, np.array([[0, 0], [a2, 0]])
+
+    continuum = (lambda y: -1j * alpha * np.tanh(y)) if curve else None
+    return st.problem(2, pencil, st.Wall(-3, FIXED), st.Wall(3, FIXED), continuum=continuum)
+
+
+def test_around_the_singular_point_of_ones_own_continuum() -> None:
+    """Both paths give the mode of α = 0.97; next to neutral, at a distance of 1e-4, only the one that leaves the real axis does."""
+    bent, straight = (st.refine(channel(0.97, curve), 0.0117, rtol=1e-9) for curve in (True, False))
+    assert bent.path != "real"
+    assert straight.path == "real"
+    assert abs(bent.sigma - straight.sigma) <= bent.error + straight.error
+    near = st.refine(channel(0.99, True), 0.004, rtol=1e-9)
+    assert near.converged
+    assert near.continuum_distance == pytest.approx(near.sigma.real, rel=1e-6)
+    assert 0.0 < near.sigma.real < 2e-4
+
+
+def test_with_a_fold_the_continuum_is_a_barrier() -> None:
+    problem = st.gallery.shear_layer(0.4446)
+    assert problem.heights(5) is None
+    report = st.verify(problem, [0.18970, 0.2j], digits=4)
+    assert [v.verdict for v in report.verdicts] == ["confirmed", "continuum"]
+    with pytest.raises(Undecidable, match="enters the region"):
+        st.count(problem, st.Rectangle(-0.1 - 0.1j, 0.3 + 0.1j))
 
 
 # the decaying space

@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 import shootstab as st
-from shootstab.problems.gallery.plate import MACK, STOKES, malik_3, malik_6, plate_temporal
+from shootstab.problems.gallery.plate import MACK, STOKES, malik_3, malik_6, plate_temporal, stagnation
 from shootstab.problems.gallery.plate_flow import Gas, plate_flow
 from shootstab.problems.gallery.plate_system import background, system
 from shootstab.problems.linear.quadratic import affine
@@ -173,8 +173,6 @@ def test_malik_3_temporal() -> None:
     assert mode.converged
     assert abs(1j * mode.sigma - (0.03673374 + 0.00058446j)) < 0.8e-8
     assert 0.0 < mode.budget.steady_flow < 1e-12
-    stokes = st.refine(malik_3(STOKES), mode.sigma, rtol=1e-9)
-    assert 1e-9 < abs(stokes.sigma - mode.sigma) < 1e-6
 
 
 @pytest.mark.parametrize(("second", "alpha"), [(MACK, 0.2534012 - 0.0024936j), (STOKES, 0.2534368 - 0.0027759j)], ids=["Mack", "Stokes"])
@@ -183,11 +181,7 @@ def test_malik_6_spatial(second: float, alpha: complex) -> None:
     mode = st.refine(malik_6(second), alpha * (1 + 3e-5), rtol=1e-8)
     assert mode.converged
     assert abs(mode.sigma - alpha) < 0.8e-7
-
-
-def test_spatial_and_temporal_find_the_same_wave() -> None:
-    """The spatial α of real ω, put into the temporal problem as it is, gives −iω back."""
-    alpha = st.refine(malik_6(), 0.2534012 - 0.0024936j, rtol=1e-8).sigma
-    gas = Gas(4.5, 1100.0 / 5.05 / 1.8)
-    mode = st.refine(plate_temporal(gas, 1500.0, alpha, second=MACK), -0.23j * 1.0001, rtol=1e-8)
-    assert abs(mode.sigma + 0.23j) < 1e-9
+    # the spatial α, put into the temporal problem as it is, gives −iω back
+    temporal = plate_temporal(Gas(4.5, stagnation(4.5, 1100.0) / 1.8), 1500.0, mode.sigma, second=second)
+    back = st.refine(temporal, -0.23j * 1.00001, rtol=1e-8)
+    assert abs(back.sigma + 0.23j) < 1e-9

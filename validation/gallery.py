@@ -1,4 +1,4 @@
-"""The gallery: digits reached and time taken for every solved problem, and what a problem of one's own costs. `--table` prints the README's table."""
+"""The gallery: digits and time of every solved problem, and what a problem of one's own costs; `--table` prints the README's table."""
 
 from __future__ import annotations
 

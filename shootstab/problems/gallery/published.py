@@ -50,8 +50,8 @@ PUBLISHED: tuple[Published, ...] = (
     Published("Davies, n = 0", davies, cmath.exp(0.25j * math.pi), 16, "exact"),
     Published("Davies, n = 8", davies, 17 * cmath.exp(0.25j * math.pi), 16, "exact"),
     Published("shear layer", shear_layer, 0.1897, 4, "Michalke 1964"),
-    Published("plate, Malik 3", malik_3, 0.03673374 + 0.00058446j, 7, "Malik 1990, re-computed; Mack's bulk viscosity", -1j),
-    Published("plate, Malik 6", malik_6, 0.2534012 - 0.0024936j, 7, "the same, spatial"),
-    Published("plate, Malik 6, Stokes", lambda: malik_6(STOKES), 0.2534368 - 0.0027759j, 7, "Tumin 2007, re-computed; spatial"),
+    Published("plate, Malik 3", malik_3, 0.03673374 + 0.00058446j, 7, "Malik 1990, re-computed; Mack's bulk viscosity", -1j, True),
+    Published("plate, Malik 6", malik_6, 0.2534012 - 0.0024936j, 7, "the same, spatial", slow=True),
+    Published("plate, Malik 6, Stokes", lambda: malik_6(STOKES), 0.2534368 - 0.0027759j, 7, "Tumin 2007, re-computed; spatial", slow=True),
     Published("suction layer", suction, 0.150, 3, "Hocking 1975, at the critical point", -0.1555j, slow=True),
 )

@@ -38,6 +38,7 @@ WALK = 1.05  # from an anchor to a place in a neighbouring cell, in the same uni
 TAIL = 1e-7  # of the series of f: its last terms on the circle; in the cell they are smaller by 2.8^24
 LEVELS = 60  # halvings of the side
 MOST = 600  # cells looked at for one path
+PER_DOUBLING = 3.0
 DIRECTIONS = np.exp(0.25j * np.pi * np.arange(8)).tolist()
 
 Key = tuple[int, int, int]  # ln2 of the side, and the place of the anchor from σ0 in sides
@@ -131,8 +132,7 @@ class Section:
         return Cell(anchor, side, R, np.concatenate(([0j], series[:TERMS] / ((m + 1) * CIRCLE ** (m + 1.0)))))
 
     def _join(self, key: Key, sigma: complex) -> None:
-        """Find c of a cell along neighbours that lead to σ0 or to a cell whose c is known: those first from which σ0 is the fewest sides
-        away.
+        """Find c of a cell along neighbours that lead to σ0 or to a cell whose c is known, those first that seem nearest to σ0.
 
         So a path leads away from a cut first, to where cells are large. Raises Undecidable if none is found.
         """
@@ -153,9 +153,13 @@ class Section:
                     continue
                 if there not in came:
                     came[there] = here, place
-                    neighbour = self._cell_at(there)
-                    heapq.heappush(queue, (abs(neighbour.anchor - self.reference) / neighbour.side, len(came), there))
+                    heapq.heappush(queue, (self._steps_left(self._cell_at(there)), len(came), there))
         raise Undecidable(f"no path from {self.reference:.3g} to sigma = {sigma:.6g} was found around the continuous spectrum at infinity")
+
+    def _steps_left(self, cell: Cell) -> float:
+        """About so many cells lie between one and σ0: as many as the way has sides, and some for every doubling of the side on it."""
+        at_reference = self._cell_at(self._key(self.reference)).side
+        return abs(cell.anchor - self.reference) / cell.side + PER_DOUBLING * abs(math.log2(cell.side / at_reference))
 
     def _walk_back(self, here: Key, came: dict[Key, tuple[Key, complex] | None]) -> None:
         """c of every cell on the path: at the place where two meet, their determinants are the same."""
@@ -188,6 +192,8 @@ class Section:
         B = dual[:, :k] @ np.array(slope) @ V[:, :, k:]
         with np.errstate(divide="ignore", invalid="ignore"):
             G = B / (rates[:, :k, None] - rates[:, None, k:])
+        if not np.isfinite(G).all():
+            raise Undecidable("on the circle two rates that are to be told apart are one")
         try:
             inner = np.linalg.solve(dual[:, :k] @ R, G @ (dual[:, k:] @ R))
         except np.linalg.LinAlgError:
