@@ -7,7 +7,17 @@ import importlib
 import sys
 import time
 
-CLAIMS = ("paper_modes", "against_pseudospectral", "near_continuum", "balloon", "methods", "planted_faults", "digits", "calibration")
+CLAIMS = (
+    "paper_modes",
+    "against_pseudospectral",
+    "near_continuum",
+    "balloon",
+    "methods",
+    "planted_faults",
+    "gallery",
+    "digits",
+    "calibration",
+)
 
 
 def main() -> int:
