@@ -72,6 +72,10 @@ class Examinable(Discriminant, Protocol):
         """Of another problem, on the same mesh."""
         ...
 
+    def moved(self, problem: Problem) -> Examinable:
+        """Of a neighbouring problem: it begins with this mesh, which grows where the neighbour needs it."""
+        ...
+
 
 class Method(Protocol):
     """A way to compute D(σ): a small object with a tolerance."""

@@ -100,6 +100,12 @@ class Shooting:
         """Of another problem, on the same mesh."""
         return self._variant(lambda far: far, self._mesh, problem)
 
+    def moved(self, problem: Problem) -> Shooting:
+        """Of a neighbouring problem: it begins with this mesh, which grows where the neighbour needs it."""
+        other = Shooting(problem, self.method, self.bend, self._start)
+        other._table = tabulate(problem, self._mesh)
+        return other
+
     @property
     def far_error(self) -> float:
         return self._far_error
