@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from shootstab.questions.count import count
     from shootstab.questions.find import find
     from shootstab.questions.refine import refine
+    from shootstab.questions.sweep import sweep
     from shootstab.questions.unstable import count_unstable
     from shootstab.questions.verify import verify
     from shootstab.vocabulary.errors import ConvergenceError, InputError, NoFlowError, ShootstabError
@@ -49,6 +50,7 @@ _HOMES = {
     "find": "shootstab.questions.find",
     "gallery": "shootstab.problems",
     "refine": "shootstab.questions.refine",
+    "sweep": "shootstab.questions.sweep",
     "testing": "shootstab",
     "verify": "shootstab.questions.verify",
 }
@@ -70,6 +72,7 @@ __all__ = [
     "find",
     "gallery",
     "refine",
+    "sweep",
     "testing",
     "verify",
 ]

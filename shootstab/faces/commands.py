@@ -61,7 +61,7 @@ def verify(options: Namespace) -> int:
 
         return tables.report(report, scene)
 
-    _answer(options, documents.report(report), tables)
+    answer(options, documents.report(report), tables)
     return BAD_NEWS if report.bad_news(options.strict) else DONE
 
 
@@ -82,7 +82,7 @@ def refine(options: Namespace) -> int:
 
         return tables.mode(found, scene)
 
-    _answer(options, documents.mode(found), tables)
+    answer(options, documents.mode(found), tables)
     return DONE if found.converged else BAD_NEWS
 
 
@@ -126,7 +126,7 @@ def count(options: Namespace) -> int:
 
         return tables.count(shape, found, scene)
 
-    _answer(options, documents.count(region, found), tables)
+    answer(options, documents.count(region, found), tables)
     return DONE
 
 
@@ -145,7 +145,7 @@ def find(options: Namespace) -> int:
 
         return tables.found(found, region, scene)
 
-    _answer(options, documents.found(found, region), tables)
+    answer(options, documents.found(found, region), tables)
     return DONE
 
 
@@ -178,7 +178,7 @@ def steady(options: Namespace) -> int:
 
         return tables.steady(flow, document["profiles"], scene)
 
-    _answer(options, document, tables)
+    answer(options, document, tables)
     return DONE
 
 
@@ -196,7 +196,7 @@ def spectrum(options: Namespace) -> int:
 
         return tables.spectrum(found, options.raw, scene)
 
-    _answer(options, documents.spectrum(found, options.raw), tables)
+    answer(options, documents.spectrum(found, options.raw), tables)
     return DONE
 
 
@@ -218,7 +218,7 @@ def prepare(options: Namespace) -> None:
             require_writable(Path(path))
 
 
-def _answer(options: Namespace, document: dict[str, Any], tables: Callable[[], list[RenderableType]]) -> None:
+def answer(options: Namespace, document: dict[str, Any], tables: Callable[[], list[RenderableType]]) -> None:
     """JSON where it was asked for, and tables on standard output unless JSON takes it."""
     if options.json is not None:
         _write_json(options, document)
