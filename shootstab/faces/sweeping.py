@@ -206,7 +206,8 @@ def _values(text: str) -> tuple[float, ...]:
         allowed = f"a number, or A:B:N with A other than B and N from 2 to {MOST_VALUES}"
         raise argparse.ArgumentTypeError(f"{text!r}: allowed is {allowed}") from None
     (a, b), n = ends, int(parts[2])
-    return (*(a + (b - a) * i / (n - 1) for i in range(n - 1)), b)
+    # 15 digits: 0.015 and not 0.015000000000000003
+    return tuple(float(f"{a + (b - a) * i / (n - 1):.15g}") for i in range(n))
 
 
 def _floor(text: str) -> float:
