@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from shootstab.questions.find import find
     from shootstab.questions.refine import refine
     from shootstab.questions.sweep import sweep
+    from shootstab.questions.trade import trade
     from shootstab.questions.unstable import count_unstable
     from shootstab.questions.verify import verify
     from shootstab.vocabulary.errors import ConvergenceError, InputError, NoFlowError, ShootstabError
@@ -52,6 +53,7 @@ _HOMES = {
     "refine": "shootstab.questions.refine",
     "sweep": "shootstab.questions.sweep",
     "testing": "shootstab",
+    "trade": "shootstab.questions.trade",
     "verify": "shootstab.questions.verify",
 }
 
@@ -74,6 +76,7 @@ __all__ = [
     "refine",
     "sweep",
     "testing",
+    "trade",
     "verify",
 ]
 

@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from shootstab.faces import commands, sweeping
+from shootstab.faces import commands, sweeping, trading
 from shootstab.faces.notation import complex_from, floats_from
 from shootstab.vocabulary.errors import InputError, ShootstabError
 
@@ -115,6 +115,9 @@ def parser() -> argparse.ArgumentParser:
 
     sweep = _command(subparsers, sweeping.sweep, "growth rates over wavenumbers or flows, in parallel, resumable")
     sweeping.options(sweep, _integer, _plot_path)
+
+    trade = _command(subparsers, trading.trade, "work against accuracy of every method")
+    trading.options(trade, _guess, _plot_path)
 
     _command(subparsers, commands.scenes, "what is built in", scene=False)
     return top
