@@ -110,6 +110,11 @@ def _counted(atlas: Atlas, radius: float, floor: float) -> tuple[int, float, int
             raise failure
 
 
+def suggested(problem: Problem) -> list[complex]:
+    """Growing zeros of D next to eigenvalues of a coarse pseudospectral discretization, the fastest first: there may be others."""
+    return _suggested(HandedOn(problem), TRUNCATIONS[0])
+
+
 def _suggested(atlas: Atlas, truncation: int) -> list[complex]:
     """Zeros of D next to the growing eigenvalues of a pseudospectral discretization: suggestions, which a count confirms or not."""
     try:
