@@ -13,7 +13,7 @@ import numpy as np
 
 from shootstab.problems.chute import ChuteProblem, Flow
 from shootstab.questions.refine import refine
-from shootstab.questions.sweep.dominance import FLOOR, Census, census, suggested
+from shootstab.questions.sweep.dominance import FLOOR, Census, census, lowest_floor, suggested
 from shootstab.vocabulary.errors import ConvergenceError
 from shootstab.vocabulary.records import Mode
 
@@ -28,7 +28,9 @@ Wave = tuple[float, float]
 
 @dataclass(frozen=True)
 class Stability:
-    """verdict: 'unstable', for `mode` grows at `wave`; 'stable', for no mode has Re σ > floor at any wave; 'unresolved: …' says why.
+    """verdict: 'unstable', for `mode` grows at `wave`; 'stable', for none grows at any wave; 'unresolved: …' says why.
+
+    Growing means Re σ > floor, or 1e−7 of the frequencies k_x u0 of the continuous spectrum where that is more.
 
     counted is the number of waves at which the modes were counted.
     """
@@ -71,7 +73,7 @@ def stability(flow: Flow, lines: Sequence[Sequence[Wave]] | None = None, floor: 
                 if found is None:
                     return Stability(f"{UNRESOLVED}: a mode is counted at kx = {wave[0]:.4g}, ky = {wave[1]:.4g}, and not refined")
                 return Stability(UNSTABLE, found, wave, counted)
-            if before.floor > floor * (1 + 1e-9) or before.floor < 0.5 * floor:
+            if before.floor > lowest_floor(before.atlas, floor):
                 why = f"at kx = {wave[0]:.4g}, ky = {wave[1]:.4g} modes could be counted above {before.floor:.1e} only"
                 return Stability(f"{UNRESOLVED}: {why}", counted=counted)
     return Stability(STABLE, counted=counted)

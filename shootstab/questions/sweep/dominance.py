@@ -19,6 +19,7 @@ from shootstab.vocabulary.errors import ConvergenceError, InputError
 from shootstab.vocabulary.regions import Rectangle
 
 FLOOR = 1e-8
+CLEAR = 1e-7  # of the frequencies of the continuous spectrum: growth rates below it are not told from decay
 SHARE = 0.5  # of the growth rate of the dominant mode: modes above it are counted and followed
 NUDGES = (1.0, 0.83, 0.61)  # of a floor on which a mode lies
 RAISE, HIGHEST = 30.0, 1e-4  # where the continuous spectrum is too near for a count, the floor is raised
@@ -67,9 +68,9 @@ def census(problem: Problem, known: Sequence[complex], floor: float, before: Cen
     modes = _distinct(known)
     if before is None or not modes:
         modes = _distinct([*modes, *_suggested(atlas, TRUNCATIONS[0])])
-    radius = _radius(atlas, before)
+    radius, least = _radius(atlas, before), lowest_floor(atlas, floor)
     for attempt in range(len(TRUNCATIONS) + 2):
-        level = max(floor, SHARE * max((m.real for m in modes), default=0.0))
+        level = max(least, SHARE * max((m.real for m in modes), default=0.0))
         count, level, spent = _counted(atlas, radius, level)
         growing = [m for m in modes if m.real > level]
         if count == len(growing):
@@ -83,6 +84,12 @@ def census(problem: Problem, known: Sequence[complex], floor: float, before: Cen
             region = Rectangle(complex(level, -radius), complex(radius, radius))
             modes = _distinct([*modes, *find_modes(atlas, region, growing)[0]])
     raise ConvergenceError(f"{count} modes are counted with Re sigma > {level:.2g}, but only {len(growing)} found")
+
+
+def lowest_floor(atlas: Atlas, floor: float) -> float:
+    """The floor, or what the contour needs to keep clear of the continuous spectrum, which decays slower and slower towards infinity."""
+    curve = atlas.continuum
+    return floor if curve is None else max(floor, CLEAR * float(abs(curve.sigma.imag).max()))
 
 
 def _radius(atlas: Atlas, before: Census | None) -> float:

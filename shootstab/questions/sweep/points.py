@@ -19,6 +19,8 @@ class Outcome:
     status: 'proved', sigma grows and a count says that no mode with a larger Re σ exists, at this point; 'followed', sigma grows and is
     continued from points where that is proved; 'no growing mode', no mode has Re σ > floor, by a count here if proved and by
     counts at the proved points on either side if not; 'no wave', k_x = k_y = 0; 'no flow: …' and 'unresolved: …' say why.
+    floor: the Re σ above which modes were counted here, half that of the dominant one; where none grows the one asked for, or 1e−7 of
+    the frequencies of the continuous spectrum where that is more.
     sigma is None where nothing grows: decaying modes are neither counted nor followed, for next to the continuous spectrum nothing would
     tell which of them decays least.
     """
