@@ -61,7 +61,7 @@ def verify(options: Namespace) -> int:
 
         return tables.report(report, scene)
 
-    answer(options, documents.report(report), tables)
+    _answer(options, documents.report(report), tables)
     return BAD_NEWS if report.bad_news(options.strict) else DONE
 
 
@@ -82,7 +82,7 @@ def refine(options: Namespace) -> int:
 
         return tables.mode(found, scene)
 
-    answer(options, documents.mode(found), tables)
+    _answer(options, documents.mode(found), tables)
     return DONE if found.converged else BAD_NEWS
 
 
@@ -126,7 +126,7 @@ def count(options: Namespace) -> int:
 
         return tables.count(shape, found, scene)
 
-    answer(options, documents.count(region, found), tables)
+    _answer(options, documents.count(region, found), tables)
     return DONE
 
 
@@ -145,7 +145,7 @@ def find(options: Namespace) -> int:
 
         return tables.found(found, region, scene)
 
-    answer(options, documents.found(found, region), tables)
+    _answer(options, documents.found(found, region), tables)
     return DONE
 
 
@@ -178,7 +178,7 @@ def steady(options: Namespace) -> int:
 
         return tables.steady(flow, document["profiles"], scene)
 
-    answer(options, document, tables)
+    _answer(options, document, tables)
     return DONE
 
 
@@ -196,7 +196,7 @@ def spectrum(options: Namespace) -> int:
 
         return tables.spectrum(found, options.raw, scene)
 
-    answer(options, documents.spectrum(found, options.raw), tables)
+    _answer(options, documents.spectrum(found, options.raw), tables)
     return DONE
 
 
@@ -218,7 +218,7 @@ def prepare(options: Namespace) -> None:
             require_writable(Path(path))
 
 
-def answer(options: Namespace, document: dict[str, Any], tables: Callable[[], list[RenderableType]]) -> None:
+def _answer(options: Namespace, document: dict[str, Any], tables: Callable[[], list[RenderableType]]) -> None:
     """JSON where it was asked for, and tables on standard output unless JSON takes it."""
     if options.json is not None:
         _write_json(options, document)
@@ -236,3 +236,6 @@ def _write_json(options: Namespace, document: dict[str, Any]) -> None:
         sys.stdout.write(text)
     else:
         write_whole(Path(options.json), lambda path: path.write_text(text, encoding="utf-8"))
+
+
+answer = _answer  # commands that live in modules of their own answer in the same way
