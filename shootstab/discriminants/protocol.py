@@ -72,8 +72,8 @@ class Examinable(Discriminant, Protocol):
         """Of another problem, on the same mesh."""
         ...
 
-    def moved(self, problem: Problem) -> Examinable:
-        """Of a neighbouring problem: it begins with this mesh, which grows where the neighbour needs it."""
+    def begin_with(self, other: object) -> None:
+        """Take the mesh of a neighbouring problem's discriminant, if it has one, as the first: it grows where this one needs it."""
         ...
 
 

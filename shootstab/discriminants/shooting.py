@@ -100,11 +100,10 @@ class Shooting:
         """Of another problem, on the same mesh."""
         return self._variant(lambda far: far, self._mesh, problem)
 
-    def moved(self, problem: Problem) -> Shooting:
-        """Of a neighbouring problem: it begins with this mesh, which grows where the neighbour needs it."""
-        other = Shooting(problem, self.method, self.bend, self._start)
-        other._table = tabulate(problem, self._mesh)
-        return other
+    def begin_with(self, other: object) -> None:
+        """Take the mesh of a neighbouring problem's discriminant, if it has one, as the first: it grows where this one needs it."""
+        if isinstance(other, Shooting) and other._table is not None:
+            self._table = tabulate(self.problem, other._mesh)
 
     @property
     def far_error(self) -> float:

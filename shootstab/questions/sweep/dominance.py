@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 from shootstab.discriminants.atlas import Atlas, Chart
 from shootstab.discriminants.frame import Frame
-from shootstab.discriminants.protocol import Examinable
 from shootstab.problems.protocol import Problem
 from shootstab.questions.find import find_modes
 from shootstab.questions.reference import spectrum
@@ -39,12 +38,10 @@ class HandedOn(Atlas):
     def _on_the_axis(self, sigma: complex) -> Chart:
         known = set(self._straight)
         chart = super()._on_the_axis(sigma)
-        (new,) = set(self._straight) - known or (None,)
-        if new is None or new not in self._begin:
-            return chart
-        moved: Examinable = self._begin.pop(new).moved(self.problem)
-        self._straight[new] = moved
-        return Chart(moved, 0, chart.path)
+        for new in set(self._straight) - known:
+            if new in self._begin:
+                chart.discriminant.begin_with(self._begin.pop(new))
+        return chart
 
 
 @dataclass(frozen=True)

@@ -171,11 +171,9 @@ class _Walk:
     def _at(self, place: float) -> Examinable:
         """D at a place on the line, which begins with the mesh of the last one."""
         if place not in self._kept:
-            problem = self._problem(place)
-            # a discriminant that has not been asked for D yet has no mesh to give
-            settled = self._mesh is not None and self._mesh.evaluations > 0
-            self._mesh = self._mesh.moved(problem) if settled and self._mesh is not None else self._method.on(problem)
-            self._kept[place] = self._mesh
+            new = self._method.on(self._problem(place))
+            new.begin_with(self._mesh)
+            self._kept[place] = self._mesh = new
         return self._kept[place]
 
     def _forget(self, here: int) -> None:
