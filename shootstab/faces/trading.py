@@ -119,7 +119,7 @@ def draw(found: Trade, scene: Scene) -> Any:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(11, 5.4), layout="constrained")
-    left, right = figure.subplots(1, 2, sharex=True)
+    left, right = figure.subplots(1, 2)
     for method, (colour, marker, dashes) in STYLES.items():
         rungs = [r for r in found.rungs if r.method == method]
         if not rungs:
@@ -135,7 +135,7 @@ def draw(found: Trade, scene: Scene) -> Any:
         panel.set_xlabel("true relative error of σ")
         panel.set_ylabel(label)
         panel.grid(True, which="major", linewidth=0.4, alpha=0.5)
-    left.invert_xaxis()
+        panel.invert_xaxis()
     handles, labels = left.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False, fontsize="small")
     figure.suptitle(f"{scene.name}: one mode from a guess of three digits\n{scene.description}", fontsize="medium")

@@ -278,4 +278,6 @@ def _three_digits(sigma: complex) -> complex:
 
 
 def _time(seconds: float) -> str:
-    return f"{seconds:.2g} s" if seconds >= 1.0 else f"{1e3 * seconds:.2g} ms"
+    if seconds >= 1.0:
+        return f"{seconds:.2g} s" if seconds < 100.0 else f"{seconds:.0f} s"
+    return f"{1e3 * seconds:.2g} ms" if seconds < 0.1 else f"{1e3 * seconds:.0f} ms"
