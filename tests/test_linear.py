@@ -126,6 +126,21 @@ def test_a_potential_without_limit() -> None:
     np.testing.assert_allclose([m.sigma for m in st.find(problem, st.Rectangle(0 - 1j, 6 + 1j)).modes], [1, 3, 5], rtol=1e-9)
 
 
+def test_a_limit_that_the_function_cannot_give_is_given() -> None:
+    """z e^{−z} is no number at ∞: y″ = (σ + (z − 2) e^{−z}) y, with its limit said, against a function that can be asked there."""
+
+    def named(z: float) -> tuple[Any, Any]:
+        return np.array([[0, 1], [z * math.exp(-z) - 2 * math.exp(-z), 0]]), np.array([[0, 0], [1, 0]])
+
+    def finite(z: float) -> tuple[Any, Any]:
+        return named(min(z, 800.0))
+
+    given = [(named, st.Infinity(limit=string(0.0))), (finite, st.Infinity())]
+    modes = [st.refine(st.problem(2, f, st.Wall(0, [[0.0, 1.0]]), end), 0.2) for f, end in given]
+    assert modes[0].converged
+    assert abs(modes[0].sigma - modes[1].sigma) <= modes[0].error + modes[1].error
+
+
 # rows and interfaces
 
 
