@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from shootstab.discriminants.frame import Frame
     from shootstab.discriminants.riccati import Riccati
     from shootstab.problems import chute, gallery
+    from shootstab.problems.closed import ClosedProblem
     from shootstab.problems.linear import Infinity, Interface, LinearProblem, Wall, problem
     from shootstab.questions.count import count
     from shootstab.questions.critical import critical
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
+    "ClosedProblem": "shootstab.problems.closed",
     "Compound": "shootstab.discriminants.compound",
     "ConvergenceError": "shootstab.vocabulary.errors",
     "Disc": "shootstab.vocabulary.regions",
@@ -62,6 +64,7 @@ _HOMES = {
 }
 
 __all__ = [
+    "ClosedProblem",
     "Compound",
     "ConvergenceError",
     "Disc",

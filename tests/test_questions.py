@@ -12,8 +12,8 @@ from shootstab.discriminants.continuum import Continuum, continuum_of
 from shootstab.problems.chute import ChuteProblem
 from shootstab.problems.gallery.poiseuille import PlanePoiseuille
 from shootstab.questions.bounds import displacement
+from shootstab.questions.judge import radius_of
 from shootstab.questions.reference import claims, spectrum
-from shootstab.questions.verify import radius_of
 from shootstab.spectral import chute as pseudospectral
 
 GRAINS = {"e": 0.8, "e_w": 0.8, "r": 0.6, "tan_theta": 0.3}

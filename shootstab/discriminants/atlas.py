@@ -137,5 +137,9 @@ class Atlas:
                 return Chart(discriminant, side, str(bend))
         bend = Bend(z, HALF_WIDTH * scale, -side * HEIGHT * scale)
         discriminant = self.method.on(self.problem, bend)
+        # off the detour the mesh of any other path for such |σ| serves as well
+        others = [d for _, known, d in reversed(self._bent) if known == bucket] + [d for b, d in self._straight.items() if b == bucket]
+        if others:
+            discriminant.adopt(others[0])
         self._bent.append((bend, bucket, discriminant))
         return Chart(discriminant, side, str(bend))

@@ -98,15 +98,11 @@ def parser() -> argparse.ArgumentParser:
     refine.add_argument("--method", choices=tuple(commands.METHODS), help="how the determinant is formed (default: as the program chooses)")
 
     count = _command(subparsers, commands.count, "how many modes a region of the complex plane holds")
-    count.add_argument("--region", choices=("rectangle", "disc", "polygon", "half-plane"), required=True, help="the shape")
-    count.add_argument("--corners", type=_numbers(), metavar="RE0,IM0,RE1,IM1,…", help="of the rectangle: lower left, upper right")
-    count.add_argument("--centre", type=_numbers(2), metavar="RE,IM", help="of the disc")
-    count.add_argument("--radius", type=_numbers(1), metavar="R", help="of the disc")
-
+    _add_region(count, "rectangle", "disc", "polygon", "half-plane")
     count.add_argument("--floor", type=_numbers(1), metavar="X", help="of the half-plane: Re σ > X (default 1e-8)")
 
-    find = _command(subparsers, commands.find, "all modes in a rectangle, without a guess")
-    find.add_argument("--corners", type=_numbers(4), required=True, metavar="RE0,IM0,RE1,IM1", help="lower left, upper right")
+    find = _command(subparsers, commands.find, "all modes in a region, without a guess")
+    _add_region(find, "rectangle", "disc", "polygon", default="rectangle")
     find.add_argument("--resonances", action="store_true", help="list zeros beyond the continuous spectrum too")
 
     _command(subparsers, commands.steady, "the steady flow of the scene")
@@ -127,6 +123,16 @@ def _command(subparsers: Any, run: Callable[[argparse.Namespace], int], says: st
         made.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
     made.add_argument("--json", metavar="FILE", help="write the answer as JSON; - is standard output, which then holds nothing else")
     return made
+
+
+def _add_region(command: argparse.ArgumentParser, *shapes: str, default: str | None = None) -> None:
+    """The options that name a region of the σ-plane."""
+    says = "the shape" if default is None else f"the shape (default {default})"
+    command.add_argument("--region", choices=shapes, required=default is None, default=default, help=says)
+    corners = "RE,IM of a polygon's corners, three or more, or of a rectangle's lower left and upper right"
+    command.add_argument("--corners", type=_numbers(), metavar="RE0,IM0,RE1,IM1,…", help=corners)
+    command.add_argument("--centre", type=_numbers(2), metavar="RE,IM", help="of the disc")
+    command.add_argument("--radius", type=_numbers(1), metavar="R", help="of the disc")
 
 
 def _convention(command: argparse.ArgumentParser) -> None:

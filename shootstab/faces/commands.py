@@ -48,8 +48,8 @@ def verify(options: Namespace) -> int:
     given = None if options.eigenvalues is None else convention.read(readers.read(options.eigenvalues, options.dataset))
     own = scene_files.load(options.scene)
     scene = own.seen(convention)
+    from shootstab.questions.missing import unstable_box
     from shootstab.questions.reference import claims
-    from shootstab.questions.verify import unstable_box
     from shootstab.questions.verify import verify as question
 
     with progress(f"verifying {scene.name}") as told:
@@ -127,14 +127,9 @@ def count(options: Namespace) -> int:
     """How many modes a region holds."""
     from shootstab.faces import documents
 
-    wanted = {"rectangle": ("corners",), "polygon": ("corners",), "disc": ("centre", "radius"), "half-plane": ()}[options.region]
-    for name in ("corners", "centre", "radius"):
-        if (getattr(options, name) is not None) != (name in wanted):
-            needed = " and ".join(f"--{w}" for w in wanted) or "nothing but --floor"
-            raise InputError(f"--region {options.region}: needed is {needed}, and no other")
     if options.floor is not None and options.region != "half-plane":
         raise InputError("--floor: allowed only with --region half-plane")
-    region = None if options.region == "half-plane" else _region(options)
+    region = _region(options)
     scene = scene_files.load(options.scene)
     if region is None:
         from shootstab.questions.unstable import HalfDisc, count_unstable
@@ -157,10 +152,11 @@ def count(options: Namespace) -> int:
 
 
 def find(options: Namespace) -> int:
-    """All modes in a rectangle; with --resonances also the zeros beyond the continuous spectrum."""
+    """All modes in a region; with --resonances also the zeros beyond the continuous spectrum."""
     from shootstab.faces import documents
 
-    region = _rectangle(options.corners)
+    region = _region(options)
+    assert region is not None
     scene = scene_files.load(options.scene)
     from shootstab.questions.find import find as question
 
@@ -175,7 +171,15 @@ def find(options: Namespace) -> int:
     return DONE
 
 
-def _region(options: Namespace) -> Region:
+def _region(options: Namespace) -> Region | None:
+    """The region that is asked about; None is a half-plane."""
+    wanted = {"rectangle": ("corners",), "polygon": ("corners",), "disc": ("centre", "radius"), "half-plane": ()}[options.region]
+    for name in ("corners", "centre", "radius"):
+        if (getattr(options, name) is not None) != (name in wanted):
+            needed = " and ".join(f"--{w}" for w in wanted) or "nothing but --floor"
+            raise InputError(f"--region {options.region}: needed is {needed}, and no other")
+    if options.region == "half-plane":
+        return None
     if options.region == "disc":
         return Disc(complex(*options.centre), options.radius[0])
     if len(options.corners) % 2 or (options.region == "rectangle" and len(options.corners) != 4):

@@ -7,19 +7,17 @@ Source: S. A. Orszag, J. Fluid Mech. 50 (1971) 689: R = 10000, α = 1, c = 0.237
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from shootstab.problems.closed import Exact
 from shootstab.problems.gallery.orr_sommerfeld import CLAMPED, orr_sommerfeld, require_positive
 from shootstab.problems.linear import LinearProblem, Wall, problem
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
 from shootstab.vocabulary.errors import InputError
-
-Exact = Callable[[float], Any]  # see discriminants.precise.closed
 
 
 @dataclass(frozen=True)
