@@ -81,7 +81,6 @@ class Examinable(Discriminant, Protocol):
         """Of another problem, on the same mesh."""
         ...
 
-
     def moved_to(self, problem: Problem) -> Examinable:
         """Of another problem, from the same mesh on, which grows where it must: for a problem next to this one."""
         ...
