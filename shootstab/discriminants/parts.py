@@ -162,12 +162,16 @@ def parts_of(problem: Problem) -> Parts | None:
 
 
 def _entries(problem: Problem) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-    """Samples of the pencil (m, n, n), of the far frame as (m, k, n), and the wall rows (m, k, n)."""
-    start = problem.start(ANYWHERE, 1e-14)
+    """Samples of the pencil (m, n, n), of the far frame as (m, k, n), and the wall rows (m, k, n).
+
+    A problem whose decaying space does not exist at every σ names one at which it does.
+    """
+    sigma = getattr(problem, "generic_sigma", ANYWHERE)
+    start = problem.start(sigma, 1e-14)
     mesh = problem.mesh(start)
     z = mesh[0] + (mesh[-1] - mesh[0]) * np.linspace(0.0, 1.0, SAMPLES)
     pencil = problem.pencil(z.astype(np.complex128))
-    far = problem.far_frame(start, ANYWHERE)
+    far = problem.far_frame(start, sigma)
     W0, W1 = problem.wall_rows()
     frame = np.stack((far.frame, far.tangent)).transpose(0, 2, 1)
     return np.concatenate((pencil.C0, pencil.C1, pencil.D0, pencil.D1)), frame, np.stack((W0, W1))

@@ -41,7 +41,6 @@ class Table:
             return None
         return Sampled(*self.system[:3], *(np.ascontiguousarray(part.real) for part in parts))
 
-
     def numbers(self, sigma: complex, *arrays: ComplexArray) -> tuple[Any, ...]:
         """The system, σ and copies of arrays for a kernel: as real numbers where all of them are, and complex ones otherwise."""
         if sigma.imag == 0.0 and not any(a.imag.any() for a in arrays) and self.real is not None:

@@ -153,4 +153,3 @@ def _local_error(Y, K, E):  # type: ignore[no-untyped-def]
         if worst == worst and not error <= worst:
             worst = error
     return worst
-

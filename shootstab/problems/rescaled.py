@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from shootstab.problems.barrier import Barrier, barrier_of
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil, Problem
 
+GENERIC = 0.35  # a σ without any property, for problems whose decaying space exists at every one
+
 
 @dataclass(frozen=True, eq=False)
 class Rescaled:
@@ -58,6 +60,10 @@ class Rescaled:
 
     def continuum_at(self, z: ComplexArray) -> ComplexArray:
         return np.asarray(self.problem.continuum_at(z) / self.unit)
+
+    @property
+    def generic_sigma(self) -> complex:
+        return complex(getattr(self.problem, "generic_sigma", GENERIC)) / self.unit
 
     @property
     def barrier(self) -> Barrier | None:

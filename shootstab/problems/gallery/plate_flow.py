@@ -20,6 +20,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from shootstab.problems.gallery.profiles import off_by
 from shootstab.problems.protocol import ComplexArray
 from shootstab.vocabulary.errors import InputError, NoFlowError
 
@@ -99,10 +100,10 @@ class PlateFlow:
         return np.asarray(np.where(piece >= len(self.coefficients), free, state))
 
     def shortened(self, accuracy: float) -> PlateFlow:
-        """With as few coefficients as leave out no more than this, relative to the largest."""
+        """With as few coefficients as leave out no more than this, relative to the largest, and each off by as much as that."""
         sizes = np.abs(self.coefficients).max(axis=(0, 2))
         kept = int(np.flatnonzero(sizes > accuracy * sizes.max())[-1]) + 1
-        return PlateFlow(self.gas, self.length, self.coefficients[:, :kept])
+        return PlateFlow(self.gas, self.length, off_by(self.coefficients[:, :kept], accuracy))
 
     @cached_property
     def wall(self) -> tuple[float, float]:

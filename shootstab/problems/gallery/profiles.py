@@ -44,7 +44,12 @@ class Piecewise:
         return Piecewise(self.h, self.coefficients[:, 1:] * m, 0.0)
 
     def shortened(self, accuracy: float) -> Piecewise:
-        """With as few terms as leave out no more than this, in the unit of the largest coefficient."""
+        """With as few terms as leave out no more than this, in the unit of the largest coefficient, and each off by as much as that."""
         sizes = np.abs(self.coefficients * self.h ** np.arange(self.coefficients.shape[1])).max(axis=0)
         kept = int(np.flatnonzero(sizes > accuracy * sizes.max())[-1]) + 1
-        return Piecewise(self.h, self.coefficients[:, :kept], self.limit)
+        return Piecewise(self.h, off_by(self.coefficients[:, :kept], accuracy), self.limit)
+
+
+def off_by(numbers: NDArray[np.float64], relative: float) -> NDArray[np.float64]:
+    """Each changed by a random relative amount, always the same one, no larger than this."""
+    return np.asarray(numbers * (1 + relative * (2 * np.random.default_rng(1).random(numbers.shape) - 1)))

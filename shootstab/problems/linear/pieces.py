@@ -48,7 +48,7 @@ class Piece:
     def pencil(self, matrices: Matrices, t: ComplexArray) -> Pencil:
         """Of ψ, and of a before it if the piece is doubled."""
         p = matrices(self.points(t))
-        own = Pencil(p.C0, p.C1, self.scale * p.D0, self.scale * p.D1)
+        own = p if self.scale == 1.0 else Pencil(p.C0, p.C1, self.scale * p.D0, self.scale * p.D1)
         if not self.doubled:
             return own
         n = matrices.size

@@ -22,6 +22,7 @@ from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
 from shootstab.vocabulary.errors import InputError
 
 FIRST_MESH = 33
+GENERIC = 1.0371
 GRADING = 3.0  # of the first mesh towards the wall, where the other end is at infinity
 
 
@@ -140,6 +141,11 @@ class LinearProblem:
     def at_infinity(self) -> tuple[Decaying, ...]:
         """The ends at infinity."""
         return tuple(piece.far for piece in self.layout.pieces if isinstance(piece.far, Decaying))
+
+    @property
+    def generic_sigma(self) -> complex:
+        """A σ without any property at which the decaying spaces exist: next to the one that they are normalized at."""
+        return GENERIC * (self.at_infinity[0].section.reference if self.at_infinity else 1.0)
 
     def ends(self, sigma: complex) -> tuple[AtInfinity, ...]:
         """How solutions behave at the ends at infinity: rates, how many decay, and the gap by which they are told apart."""
