@@ -6,7 +6,9 @@ import cmath
 import sqlite3
 import warnings
 from collections.abc import Callable, Sequence
+from multiprocessing import active_children
 from pathlib import Path
+from time import sleep
 from types import SimpleNamespace
 from typing import Any
 
@@ -23,6 +25,7 @@ from shootstab.questions.sweep.dominance import census
 from shootstab.questions.sweep.grid import LONGEST, Grid, Line
 from shootstab.questions.sweep.members import Members
 from shootstab.questions.sweep.points import FOLLOWED, NO_FLOW, NO_WAVE, NONE_GROWS, PROVED
+from shootstab.questions.sweep.workers import in_processes
 from shootstab.vocabulary.errors import ConvergenceError, InputError
 from shootstab.vocabulary.scaled import Scaled
 
@@ -379,3 +382,12 @@ def test_a_cluster_that_is_not_there(scenes: dict[str, ChuteProblem], monkeypatc
     monkeypatch.setattr(workers, "import_module", absent)
     with pytest.raises(InputError, match=r"a cluster needs dask: install it with .*shootstab\[cluster\]"):
         swept(scenes["high"], {"ky": [0.01]}, cluster="tcp://127.0.0.1:1")
+
+
+def test_processes_end_with_the_one_that_asked_for_them() -> None:
+    """An interrupted sweep does not wait for what is under way: closing the results ends the workers."""
+    before = set(active_children())
+    results = in_processes(sleep, [0.0, 600.0], 2)
+    assert next(results) == (0.0, None)
+    results.close()
+    assert set(active_children()) <= before

@@ -108,7 +108,7 @@ def draw(rows: dict[float, list[Row]]) -> Any:
     panel.set_ylabel("height of the centre of mass $h_0$ / d")
     panel.set_title(r"Linear stability of steady flows, e = $e_w$ = 0.8, r = 0.6; tanθ at the end of each curve", fontsize="medium")
     panel.grid(True, which="major", linewidth=0.4, alpha=0.5)
-    panel.legend(loc="upper left", frameon=True, fontsize="small")
+    panel.legend(loc="lower right", frameon=True, fontsize="small")
     return figure
 
 

@@ -8,7 +8,8 @@ from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from importlib import import_module
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context, parent_process
+from threading import Thread
 from typing import Any, TypeVar
 
 from shootstab.vocabulary.errors import InputError, ShootstabError
@@ -32,14 +33,20 @@ def in_processes(work: Callable[[Job], Result], jobs: Sequence[Job], workers: in
     """
     before = {name: os.environ.get(name) for name in THREADS}
     os.environ.update(dict.fromkeys(THREADS, "1"))
-    pool = ProcessPoolExecutor(min(workers, len(jobs) or 1), mp_context=get_context("spawn"), initializer=_leave_interrupts_to_the_parent)
+    others = set(active_children())
+    pool = ProcessPoolExecutor(min(workers, len(jobs) or 1), mp_context=get_context("spawn"), initializer=_depend_on_the_parent)
+    finished = False
     try:
         futures = {pool.submit(work, job): job for job in jobs}
         for future in as_completed(futures):
             yield futures[future], future.result()
+        finished = True
     except BrokenProcessPool as error:
         raise ShootstabError("a worker process died: its memory may have run out, or the program lacks a guard of its start") from error
     finally:
+        if not finished:  # interrupted: do not wait for what is under way
+            for process in set(active_children()) - others:
+                process.terminate()
         pool.shutdown(wait=True, cancel_futures=True)
         for name, value in before.items():
             if value is None:
@@ -48,8 +55,18 @@ def in_processes(work: Callable[[Job], Result], jobs: Sequence[Job], workers: in
                 os.environ[name] = value
 
 
-def _leave_interrupts_to_the_parent() -> None:
+def _depend_on_the_parent() -> None:
+    """In a worker: interrupts are the parent's business, and where it dies, by whatever hand, the worker ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = parent_process()
+
+    def watch() -> None:
+        assert parent is not None
+        parent.join()
+        os._exit(1)
+
+    if parent is not None:
+        Thread(target=watch, daemon=True).start()
 
 
 def on_cluster(work: Callable[[Job], Result], jobs: Sequence[Job], address: str) -> Generator[tuple[Job, Result], None, None]:
