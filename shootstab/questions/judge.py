@@ -52,6 +52,11 @@ class Judge:
         self._too_far = math.inf
 
     @property
+    def loose(self) -> Atlas:
+        """The atlas in which zeros are looked for first."""
+        return self._atlases[0]
+
+    @property
     def reach(self) -> float:
         """The largest |σ| that can be judged, as far as that is known; infinite as long as no claim was too large."""
         return self._too_far * FURTHER
@@ -105,7 +110,7 @@ class Judge:
         A circle along which ln D changes much holds many zeros or needs many samples: the first is chosen by the slope of ln D.
         Raises what the circle of the digits asked for raises, if no larger one can be counted and that cannot either.
         """
-        wide = max(radius, radius_of(claim, NEAR_DIGITS))
+        wide = max(radius, self._near(claim))
         tried = self._first_circle(claim, radius, wide)
         while tried > radius:
             try:
@@ -118,11 +123,15 @@ class Judge:
                 return self._grown(claim, tried, zeros, wide)
         return radius, self._zeros(Disc(claim, radius), None)
 
+    def _near(self, claim: complex) -> float:
+        """The radius of the circle of two digits; 0 shares none with any other number."""
+        return radius_of(claim, min(NEAR_DIGITS, self.digits) if claim != 0.0 else self.digits)
+
     def _first_circle(self, claim: complex, radius: float, wide: float) -> float:
         if wide == radius:
             return radius
         # between two zeros of a row ln D is flat, but beside the row it is as steep as they are dense
-        places = (claim, claim * complex(1.0, wide / abs(claim))) if claim != 0.0 else (claim,)
+        places = (claim, claim * complex(1.0, wide / abs(claim)))
         slope = max(abs(self._atlases[0].at(s).discriminant.with_slope(s).slope) for s in places)
         return max(radius, min(wide, STEEPEST / slope))
 
@@ -148,7 +157,7 @@ class Judge:
 
     def _neighbour(self, claim: complex, empty: float) -> complex | None:
         """The mode that Newton finds between the circle that is empty and that of two digits, which could not be counted."""
-        wide = radius_of(claim, min(NEAR_DIGITS, self.digits))
+        wide = self._near(claim)
         sigma = claim
         if empty >= wide:
             return None
