@@ -7,7 +7,17 @@ import importlib
 import sys
 import time
 
-CLAIMS = ("paper_modes", "against_pseudospectral", "near_continuum", "balloon", "methods", "planted_faults", "calibration")
+CLAIMS = (
+    "paper_modes",
+    "against_pseudospectral",
+    "near_continuum",
+    "balloon",
+    "methods",
+    "planted_faults",
+    "gallery",
+    "digits",
+    "calibration",
+)
 
 
 def main() -> int:

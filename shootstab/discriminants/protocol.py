@@ -82,6 +82,11 @@ class Examinable(Discriminant, Protocol):
         ...
 
 
+    def moved_to(self, problem: Problem) -> Examinable:
+        """Of another problem, from the same mesh on, which grows where it must: for a problem next to this one."""
+        ...
+
+
 class Method(Protocol):
     """A way to compute D(σ): a small object with a tolerance."""
 

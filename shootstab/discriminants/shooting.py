@@ -84,10 +84,14 @@ class Shooting:
         return self._variant(lambda far: far, halved(self._mesh, seed), self.problem, seed)
 
     def turned(self, seed: int) -> Shooting:
-        """The same from the far frame in another basis of determinant 1, chosen at random."""
+        """The same from the far frame with its columns in another order and with other phases, of product 1, at random.
+
+        They are not mixed: columns of very different size would be spoilt by that, and not by the method.
+        """
         k = self.problem.decaying
-        basis = np.linalg.qr(_random(seed, k, k))[0]  # unitary: it must not add a condition of its own
-        basis /= np.linalg.det(basis) ** (1 / k)
+        order = np.random.default_rng(seed).permutation(k)
+        basis = np.eye(k)[order] * _random(seed, k)
+        basis[:, 0] /= np.linalg.det(basis)
         return self._variant(lambda far: replace(far, frame=far.frame @ basis, tangent=far.tangent @ basis), self._mesh, self.problem)
 
     def jiggled(self, seed: int, size: float) -> Shooting:
@@ -98,6 +102,13 @@ class Shooting:
     def of(self, problem: Problem) -> Shooting:
         """Of another problem, on the same mesh."""
         return self._variant(lambda far: far, self._mesh, problem)
+
+    def moved_to(self, problem: Problem, method: Carrier | None = None) -> Shooting:
+        """Of another problem, from the same mesh on, which grows where it must; method carries it, if not the same object."""
+        other = Shooting(problem, method or self.method, self.bend)
+        if self._table is not None:
+            other._table = tabulate(problem, self._mesh)
+        return other
 
     def adopt(self, other: Shooting) -> None:
         """Begin with the mesh and the table that another path of the same problem has off the detours."""

@@ -40,7 +40,7 @@ Parts = list[RenderableType]
 
 def report(found: Report, scene: Scene) -> Parts:
     """Verdicts and missing modes, the reasons, and one sentence."""
-    table = _table(f"{scene.name}: {scene.description}", _sigma("claimed σ", scene), "verdict", "mode σ", "error", "digits")
+    table = _table(f"{scene.name}: {scene.description}", _sigma("claimed σ", scene), "verdict", f"mode {scene.symbol}", "error", "digits")
     for number, verdict in enumerate(found.verdicts, 1):
         cells = _mode_cells(verdict.sigma, verdict.error) if verdict.sigma is not None else (ABSENT, ABSENT)
         table.add_row(str(number), claimed_digits(verdict.claimed, found.digits), _coloured(verdict.verdict), *cells, _agreement(verdict))
@@ -170,6 +170,7 @@ def spectrum(found: Any, raw: bool, scene: Scene) -> Parts:
 
 
 def _sigma(title: str, scene: Scene) -> str:
+    title = title.replace("σ", scene.symbol)
     return f"{title} / {scene.unit}" if scene.unit else title
 
 

@@ -43,10 +43,10 @@ def find_missing(
         zeros, whole = find_modes(atlas, box, known)
     except ConvergenceError as error:
         undecided += (f"from {low:.6g} to {high:.6g}: {error}",)
-        if atlas.continuum is None or not isinstance(error, Undecidable) or not isinstance(box, Rectangle):
+        if not isinstance(error, Undecidable) or not isinstance(box, Rectangle):
             return (), NOT_SEARCHED, undecided
         # the part right of the continuous spectrum, where instability is
-        edge = max(float(atlas.continuum.sigma.real.max()), 0.0) + CLEAR * abs(high)
+        edge = max(atlas.rightmost, 0.0) + CLEAR * abs(high)
         if high.real <= edge:
             return (), NOT_SEARCHED, undecided
         low = complex(max(edge, low.real), low.imag)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from shootstab.discriminants.atlas import Atlas
-from shootstab.questions.bounds import FLOW_NOISE, FLOWS, PROBE, SAFETY
+from shootstab.questions.bounds import FLOW_NOISE, FLOWS, NOISE, PROBE, SAFETY
 from shootstab.roots.find import moments
 from shootstab.roots.winding import Winding, wind
 from shootstab.vocabulary.errors import ConvergenceError
@@ -71,13 +71,14 @@ def multiple(atlas: Atlas, centre: complex, multiplicity: int, radius: float, rt
 
 
 def _inaccuracy(atlas: Atlas, winding: Winding) -> float:
-    """The largest sum of the relative errors of D at some samples: of the mesh, the far field and the steady flow."""
+    """The largest sum of the relative errors of D at some samples: of the mesh, of rounding, the far field and the steady flow."""
     chart = atlas.at(winding.centre)
     D = chart.discriminant
     crude = atlas.problem.cruder(FLOWS[0])
     worst = 0.0
     for value in winding.samples[:: max(1, len(winding.samples) // PROBES)]:
         off = abs(D.refined()(value.sigma).over(value.D) - 1)
+        off += NOISE * abs(D.turned(1)(value.sigma).over(value.D) - 1)
         off += SAFETY * abs(D.jiggled(1, PROBE)(value.sigma).over(value.D) - 1) / PROBE * D.far_error
         if crude is not atlas.problem:
             off += FLOW_NOISE * abs(D.of(crude)(value.sigma).over(value.D) - 1)

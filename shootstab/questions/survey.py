@@ -49,6 +49,10 @@ def survey(atlas: Atlas, region: Region) -> Survey:
     Raises Undecidable where the continuous spectrum runs over itself, or an end of it lies on the boundary; ConvergenceError where a mode
     lies on the contour.
     """
+    if atlas.barrier is not None and atlas.barrier.enters(region):
+        raise Undecidable("the continuous spectrum of an end at infinity enters the region")
+    if atlas.barrier is not None and atlas.barrier.beyond(region.boundary(0.0)):
+        raise Undecidable("the region lies beyond the continuous spectrum of an end at infinity")
     curve = atlas.continuum
     samples: list[list[Value]] = []
     everywhere = _everywhere(atlas)
