@@ -28,6 +28,7 @@ STEEPEST = 2.5  # change of ln D over the radius of the first circle around a cl
 FEW = 3  # modes in a circle that are told apart
 NEWTON_STEPS = 8
 LOOSE = 1e-5  # local error with which zeros are looked for: whether it is small enough, a mesh with every step halved tells
+FAR_OFF = 10.0  # radii of the circle of the digits asked for, beyond which a mode need not be known better than to these digits
 REACH, FURTHER = 100.0, 16.0  # |σ| of the first mesh that is tried on the way to a large claim, and the factor to the next
 MOST_STEPS = 800  # of the loose mesh for one claim: where D must be more accurate it is some times as long
 
@@ -176,7 +177,8 @@ class Judge:
     def _mode(self, claim: complex, zeros: tuple[Zero, ...], radius: float) -> Verdict:
         """Whether a claim shares the digits with the nearest of the zeros around it."""
         near = [z for z in zeros if abs(z.sigma - claim) <= radius]
-        modes = self._polish(min(zeros, key=lambda z: abs(z.sigma - claim)))
+        zero = min(zeros, key=lambda z: abs(z.sigma - claim))
+        modes = self._polish(zero, abs(zero.sigma - claim) > FAR_OFF * radius)
         if len(near) > 1 or len(modes) > 1:
             several = max(len(near), len(modes))
             return Verdict(claim, UNRESOLVED, f"{several} modes lie in the circle of {radius:.1e} that {self.digits} digits mean")
@@ -193,16 +195,23 @@ class Judge:
         many = f", of multiplicity {mode.multiplicity}" if mode.multiplicity > 1 else ""
         return replace(found, verdict=CONFIRMED, why=f"exactly one zero of D within {radius:.1e}{many}", digits_agreed=agreed)
 
-    def _polish(self, zero: Zero) -> list[Mode]:
-        """The mode with its error bar, or those into which a multiple zero falls."""
-        rtol = 10.0 ** -(self.digits + 2)
-        if zero.multiplicity > 1:
-            modes = modes_of(self.atlas, zero, rtol)
-        else:
-            modes = [examine(self.atlas, Root(zero.sigma, 0.0, 0, True), rtol)[0]]
-            if not modes[0].converged:
-                modes = [refine(self.problem, zero.sigma, rtol)]
+    def _polish(self, zero: Zero, far_off: bool) -> list[Mode]:
+        """The mode with its error bar, or those into which a multiple zero falls.
+
+        It is known to two digits more than asked for; if the claim is far off anyway, to those asked for, and the loose mesh may do.
+        """
+        tight = 10.0 ** -(self.digits + 2)
+        modes = modes_of(self.atlas, zero, tight) if zero.multiplicity > 1 else [self._simple(zero.sigma, tight, far_off)]
         for mode in modes:
             if not math.isfinite(mode.error):
                 raise ConvergenceError(mode.status)
         return modes
+
+    def _simple(self, sigma: complex, tight: float, far_off: bool) -> Mode:
+        root = Root(sigma, 0.0, 0, True)
+        if far_off and self.loose is not self.atlas:
+            mode, _ = examine(self.loose, root, 10.0**-self.digits)
+            if mode.converged:
+                return mode
+        mode, _ = examine(self.atlas, root, tight)
+        return mode if mode.converged else refine(self.problem, sigma, tight)
