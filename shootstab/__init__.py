@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from shootstab.questions.critical import critical
     from shootstab.questions.find import find
     from shootstab.questions.refine import refine
+    from shootstab.questions.sweep import sweep
+    from shootstab.questions.trade import trade
     from shootstab.questions.unstable import count_unstable
     from shootstab.questions.verify import verify
     from shootstab.vocabulary.errors import ConvergenceError, InputError, NoFlowError, ShootstabError
@@ -59,7 +61,9 @@ _HOMES = {
     "find": "shootstab.questions.find",
     "gallery": "shootstab.problems",
     "refine": "shootstab.questions.refine",
+    "sweep": "shootstab.questions.sweep",
     "testing": "shootstab",
+    "trade": "shootstab.questions.trade",
     "verify": "shootstab.questions.verify",
 }
 
@@ -87,7 +91,9 @@ __all__ = [
     "gallery",
     "problem",
     "refine",
+    "sweep",
     "testing",
+    "trade",
     "verify",
 ]
 

@@ -39,7 +39,10 @@ PLAIN = 120  # decimal places that carry a number from one process to another
 
 @dataclass(frozen=True)
 class Run:
-    """One mode in a process of its own: σ and its error bound as text, processor seconds, and the largest memory in MiB."""
+    """One mode in a process of its own: σ and its error bound as text, processor seconds, and the largest memory in MiB.
+
+    Linux counts what the parent held when it started the process, about 250 MiB: a larger figure is the process's own.
+    """
 
     scene: str
     digits: int

@@ -123,8 +123,12 @@ class Atlas:
     def _on_the_axis(self, sigma: complex) -> Chart:
         bucket = round(math.log(abs(sigma) or 1.0) / math.log(DECADE))
         if bucket not in self._straight:
-            self._straight[bucket] = self.method.on(self.problem)
+            self._straight[bucket] = self._on_the_real_axis(bucket)
         return Chart(self._straight[bucket], 0, "real")
+
+    def _on_the_real_axis(self, bucket: int) -> Examinable:
+        """A discriminant for |σ| of this size."""
+        return self.method.on(self.problem)
 
     def beside(self, z: float, sigma: complex, side: int) -> Chart:
         """The chart whose path leaves singular points near z on this side: side +1, above the path; sigma tells the size of |σ|."""

@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil, Problem
-from shootstab.vocabulary.errors import InputError
+from shootstab.vocabulary.errors import InputError, ShootstabError
 
 SAMPLES = 9  # points at which the pencil is asked which entries it has
-ANYWHERE = 0.35 + 0.21j  # a σ without any property, times the problem's own scale
+ANYWHERE = 0.35  # a real σ without any property
 I_POWERS = np.array([1, 1j])
 
 
@@ -125,9 +125,15 @@ class Parts:
 
 @lru_cache(maxsize=64)
 def parts_of(problem: Problem) -> Parts | None:
-    """The parts of a problem, None if it is one part without phases."""
+    """The parts of a problem, None if it is one part without phases, or one of which samples cannot be had.
+
+    What is wrong with the latter is said when it is used.
+    """
     n, k = problem.size, problem.decaying
-    blocks = _entries(problem)
+    try:
+        blocks = _entries(problem)
+    except ShootstabError:
+        return None
     # nodes: states, equations, solutions, wall rows
     first = np.array([0, n, 2 * n, 2 * n + k])
     edges = [
@@ -160,11 +166,12 @@ def _entries(problem: Problem) -> tuple[ComplexArray, ComplexArray, ComplexArray
 
     A problem whose decaying space does not exist at every σ names one at which it does.
     """
-    start = problem.start(ANYWHERE, 1e-14)
+    sigma = getattr(problem, "generic_sigma", ANYWHERE)
+    start = problem.start(sigma, 1e-14)
     mesh = problem.mesh(start)
     z = mesh[0] + (mesh[-1] - mesh[0]) * np.linspace(0.0, 1.0, SAMPLES)
     pencil = problem.pencil(z.astype(np.complex128))
-    far = problem.far_frame(start, getattr(problem, "generic_sigma", ANYWHERE.real))
+    far = problem.far_frame(start, sigma)
     W0, W1 = problem.wall_rows()
     frame = np.stack((far.frame, far.tangent)).transpose(0, 2, 1)
     return np.concatenate((pencil.C0, pencil.C1, pencil.D0, pencil.D1)), frame, np.stack((W0, W1))

@@ -19,6 +19,7 @@ from shootstab.vocabulary.scaled import Scaled
 
 MOST_STEPS = 40_000
 TURNS = 30  # attempts at a mesh
+FAR_MARGIN = 1e-4  # of the far frame's tolerance, for a mesh that is to serve larger σ too
 REDISTRIBUTIONS = 3  # of them, those that move every node
 
 
@@ -172,6 +173,18 @@ class Shooting:
             self._regrid(errors, everywhere=turn < REDISTRIBUTIONS)
         raise ConvergenceError(f"no mesh found that holds local errors of {self.method.rtol:.1e} at sigma = {sigma:.6g}")
 
+    def _reach_out(self, sigma: complex) -> None:
+        """Begin farther out, where the far frame holds for σ and for somewhat larger ones; the rest of the mesh stays."""
+        nodes, table = self._mesh, self._table
+        assert table is not None
+        outwards = nodes[0].real - nodes[-1].real
+        straight = self.problem.mesh(self.problem.start(sigma, FAR_MARGIN * self._far_tolerance))
+        beyond = straight[(straight - nodes[0].real) * outwards > 1e-9 * outwards**2]
+        if len(beyond) == 0:
+            self._build(sigma, self._far_tolerance)
+        else:
+            self._table = retabulate(self.problem, np.concatenate((beyond, nodes)), table)
+
     def _regrid(self, errors: np.ndarray, everywhere: bool) -> None:
         """Spread the steps anew, or only split those that err too much."""
         nodes = (redistribute if everywhere else split)(self._mesh, errors, self.method.rtol)
@@ -197,7 +210,7 @@ class Shooting:
         far = self._start(self.problem.far_frame(table.nodes[0].real, sigma))
         self._far_error = far.error
         if far.error > 10 * self._far_tolerance:
-            self._build(sigma, self._far_tolerance)
+            self._reach_out(sigma)
             return self._shoot(sigma, tangent)
         self.evaluations += 1
         return self.method.carry(table, self._rows, far, sigma, tangent)

@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from shootstab.faces import commands
+from shootstab.faces import commands, sweeping, trading
 from shootstab.faces.notation import complex_from, floats_from
 from shootstab.vocabulary.errors import InputError, ShootstabError
 
@@ -110,6 +110,12 @@ def parser() -> argparse.ArgumentParser:
     spectrum = _command(subparsers, commands.spectrum, "the pseudospectral spectrum")
     spectrum.add_argument("-M", dest="truncation", type=_integer(0, 999_999), metavar="N", help="truncation")
     spectrum.add_argument("--raw", action="store_true", help="all eigenvalues of the pencil, unfiltered")
+
+    sweep = _command(subparsers, sweeping.sweep, "growth rates over wavenumbers or flows, in parallel, resumable")
+    sweeping.options(sweep, _integer, _plot_path)
+
+    trade = _command(subparsers, trading.trade, "work against accuracy of every method")
+    trading.options(trade, _guess, _plot_path)
 
     _command(subparsers, commands.scenes, "what is built in", scene=False)
     return top

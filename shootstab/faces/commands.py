@@ -266,3 +266,6 @@ def _write_json(options: Namespace, document: dict[str, Any]) -> None:
         sys.stdout.write(text)
     else:
         write_whole(Path(options.json), lambda path: path.write_text(text, encoding="utf-8"))
+
+
+answer = _answer  # commands that live in modules of their own answer in the same way

@@ -28,6 +28,7 @@ STEEPEST = 2.5  # change of ln D over the radius of the first circle around a cl
 FEW = 3  # modes in a circle that are told apart
 NEWTON_STEPS = 8
 LOOSE = 1e-5  # local error with which zeros are looked for: whether it is small enough, a mesh with every step halved tells
+FAR_OFF = 10.0  # radii of the circle of the digits asked for, beyond which a mode need not be known better than to these digits
 REACH, FURTHER = 100.0, 16.0  # |σ| of the first mesh that is tried on the way to a large claim, and the factor to the next
 MOST_STEPS = 800  # of the loose mesh for one claim: where D must be more accurate it is some times as long
 
@@ -50,6 +51,11 @@ class Judge:
         self._atlases = [*looser, self.atlas, *(Atlas(problem, Frame(rtol=rtol)) for rtol in (1e-10, 1e-13) if rtol < method.rtol)]
         self._reach = REACH
         self._too_far = math.inf
+
+    @property
+    def loose(self) -> Atlas:
+        """The atlas in which zeros are looked for first."""
+        return self._atlases[0]
 
     @property
     def reach(self) -> float:
@@ -105,7 +111,7 @@ class Judge:
         A circle along which ln D changes much holds many zeros or needs many samples: the first is chosen by the slope of ln D.
         Raises what the circle of the digits asked for raises, if no larger one can be counted and that cannot either.
         """
-        wide = max(radius, radius_of(claim, NEAR_DIGITS))
+        wide = max(radius, self._near(claim))
         tried = self._first_circle(claim, radius, wide)
         while tried > radius:
             try:
@@ -118,11 +124,15 @@ class Judge:
                 return self._grown(claim, tried, zeros, wide)
         return radius, self._zeros(Disc(claim, radius), None)
 
+    def _near(self, claim: complex) -> float:
+        """The radius of the circle of two digits; 0 shares none with any other number."""
+        return radius_of(claim, min(NEAR_DIGITS, self.digits) if claim != 0.0 else self.digits)
+
     def _first_circle(self, claim: complex, radius: float, wide: float) -> float:
         if wide == radius:
             return radius
         # between two zeros of a row ln D is flat, but beside the row it is as steep as they are dense
-        places = (claim, claim * complex(1.0, wide / abs(claim))) if claim != 0.0 else (claim,)
+        places = (claim, claim * complex(1.0, wide / abs(claim)))
         slope = max(abs(self._atlases[0].at(s).discriminant.with_slope(s).slope) for s in places)
         return max(radius, min(wide, STEEPEST / slope))
 
@@ -148,7 +158,7 @@ class Judge:
 
     def _neighbour(self, claim: complex, empty: float) -> complex | None:
         """The mode that Newton finds between the circle that is empty and that of two digits, which could not be counted."""
-        wide = radius_of(claim, min(NEAR_DIGITS, self.digits))
+        wide = self._near(claim)
         sigma = claim
         if empty >= wide:
             return None
@@ -167,7 +177,8 @@ class Judge:
     def _mode(self, claim: complex, zeros: tuple[Zero, ...], radius: float) -> Verdict:
         """Whether a claim shares the digits with the nearest of the zeros around it."""
         near = [z for z in zeros if abs(z.sigma - claim) <= radius]
-        modes = self._polish(min(zeros, key=lambda z: abs(z.sigma - claim)))
+        zero = min(zeros, key=lambda z: abs(z.sigma - claim))
+        modes = self._polish(zero, abs(zero.sigma - claim) > FAR_OFF * radius)
         if len(near) > 1 or len(modes) > 1:
             several = max(len(near), len(modes))
             return Verdict(claim, UNRESOLVED, f"{several} modes lie in the circle of {radius:.1e} that {self.digits} digits mean")
@@ -184,16 +195,23 @@ class Judge:
         many = f", of multiplicity {mode.multiplicity}" if mode.multiplicity > 1 else ""
         return replace(found, verdict=CONFIRMED, why=f"exactly one zero of D within {radius:.1e}{many}", digits_agreed=agreed)
 
-    def _polish(self, zero: Zero) -> list[Mode]:
-        """The mode with its error bar, or those into which a multiple zero falls."""
-        rtol = 10.0 ** -(self.digits + 2)
-        if zero.multiplicity > 1:
-            modes = modes_of(self.atlas, zero, rtol)
-        else:
-            modes = [examine(self.atlas, Root(zero.sigma, 0.0, 0, True), rtol)[0]]
-            if not modes[0].converged:
-                modes = [refine(self.problem, zero.sigma, rtol)]
+    def _polish(self, zero: Zero, far_off: bool) -> list[Mode]:
+        """The mode with its error bar, or those into which a multiple zero falls.
+
+        It is known to two digits more than asked for; if the claim is far off anyway, to those asked for, and the loose mesh may do.
+        """
+        tight = 10.0 ** -(self.digits + 2)
+        modes = modes_of(self.atlas, zero, tight) if zero.multiplicity > 1 else [self._simple(zero.sigma, tight, far_off)]
         for mode in modes:
             if not math.isfinite(mode.error):
                 raise ConvergenceError(mode.status)
         return modes
+
+    def _simple(self, sigma: complex, tight: float, far_off: bool) -> Mode:
+        root = Root(sigma, 0.0, 0, True)
+        if far_off and self.loose is not self.atlas:
+            mode, _ = examine(self.loose, root, 10.0**-self.digits)
+            if mode.converged:
+                return mode
+        mode, _ = examine(self.atlas, root, tight)
+        return mode if mode.converged else refine(self.problem, sigma, tight)

@@ -18,23 +18,23 @@ MARGIN = 0.05  # of the box that the claims span
 CLEAR = 1e-4  # of the box, how far right of the continuous spectrum a search begins
 NOT_SEARCHED = "missing modes were not looked for"
 MOST_TURNS = 60.0  # of D's phase along the box in which missing modes are looked for
-SMALLER = 4.0  # by which the box of the claims is made smaller where it has more
+FIRST_PART, LARGER = 4, 4.0  # the box of the smallest quarter of the claims is tried first, then those of claims so many times larger
 POINTS = 12
 MISSING_RTOL = 1e-10
 
 
 def find_missing(
-    atlas: Atlas, verdicts: list[Verdict], region: Region | None, reach: float = math.inf
+    atlas: Atlas, verdicts: list[Verdict], region: Region | None, loose: Atlas, reach: float
 ) -> tuple[tuple[Mode, ...], str, tuple[str, ...]]:
     """Modes in the region that no claim means; where they were looked for; what could not be searched.
 
-    Without a region it is the box of those claims that are not beyond the reach of a mesh.
+    Without a region it is the box of those claims that are not beyond the reach of a mesh; the loose atlas tells what a box would cost.
     """
     claims = [v.claimed for v in verdicts]
     undecided: tuple[str, ...] = ()
     box = region
     if box is None:
-        box, undecided = _searchable(atlas, claims, reach)
+        box, undecided = _searchable(loose, claims, reach)
         if box is None:
             return (), NOT_SEARCHED, undecided
     known = claimed_modes(verdicts)
@@ -60,19 +60,25 @@ def find_missing(
 
 
 def _searchable(atlas: Atlas, claims: list[complex], reach: float) -> tuple[Rectangle | None, tuple[str, ...]]:
-    """The box that the claims span, without the largest of them where the contour around it would be too long; what was left out."""
-    kept = [c for c in claims if abs(c) <= reach]
-    while True:
-        box = _box(kept) if kept else None
-        if box is None:
-            return None, ("the claims span no box that is small enough to be searched: name a region",)
-        if _turns(atlas, box) <= MOST_TURNS:
+    """The box that the claims span, without the largest of them where the contour around it would be too long; what was left out.
+
+    It is looked for from the smallest claims on: D at large |σ| is dear.
+    """
+    sizes = sorted(abs(c) for c in claims if abs(c) <= reach)
+    chosen: Rectangle | None = None
+    inside = 0
+    limit = max(sizes[len(sizes) // FIRST_PART], 1e-300) if sizes else 0.0
+    while inside < len(sizes):
+        kept = [c for c in claims if abs(c) <= limit]
+        box = _box(kept)
+        if box is not None and _turns(atlas, box) > MOST_TURNS:
             break
-        limit = max(map(abs, kept)) / SMALLER
-        kept = [c for c in kept if abs(c) <= limit]
-    if len(kept) == len(claims):
-        return box, ()
-    return box, (f"the part of the box that the {len(claims) - len(kept)} largest claims add: name a region to search there",)
+        chosen, inside, limit = box, len(kept), limit * LARGER
+    if chosen is None:
+        return None, ("the claims span no box that is small enough to be searched: name a region",)
+    if inside == len(claims):
+        return chosen, ()
+    return chosen, (f"the part of the box that the {len(claims) - inside} largest claims add: name a region to search there",)
 
 
 def _turns(atlas: Atlas, box: Rectangle) -> float:

@@ -63,7 +63,7 @@ def verify(
         if progress is not None:
             progress(len(judged), len(claims))
     verdicts = _one_claim_a_mode([judged[i] for i in range(len(claims))])
-    missing, searched, undecided = find_missing(judge.atlas, verdicts, region, judge.reach)
+    missing, searched, undecided = find_missing(judge.atlas, verdicts, region, judge.loose, judge.reach)
     if unstable:
         found = [Zero(complex(m.sigma), m.multiplicity, m.error) for m in missing]
         more, said = _unstable(judge.atlas, [*claimed_modes(verdicts), *found])

@@ -15,7 +15,7 @@ from flint import acb, acb_mat, arb, arb_mat, arb_series, ctx, fmpq
 from shootstab.discriminants.precise.arithmetic import ASKED, Matrix, Payloads
 
 LONGEST = 10**6  # terms, more than any series has
-GROUP = 4  # terms of a convolution that one matrix product takes
+GROUP = 6  # terms of a convolution that one matrix product takes
 
 
 class Balls:

@@ -64,6 +64,14 @@ def steady_by_flux(chute: Chute, mass_flux: float, branch: str | None) -> Flow:
     return found[names[::-1].index(branch)]
 
 
+def member(found: list[Flow], flow: Flow) -> str | None:
+    """The branch of a flow among those of its mass flux, None where it is the only one."""
+    if len(found) < 2:
+        return None
+    nearest = min(range(len(found)), key=lambda i: abs(found[i].far_temperature - flow.far_temperature))
+    return _names(len(found))[::-1][nearest]
+
+
 def _names(count: int) -> tuple[str, ...]:
     """What the members are called, hottest first."""
     named = {1: ("high",), 2: ("high", "low"), 3: BRANCHES}
@@ -71,8 +79,14 @@ def _names(count: int) -> tuple[str, ...]:
 
 
 def _misfit(chute: Chute, log_temperature: float, mass_flux: float) -> float:
+    return _flux(chute, log_temperature) - mass_flux
+
+
+@lru_cache(maxsize=4096)
+def _flux(chute: Chute, log_temperature: float) -> float:
+    """Q0 of the flow with this ln T_∞, NaN where there is none; the scan is the same for every mass flux that is asked for."""
     try:
-        return descend(chute, float(np.exp(log_temperature))).mass_flux - mass_flux
+        return descend(chute, float(np.exp(log_temperature))).mass_flux
     except NoFlowError:
         return float("nan")
 

@@ -1,0 +1,38 @@
+"""What a sweep says of one point."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+PROVED = "proved"
+FOLLOWED = "followed"
+NONE_GROWS = "no growing mode"
+NO_WAVE = "no wave"
+NO_FLOW = "no flow"
+UNRESOLVED = "unresolved"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The dominant mode at one point, with |true − sigma| ≤ error, and how that is known.
+
+    status: 'proved', sigma grows and a count says that no mode with a larger Re σ exists, at this point; 'followed', sigma grows and is
+    continued from points where that is proved; 'no growing mode', no mode has Re σ > floor, by a count here if proved and by
+    counts at the proved points on either side if not; 'no wave', k_x = k_y = 0; 'no flow: …' and 'unresolved: …' say why.
+    floor: the Re σ above which modes were counted here, half that of the dominant one; where none grows the one asked for, or 1e−7 of
+    the frequencies of the continuous spectrum where that is more.
+    sigma is None where nothing grows: decaying modes are neither counted nor followed, for next to the continuous spectrum nothing would
+    tell which of them decays least.
+    """
+
+    status: str
+    proved: bool = False
+    sigma: complex | None = None
+    error: float | None = None
+    floor: float | None = None
+    evaluations: int = 0
+
+    @property
+    def growth(self) -> float | None:
+        """Re σ."""
+        return None if self.sigma is None else self.sigma.real

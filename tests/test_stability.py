@@ -1,0 +1,57 @@
+"""questions/stability.py: one growing mode refutes, counts support, and what could not be counted is said."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from shootstab.problems import chute
+from shootstab.questions import stability as module
+from shootstab.questions.stability import STABLE, UNSTABLE, stability, waves
+from shootstab.vocabulary.errors import ConvergenceError
+
+GRAINS = {"e": 0.8, "e_w": 0.8, "r": 0.6}
+
+
+def test_flows_of_figure_8() -> None:
+    """At tanθ = 0.3 the mid flow with T_∞ = 1.5 is stable (here: at six waves), the hot one with T_∞ = 7 is not."""
+    hot = chute.steady(far_temperature=7.0, tan_theta=0.3, **GRAINS)
+    found = stability(hot)
+    assert found.verdict == UNSTABLE
+    assert found.mode is not None and found.wave is not None
+    assert found.mode.converged
+    assert found.mode.sigma.real > 1e-3
+    mid = chute.steady(far_temperature=1.5, tan_theta=0.3, **GRAINS)
+    few = [line[3:7:2] for line in waves(mid)]
+    assert stability(mid, few) == module.Stability(STABLE, counted=6)
+
+
+def test_lines_of_waves_rise_over_three_decades() -> None:
+    flow = chute.steady(far_temperature=1.5, tan_theta=0.3, **GRAINS)
+    across, along, oblique = waves(flow)
+    assert all(kx == 0.0 for kx, _ in across) and all(ky == 0.0 for _, ky in along)
+    assert all(abs(kx / ky - 0.1) < 1e-12 for kx, ky in oblique)
+    k = [ky * flow.centre_of_mass for _, ky in across]
+    assert k == sorted(k)
+    assert (k[0], k[-1]) == (pytest.approx(1e-3), pytest.approx(1.0))
+
+
+def test_what_cannot_be_counted_is_not_stable(monkeypatch: pytest.MonkeyPatch) -> None:
+    flow = chute.steady(far_temperature=1.5, tan_theta=0.3, **GRAINS)
+    monkeypatch.setattr(module, "suggested", lambda problem: [])
+
+    def fails(*_: Any) -> Any:
+        raise ConvergenceError("a mode lies on the boundary")
+
+    monkeypatch.setattr(module, "census", fails)
+    assert stability(flow).verdict.startswith("unresolved: at kx = 0, ky = 0.0003149: a mode lies on the boundary")
+    raised = SimpleNamespace(modes=(), floor=1e-5, atlas=None)
+    monkeypatch.setattr(module, "census", lambda *_: raised)
+    monkeypatch.setattr(module, "lowest_floor", lambda atlas, floor: floor)
+    assert "modes could be counted above 1.0e-05 only" in stability(flow).verdict
+    lost = SimpleNamespace(modes=(0.1 + 0j,), floor=1e-8, atlas=None)
+    monkeypatch.setattr(module, "census", lambda *_: lost)
+    monkeypatch.setattr(module, "refine", lambda *_: SimpleNamespace(converged=False))
+    assert "a mode is counted at kx = 0" in stability(flow).verdict
