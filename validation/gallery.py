@@ -81,8 +81,8 @@ def cases(quick: bool) -> Iterator[Case]:
     yield Case("Bénard, a_c", 3.11632355, found.alpha, 2e-9)
     if not quick:
         found = st.critical(st.gallery.suction, 54370.0, 0.1555, -0.1555j * 0.15, rtol=1e-7)
-        yield Case("suction layer, R_c", 54370.0, found.reynolds, 1e-4, "Hocking 1975")
-        yield Case("suction layer, α_c", 0.1555, found.alpha, 4e-4)
+        yield Case("suction layer, R_c", 54370.0, found.reynolds, 10 / 54370, "Hocking 1975, to a unit of the fourth digit")
+        yield Case("suction layer, α_c", 0.1555, found.alpha, 1e-4 / 0.1555)
     mode = st.refine(st.gallery.PlanePoiseuille(), GUESS, digits=20)
     yield Case("plane Poiseuille, digits", "20 digits", f"{twenty(mode):d} digits", 0.0, f"{mode.seconds:.1f} s")
     _, built_in = timed(st.gallery.PlanePoiseuille(), GUESS, 1e-10)

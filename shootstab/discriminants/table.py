@@ -114,6 +114,9 @@ def reduce_pencil(pencil: Pencil, n: int) -> tuple[ComplexArray, ComplexArray, C
     moving = np.flatnonzero((C1 != 0).any(axis=(0, 2)))
     fixed = np.setdiff1d(np.arange(n), moving)
     m, p = len(moving), len(C0)
+    if m == 0 and (np.eye(n) == C0).all():  # nothing to solve
+        none = np.zeros((p, n, 0), dtype=np.complex128)
+        return np.stack((D0, D1), 1), none, np.zeros((p, 2, 0, 0), dtype=np.complex128), np.zeros((p, 3, 0, n), dtype=np.complex128)
     columns = np.flatnonzero((C1 != 0).any(axis=(0, 1)))
     # complete the fixed rows by rows E to a regular matrix; with E on the columns of C1, C1 X vanishes
     E = np.zeros((p, m, n), dtype=np.complex128)

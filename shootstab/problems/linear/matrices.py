@@ -68,7 +68,7 @@ class Matrices:
                 raise InputError(f"the pencil's {name} is not finite at z = {where.real if where.imag == 0.0 else where:g}")
         if len(stacked) == 2:
             identity = np.broadcast_to(np.eye(n, dtype=np.complex128), (len(z), n, n))
-            stacked = [identity, np.zeros_like(identity), *stacked]
+            stacked = [identity, np.broadcast_to(np.zeros((n, n), dtype=np.complex128), (len(z), n, n)), *stacked]
         return Pencil(*(np.asarray(M, dtype=np.complex128) for M in stacked))
 
     def _filled(self, points: Any) -> Pencil:
