@@ -22,7 +22,10 @@ if TYPE_CHECKING:
     from shootstab.discriminants.frame import Frame
     from shootstab.discriminants.riccati import Riccati
     from shootstab.problems import chute, gallery
+    from shootstab.problems.closed import ClosedProblem
+    from shootstab.problems.linear import Infinity, Interface, LinearProblem, Wall, problem
     from shootstab.questions.count import count
+    from shootstab.questions.critical import critical
     from shootstab.questions.find import find
     from shootstab.questions.refine import refine
     from shootstab.questions.sweep import sweep
@@ -35,11 +38,17 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
+    "ClosedProblem": "shootstab.problems.closed",
     "Compound": "shootstab.discriminants.compound",
     "ConvergenceError": "shootstab.vocabulary.errors",
     "Disc": "shootstab.vocabulary.regions",
     "Frame": "shootstab.discriminants.frame",
     "InputError": "shootstab.vocabulary.errors",
+    "problem": "shootstab.problems.linear",
+    "Wall": "shootstab.problems.linear",
+    "LinearProblem": "shootstab.problems.linear",
+    "Interface": "shootstab.problems.linear",
+    "Infinity": "shootstab.problems.linear",
     "Polygon": "shootstab.vocabulary.regions",
     "NoFlowError": "shootstab.vocabulary.errors",
     "Rectangle": "shootstab.vocabulary.regions",
@@ -47,6 +56,7 @@ _HOMES = {
     "ShootstabError": "shootstab.vocabulary.errors",
     "chute": "shootstab.problems",
     "count": "shootstab.questions.count",
+    "critical": "shootstab.questions.critical",
     "count_unstable": "shootstab.questions.unstable",
     "find": "shootstab.questions.find",
     "gallery": "shootstab.problems",
@@ -58,21 +68,28 @@ _HOMES = {
 }
 
 __all__ = [
+    "ClosedProblem",
     "Compound",
     "ConvergenceError",
     "Disc",
     "Frame",
+    "Infinity",
     "InputError",
+    "Interface",
+    "LinearProblem",
     "NoFlowError",
     "Polygon",
     "Rectangle",
     "Riccati",
     "ShootstabError",
+    "Wall",
     "chute",
     "count",
     "count_unstable",
+    "critical",
     "find",
     "gallery",
+    "problem",
     "refine",
     "sweep",
     "testing",

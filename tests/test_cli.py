@@ -129,6 +129,27 @@ def test_count(run: Run, region: list[str], count: int) -> None:
     assert f"{count} mode" in run("count", "high", "--region", *region)[1]
 
 
+@pytest.mark.parametrize(
+    "region",
+    [
+        ["--corners=0.001,-0.003,0.003,0.001"],
+        ["--region=disc", "--centre=0.0017,-0.0016", "--radius=3e-4"],
+        ["--region=polygon", "--corners=0.0012,-0.002,0.0022,-0.002,0.0017,-0.001"],
+    ],
+)
+def test_find(run: Run, region: list[str]) -> None:
+    status, out, _ = run("find", "fig2", *region, "--json", "-")
+    (mode,) = json.loads(out)["modes"]
+    assert status == 0
+    assert float(mode["sigma"]["re"]) == pytest.approx(0.0016924312039, abs=1e-10)
+    assert mode["multiplicity"] == 1
+    if "--region=disc" in region:
+        shown = run("find", "fig2", *region)[1]
+        assert "multiplicity" in shown
+        assert "1 mode inside the disc" in shown
+        assert "closed to" in shown
+
+
 def test_count_that_cannot_be_done_is_bad_news(run: Run) -> None:
     # an end of the continuous spectrum lies next to the boundary of the region
     status, out, err = run("count", "high", "--region", "disc", "--centre=9.99999e-4,0", "--radius=1e-3")
@@ -337,6 +358,8 @@ BAD_WORDS = {
     "arabic digits": (["verify", "high", "--digits=٣"], "1 to 12"),
     "M = 0": (["spectrum", "poiseuille", "-M", "0"], "M = 0"),
     "no region": (["count", "high"], "--region"),
+    "no disc to find in": (["find", "high", "--region=disc", "--centre=0,0"], "--radius"),
+    "nothing to find in": (["find", "high"], "--corners"),
     "no such region": (["count", "high", "--region=star"], "'star'"),
     "no corners": (["count", "high", "--region=rectangle"], "--corners"),
     "no radius": (["count", "high", "--region=disc", "--centre=0,0"], "--radius"),

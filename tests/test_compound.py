@@ -9,9 +9,11 @@ import pytest
 import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from sampled import between, constant, spoilt
 
-from shootstab.kernels import compound, exterior, tableau
+from shootstab.kernels import compound, exterior
 from shootstab.kernels.exterior import induced, minors, minors_with_slope
+from shootstab.kernels.system import Sampled
 
 RNG = np.random.default_rng(17)
 SIZES = st.integers(2, 6).flatmap(lambda n: st.tuples(st.just(n), st.integers(1, n - 1), st.integers(0, 10**6)))
@@ -37,34 +39,17 @@ def power(M: np.ndarray, k: int) -> np.ndarray:
     return np.column_stack([minors(M[:, J], subsets) for J in subsets])
 
 
-def table_between(system: tuple[np.ndarray, np.ndarray, np.ndarray], start: complex, end: complex, steps: int) -> tuple[np.ndarray, ...]:
-    """The table of ψ′ = (P cos z + Q sin 2z + σR) ψ."""
-    (P, Q, R), n = system, len(system[0])
-    h = np.full(steps, (end - start) / max(steps, 1), complex)
-    z = (start + (np.arange(steps)[:, None] + tableau.C[:12]) * (end - start) / max(steps, 1))[..., None, None]
-    X = np.stack((P * np.cos(z) + Q * np.sin(2 * z), R + 0 * z), axis=2)
-    return h, X, np.zeros((steps, 12, n, 0), complex), np.zeros((steps, 12, 2, 0, 0), complex), np.zeros((steps, 12, 3, 0, n), complex)
-
-
-def random_table(n: int, steps: int, length: complex) -> tuple[np.ndarray, ...]:
+def random_table(n: int, steps: int, length: complex) -> Sampled:
     P, Q, R = (random_complex(n, n) for _ in range(3))
-    return table_between((P, Q, R), 0.0, length, steps)
+    return between((P, Q, R), 0.0, length, steps)
 
 
-def constant_table(A: np.ndarray, dA: np.ndarray, length: complex, steps: int) -> tuple[np.ndarray, ...]:
-    """The table of ψ′ = (A + σ dA) ψ."""
-    n = len(A)
-    h = np.full(steps, length / steps, dtype=complex)
-    X = np.broadcast_to(np.stack((A, dA)), (steps, 12, 2, n, n)).copy()
-    return h, X, np.zeros((steps, 12, n, 0), complex), np.zeros((steps, 12, 2, 0, 0), complex), np.zeros((steps, 12, 3, 0, n), complex)
-
-
-def carry(table: tuple[np.ndarray, ...], sigma: complex, Y: np.ndarray, kernel=compound.transport_minors):
+def carry(table: Sampled, sigma: complex, Y: np.ndarray, kernel=compound.transport_minors):
     """y, dy, log_scale, errors from the frame Y, whose σ-derivative is 0."""
     lists = induced(*Y.shape)
-    y, errors = minors(Y, lists.subsets), np.empty(len(table[0]))
+    y, errors = minors(Y, lists.subsets), np.empty(len(table.P))
     dy = np.zeros_like(y)
-    log_scale = kernel(*table, sigma, *lists, y, dy, True, errors)
+    log_scale = kernel(table, sigma, *lists, y, dy, True, errors)
     return y, dy, log_scale, errors
 
 
@@ -151,7 +136,7 @@ def test_row_sizes_are_those_of_an_orthonormal_frame(sizes: tuple[int, int, int]
 def test_transport_is_the_exponential_in_any_direction_and_its_slope_exact() -> None:
     A, dA, Y, W = random_complex(6, 6), random_complex(6, 6), random_complex(6, 3), random_complex(3, 6)
     sigma, length = 0.3 - 0.2j, 0.4 + 0.3j
-    y, dy, log_scale, errors = carry(constant_table(A, dA, length, 60), sigma, Y)
+    y, dy, log_scale, errors = carry(constant(A, dA, length, 60), sigma, Y)
     w = minors(W.T, induced(6, 3).subsets)
 
     def exact(s: complex) -> complex:
@@ -168,7 +153,7 @@ def test_observed_order_is_8() -> None:
     exact, w = np.linalg.det(W @ scipy.linalg.expm(A) @ Y), minors(W.T, induced(4, 2).subsets)
     errors = []
     for steps in (4, 8):
-        y, _, log_scale, _ = carry(constant_table(A, 0 * A, 1.0, steps), 0j, Y)
+        y, _, log_scale, _ = carry(constant(A, 0 * A, 1.0, steps), 0j, Y)
         errors.append(abs(w @ y * np.exp(log_scale) / exact - 1))
     assert np.log2(errors[0] / errors[1]) == pytest.approx(8.0, abs=1.2)
 
@@ -195,8 +180,8 @@ def test_D_does_not_depend_on_the_place_of_matching(n: int, k: int) -> None:
     traces = [np.trace(M) for M in system]
     values = []
     for z in (0.0, 0.4, 1.1, wall):
-        y, _, down, _ = carry(table_between(system, 0.0, z, round(80 * z)), sigma, Y)
-        u, _, up, _ = carry(table_between(system, wall, z, round(80 * (wall - z))), sigma, U)
+        y, _, down, _ = carry(between(system, 0.0, z, round(80 * z)), sigma, Y)
+        u, _, up, _ = carry(between(system, wall, z, round(80 * (wall - z))), sigma, U)
         growth = (
             traces[0] * (np.sin(wall) - np.sin(z)) - traces[1] * (np.cos(2 * wall) - np.cos(2 * z)) / 2 + sigma * traces[2] * (wall - z)
         )
@@ -206,7 +191,7 @@ def test_D_does_not_depend_on_the_place_of_matching(n: int, k: int) -> None:
 
 def test_strong_growth_does_not_overflow() -> None:
     A = np.diag([300.0, 200.0, -100.0, -400.0]).astype(complex)
-    y, _, log_scale, _ = carry(constant_table(A, 0 * A, 10.0, 4000), 0j, random_complex(4, 2))
+    y, _, log_scale, _ = carry(constant(A, 0 * A, 10.0, 4000), 0j, random_complex(4, 2))
     assert 1.0 <= np.abs(y).max() < 2.0
     assert log_scale == pytest.approx(5000.0, rel=1e-2)
 
@@ -229,16 +214,15 @@ def test_on_a_fixed_mesh_D_is_analytic_however_coarse() -> None:
 def test_errors_of_graded_rows_are_relative_to_their_grade() -> None:
     """A change of units of the state changes no error estimate by more than a small factor."""
     table, Y, units = random_table(4, 6, 0.6), random_complex(4, 2), np.array([1.0, 1e-4, 1e3, 1e-2])
-    h, X, *rest = table
-    scaled = h, X * (units[:, None] / units[None, :]), *rest
+    row = np.searchsorted(table.start, np.arange(16), side="right") - 1
+    scaled = table._replace(P=table.P * (units[row] / units[table.column]))
     plain, graded = carry(table, 0j, Y)[3], carry(scaled, 0j, units[:, None] * Y)[3]
     assert (np.abs(np.log10(graded / plain)) < 1.5).all()
 
 
 def test_a_nan_is_an_error_not_a_zero() -> None:
     A = random_complex(3, 3)
-    table = constant_table(A, 0 * A, 1.0, 3)
-    table[1][1, 4, 0, 1, 1] = np.nan
+    table = spoilt(constant(A, 0 * A, 1.0, 3))
     errors = carry(table, 0j, random_complex(3, 2))[3]
     assert np.isfinite(errors[0])
     assert np.isnan(errors[1])

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 import scipy.linalg
+from sampled import constant, spoilt
 
-from shootstab.kernels import regular_singular, tableau, transport
+from shootstab.discriminants.table import sample
+from shootstab.kernels import regular_singular, system, tableau, transport
+from shootstab.kernels.system import Sampled
 
 RNG = np.random.default_rng(5)
 
@@ -41,18 +46,10 @@ def test_error_weights_vanish_on_constants_and_see_more() -> None:
         assert abs(weights @ tableau.C**8) > 1e-6
 
 
-def constant_table(A: np.ndarray, dA: np.ndarray, length: complex, steps: int) -> tuple[np.ndarray, ...]:
-    """The table of ψ′ = (A + σ dA) ψ."""
-    n = len(A)
-    h = np.full(steps, length / steps, dtype=complex)
-    X = np.broadcast_to(np.stack((A, dA)), (steps, 12, 2, n, n)).copy()
-    return h, X, np.zeros((steps, 12, n, 0), complex), np.zeros((steps, 12, 2, 0, 0), complex), np.zeros((steps, 12, 3, 0, n), complex)
-
-
-def run(table: tuple[np.ndarray, ...], sigma: complex, Y: np.ndarray, dY: np.ndarray | None = None, kernel=transport.transport):
+def run(sampled: Sampled, sigma: complex, Y: np.ndarray, dY: np.ndarray | None = None, kernel=transport.transport):
     Y, slope = Y.copy(), np.zeros_like(Y) if dY is None else dY.copy()
-    errors = np.empty(len(table[0]))
-    log_det, trace = kernel(*table, sigma, Y, slope, True, errors)
+    errors = np.empty(len(sampled.P))
+    log_det, trace = kernel(sampled, sigma, Y, slope, True, errors)
     return Y, slope, log_det, trace, errors
 
 
@@ -65,7 +62,7 @@ def det_and_slope(W: np.ndarray, result: tuple) -> tuple[complex, complex]:
 def test_transport_is_the_matrix_exponential_in_any_direction() -> None:
     A, dA, Y, W = random_complex(5, 5), random_complex(5, 5), random_complex(5, 2), random_complex(2, 5)
     sigma, length = 0.3 - 0.2j, 0.8 + 0.6j
-    D, slope = det_and_slope(W, run(constant_table(A, dA, length, 60), sigma, Y))
+    D, slope = det_and_slope(W, run(constant(A, dA, length, 60), sigma, Y))
 
     def exact(s: complex) -> complex:
         return np.linalg.det(W @ scipy.linalg.expm(length * (A + s * dA)) @ Y)
@@ -79,13 +76,13 @@ def test_transport_is_the_matrix_exponential_in_any_direction() -> None:
 def test_observed_order_is_8() -> None:
     A, Y, W = random_complex(4, 4), random_complex(4, 2), random_complex(2, 4)
     exact = np.linalg.det(W @ scipy.linalg.expm(2.0 * A) @ Y)
-    errors = [abs(det_and_slope(W, run(constant_table(A, 0 * A, 2.0, steps), 0j, Y))[0] / exact - 1) for steps in (4, 8)]
+    errors = [abs(det_and_slope(W, run(constant(A, 0 * A, 2.0, steps), 0j, Y))[0] / exact - 1) for steps in (4, 8)]
     assert np.log2(errors[0] / errors[1]) == pytest.approx(8.0, abs=0.9)
 
 
 def test_frame_leaves_orthonormal_and_strong_growth_does_not_overflow() -> None:
     A = np.diag([300.0, 200.0, -100.0, -400.0]).astype(complex)
-    Y, _, log_det, _, _ = run(constant_table(A, 0 * A, 10.0, 4000), 0j, random_complex(4, 2))
+    Y, _, log_det, _, _ = run(constant(A, 0 * A, 10.0, 4000), 0j, random_complex(4, 2))
     np.testing.assert_allclose(Y.conj().T @ Y, np.eye(2), atol=1e-14)
     assert log_det == pytest.approx(5000.0, rel=1e-2)
 
@@ -93,7 +90,7 @@ def test_frame_leaves_orthonormal_and_strong_growth_does_not_overflow() -> None:
 def test_a_scheme_on_a_fixed_mesh_is_analytic_however_coarse() -> None:
     """Cauchy–Riemann: the derivative along the imaginary axis is i times that along the real one, and both are the exact slope."""
     A, dA, Y, W = random_complex(5, 5), random_complex(5, 5), random_complex(5, 3), random_complex(3, 5)
-    table, eps = constant_table(A, dA, 1.0, 2), 1e-4
+    table, eps = constant(A, dA, 1.0, 2), 1e-4
 
     def log_D(s: complex) -> complex:
         return np.log(det_and_slope(W, run(table, s, Y))[0])
@@ -105,48 +102,92 @@ def test_a_scheme_on_a_fixed_mesh_is_analytic_however_coarse() -> None:
     assert det_and_slope(W, run(table, s, Y))[1] == pytest.approx(along_real, rel=1e-6)
 
 
-def test_resolvent_part_equals_its_dense_form() -> None:
-    n, m = 5, 2
-    X, V, G, T = random_complex(2, n, n), random_complex(n, m), random_complex(2, m, m), random_complex(3, m, n)
-    sigma, A, dA, work = 0.7 + 0.1j, np.empty((n, n), complex), np.empty((n, n), complex), np.empty((3, m, n), complex)
+def random_system(n: int, m: int, degree: int, steps: int, real: bool = False) -> tuple[Sampled, Callable[[complex], np.ndarray]]:
+    """A system constant along the path, with zeros in it, and its A as a dense function of σ."""
+    make = RNG.standard_normal if real else lambda shape: random_complex(*shape)
+    X, V, G, T = make((2, n, n)), make((n, m)), make((2, m, m)), make((3, m, n))
+    X[:, 0, 1], V[n - 1], T[:, :, 0], T[degree + 1 :] = 0, 0, 0, 0
+    G[0] += 3 * np.eye(m)
+    everywhere = (np.broadcast_to(a, (steps, 12, *a.shape)).astype(complex) for a in (X, V, G, T))
 
     def dense(s: complex) -> np.ndarray:
         return X[0] + s * X[1] + V @ np.linalg.solve(G[0] + s * G[1], T[0] + s * T[1] + s * s * T[2])
 
-    for kernel in (transport.system_matrix, transport.system_matrix.py_func):
-        kernel(X, V, G, T, sigma, A, dA, work, True)
-        np.testing.assert_allclose(A, dense(sigma), rtol=1e-12)
-        np.testing.assert_allclose(dA, (dense(sigma + 1e-5) - dense(sigma - 1e-5)) / 2e-5, rtol=1e-7)
+    return sample(np.full(steps, 1 / steps, complex), *everywhere), dense
+
+
+@pytest.mark.parametrize(("m", "degree"), [(0, 1), (1, 1), (1, 2), (3, 2)])
+def test_sampled_system_equals_its_dense_form(m: int, degree: int) -> None:
+    n, sigma = 5, 0.2 + 0.1j
+    sampled, dense = random_system(n, m, degree, 1)
+    A, dA = np.empty((n, n), complex), np.empty((n, n), complex)
+    for kernel in (system.system_matrix, system.system_matrix.py_func):
+        kernel(sampled, 0, 7, sigma, A, dA, system.workspace(sampled, n), True)
+        np.testing.assert_allclose(A, dense(sigma), rtol=1e-11)
+        np.testing.assert_allclose(dA, (dense(sigma + 1e-5) - dense(sigma - 1e-5)) / 2e-5, rtol=1e-6, atol=1e-8)
+
+
+@pytest.mark.parametrize(("m", "degree", "k"), [(1, 1, 4), (1, 2, 3), (2, 2, 5), (2, 1, 1)])
+def test_transport_through_a_resolvent(m: int, degree: int, k: int) -> None:
+    n, sigma = 6, 0.2 - 0.1j
+    sampled, dense = random_system(n, m, degree, 40)
+    Y, W = random_complex(n, k), random_complex(k, n)
+    D, slope = det_and_slope(W, run(sampled, sigma, Y))
+
+    def exact(s: complex) -> complex:
+        return np.linalg.det(W @ scipy.linalg.expm(dense(s)) @ Y)
+
+    assert pytest.approx(exact(sigma), rel=1e-9) == D
+    assert slope == pytest.approx((np.log(exact(sigma + 1e-5)) - np.log(exact(sigma - 1e-5))) / 2e-5, rel=1e-6)
+
+
+def test_real_arithmetic_gives_the_same() -> None:
+    sampled, _ = random_system(6, 1, 1, 20, real=True)
+    real = Sampled(*sampled[:3], *(np.ascontiguousarray(part.real) for part in sampled[3:]))
+    Y, dY = RNG.standard_normal((6, 3)), RNG.standard_normal((6, 3))
+    complex_result = run(sampled, 0.3 + 0j, Y.astype(complex), dY.astype(complex))
+    for a, b in zip(run(real, 0.3, Y, dY), complex_result, strict=True):
+        np.testing.assert_allclose(a, b, rtol=1e-11, atol=1e-13)
 
 
 def test_a_nan_is_an_error_not_a_zero() -> None:
     A = random_complex(3, 3)
-    table = constant_table(A, 0 * A, 1.0, 3)
-    table[1][1, 4, 0, 1, 1] = np.nan
-    errors = run(table, 0j, random_complex(3, 2))[4]
+    errors = run(spoilt(constant(A, 0 * A, 1.0, 3)), 0j, random_complex(3, 2))[4]
     assert np.isfinite(errors[0])
     assert np.isnan(errors[1])
 
 
-def test_compiled_equals_uncompiled() -> None:
-    table = constant_table(random_complex(4, 4), random_complex(4, 4), 0.5, 2)
-    Y = random_complex(4, 2)
-    for a, b in zip(run(table, 0.3j, Y), run(table, 0.3j, Y, kernel=transport.transport.py_func), strict=True):
+NESTED = "orthonormalize", "reduce_tangent", "solve_small", "square", "evaluate", "multiply", "add_carried", "combine", "_local_error"
+
+
+@pytest.mark.parametrize("real", [False, True])
+def test_compiled_equals_uncompiled(monkeypatch: pytest.MonkeyPatch, real: bool) -> None:
+    sampled, _ = random_system(4, 2, 2, 2, real)
+    Y, sigma = random_complex(4, 2), 0.3j
+    if real:
+        sampled, Y, sigma = Sampled(*sampled[:3], *(np.ascontiguousarray(part.real) for part in sampled[3:])), Y.real.copy(), 0.3
+    compiled = run(sampled, sigma, Y)
+    for name in (*NESTED, "workspace", "reals"):
+        monkeypatch.setattr(transport, name, getattr(transport, name).py_func)
+    for a, b in zip(compiled, run(sampled, sigma, Y, kernel=transport.transport.py_func), strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-12)
 
 
-def test_series_at_a_regular_singular_point() -> None:
+def test_series_at_a_regular_singular_point(monkeypatch: pytest.MonkeyPatch) -> None:
     """C(x) x P′ + C(x) P Λ = D(x) P, term by term, and the σ-derivative by differences; compiled and uncompiled."""
     n, k, terms, rate = 4, 2, 6, 0.3
     C, D = random_complex(2, terms, n, n), random_complex(2, terms, n, n)
-    nilpotent = np.array([[0, 0.7], [0, 0]], complex)
-    Lam = rate * np.eye(k) + nilpotent
+    C[:, :, 0, 1] = D[:, :, 2, 3] = 0
+    left, right = np.array([1, 0.5j]), np.array([0.5j, -1]) * (-0.7)
+    Lam = rate * np.eye(k) + np.outer(left, right)
+    assert abs(left @ right) < 1e-15
     P0, dP0 = random_complex(n, k), random_complex(n, k)
+    lists = regular_singular.sparse(C), regular_singular.sparse(D)
 
     def solve(sigma: complex, kernel=regular_singular.series_terms) -> tuple[np.ndarray, np.ndarray]:
         P, dP = np.zeros((terms, n, k), complex), np.zeros((terms, n, k), complex)
         P[0], dP[0] = P0 + sigma * dP0, dP0
-        kernel(C, D, sigma, rate, nilpotent, P, dP)
+        kernel(*lists, sigma, rate, left, right, P, dP, True)
         return P, dP
 
     sigma = 0.2 - 0.4j
@@ -157,5 +198,11 @@ def test_series_at_a_regular_singular_point() -> None:
         assert np.abs(residual).max() < 1e-10 * max(np.abs(P[: m + 1]).max(), 1.0)
     difference = (solve(sigma + 1e-5)[0] - solve(sigma - 1e-5)[0]) / 2e-5
     np.testing.assert_allclose(dP, difference, rtol=1e-5, atol=1e-6 * np.abs(dP).max())
+    np.testing.assert_allclose(regular_singular.series_value(P, 0.3), sum(p * 0.3**m for m, p in enumerate(P)), rtol=1e-13)
+    sizes = np.empty(terms)
+    regular_singular.row_sizes(P, sizes)
+    np.testing.assert_allclose(sizes, (np.abs(P).max(axis=2) / np.abs(P[0]).max(axis=1)).max(axis=1), rtol=1e-13)
+    for name in ("add_product", "_shifted", "_solve_order", "factorize", "substitute"):
+        monkeypatch.setattr(regular_singular, name, getattr(regular_singular, name).py_func)
     for a, b in zip((P, dP), solve(sigma, regular_singular.series_terms.py_func), strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-10 * np.abs(a).max())

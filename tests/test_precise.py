@@ -1,20 +1,179 @@
-"""Many digits: against an independent series, against published digits, against double precision, and one arithmetic against the other."""
+"""Many digits: identities of the parts, an independent series, published digits, double precision, and one arithmetic against the other."""
 
 from __future__ import annotations
 
+import json
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any
+
 import mpmath
+import numpy as np
 import pytest
 from mpmath import mpc, mpf
+from scipy.optimize import minimize_scalar
 
 import shootstab as st
+from shootstab.discriminants.precise.arithmetic import Arithmetic, choose, exact
+from shootstab.discriminants.precise.chute import PreciseChute
+from shootstab.discriminants.precise.linear import carried, parts
+from shootstab.discriminants.precise.regular_singular import decaying_series
+from shootstab.discriminants.precise.secant import Secant
+from shootstab.discriminants.precise.settings import Settings
+from shootstab.discriminants.precise.shooting import PreciseShooting
+from shootstab.discriminants.precise.steady import descend
+from shootstab.discriminants.precise.taylor import Taylor
+from shootstab.faces import cli
+from shootstab.faces.notation import held_complex
 from shootstab.problems.chute import ChuteProblem
 from shootstab.problems.gallery.poiseuille import PlanePoiseuille
-from shootstab.questions.precise import refine_digits
+from shootstab.questions.precise import _off, refine_digits
 
 # published.md: plane Poiseuille flow, Re = 10000, α = 1
 POISEUILLE = "0.23752648882047010745", "0.0037396706229794099322"
 GUESS = 0.0037 - 0.2375j
 DOUBLE = {"high": (0.004, 0.0039705046388893), "low": (0.0073 - 0.0119j, 0.00727558354705290 - 0.0118650473818745j)}
+GRAINS = {"e": 0.8, "e_w": 0.8, "r": 0.6, "tan_theta": 0.3}
+TERMS = 24
+DIGITS = 40
+
+both = pytest.mark.parametrize("ring", [choose("flint"), choose("mpmath")], ids=["flint", "mpmath"])
+
+
+def nothing() -> None:
+    """A tick that nobody hears."""
+
+
+# the parts
+
+
+def series(ring: Arithmetic, re: Sequence[int], im: Sequence[int] = ()) -> Taylor:
+    """A polynomial as a series."""
+    re_im = (ring.series([ring.number(x) for x in (*c, *[0] * (TERMS - len(c)))]) if any(c) else None for c in (re, im))
+    return Taylor(ring, TERMS, *re_im)
+
+
+def polynomial_solution(ring: Arithmetic) -> tuple[list[list[Taylor]], list[list[Taylor]], list[list[Taylor]]]:
+    """M(t), its inverse, and a C(t) that has nothing to do with it."""
+    M = [[series(ring, (2, 1)), series(ring, (0, 0, 1))], [series(ring, (), (0, 1)), series(ring, (2,))]]
+    det = M[0][0] * M[1][1] - M[0][1] * M[1][0]
+    inverse = [[M[1][1] / det, -M[0][1] / det], [-M[1][0] / det, M[0][0] / det]]
+    C = [[series(ring, (1, 1)), series(ring, (0, 2))], [series(ring, (), (0, 0, 3)), series(ring, (3, 0, 1), (0, 1))]]
+    return M, inverse, C
+
+
+def product(A: Any, B: Any) -> Any:
+    return [[sum(A[i][j] * B[j][k] for j in range(1, 2)) + A[i][0] * B[0][k] for k in range(2)] for i in range(2)]
+
+
+def entries(A: list[list[Taylor]], at: tuple[int, int] = (0, 1)) -> dict[tuple[int, int], Taylor]:
+    return {(at[i], at[j]): A[i][j] for i in range(2) for j in range(2)}
+
+
+@both
+def test_a_step_reproduces_a_polynomial_solution(ring: Arithmetic) -> None:
+    """ψ = M(t) M(0)⁻¹ Y solves C ψ′ = (C M′ M⁻¹) ψ whatever C is; beside it, in a part of its own, (1 + t/4) χ′ = χ/2."""
+    with ring.working(DIGITS), mpmath.workdps(DIGITS):
+        M, inverse, C = polynomial_solution(ring)
+        D = product(product(C, [[m.derivative(0) for m in row] for row in M]), inverse)
+        one, zero = ring.number(1), ring.number(0)
+        beside = {(2, 2): series(ring, (4, 1))}, {(2, 2): series(ring, (2,))}
+        Y = [[one, zero, zero], [zero, one, zero], [zero, zero, one]]
+        found = parts(3, {**entries(C), **beside[0]}, {**entries(D), **beside[1]})
+        assert sorted(found) == [([0, 1], [0, 1]), ([2], [2])]
+        end, last = carried(ring, 3, {**entries(C), **beside[0]}, {**entries(D), **beside[1]}, Y, TERMS)
+        expected = [[mpf(3) / 2, mpf(1) / 2], [mpc(0, 0.5), mpf(1)]]
+        for i in range(2):
+            for q in range(2):
+                assert abs(ring.to_mpmath(end[i][q]) - expected[i][q]) < mpf(10) ** -(DIGITS - 3)
+        assert abs(ring.to_mpmath(end[2][2]) - mpf(25) / 16) < mpf(10) ** -(DIGITS - 3)
+        assert max(ring.log2(x) for term in last for row in term[:2] for x in row) < -(DIGITS - 4) * 3.3
+
+
+@both
+def test_the_decaying_space_reproduces_a_polynomial_one_with_a_defective_exponent(ring: Arithmetic) -> None:
+    """ψ = M(x) x^Λ, Λ = λ + N with N² = 0, solves C x ψ′ = C (x M′ + M Λ) M⁻¹ ψ."""
+    with ring.working(DIGITS), mpmath.workdps(DIGITS):
+        M, inverse, C = polynomial_solution(ring)
+        rate, zero, one = ring.number(Fraction(3, 10)), ring.number(0), ring.number(1)
+        N = [[zero, one], [zero, zero]]
+        ML = [[rate * row[0], rate * row[1] + row[0]] for row in M]
+        D = product(product(C, [[m.derivative(1) + n for m, n in zip(x, y, strict=True)] for x, y in zip(M, ML, strict=True)]), inverse)
+        P0 = [[m.coefficients(1)[0] for m in row] for row in M]
+        found = decaying_series(ring, entries(C), entries(D), P0, rate, N, TERMS)
+        for m, term in enumerate(found):
+            for i in range(2):
+                for q in range(2):
+                    assert abs(ring.to_mpmath(term[i][q]) - ring.to_mpmath(M[i][q].coefficients(TERMS)[m])) < mpf(10) ** -(DIGITS - 6)
+
+
+@pytest.mark.parametrize("digits", [(15,), (12, 25, 60), (20, 45, 100)])
+def test_secants_climb_and_know_their_error(digits: tuple[int, ...]) -> None:
+    calls = []
+    with mpmath.workdps(200):
+        secant = Secant(mpf(2) ** 0.5 * (1 + mpf(10) ** -10))
+        for d in digits:
+
+            def functions(x: Any, d: int = d) -> tuple[Any, ...]:
+                calls.append(x)
+                return x * x - 2 + mpf(10) ** -(d + 2), x**3
+
+            secant.settle(functions, d)
+            off = abs(secant.x - mpmath.sqrt(2 - mpf(10) ** -(d + 2)))
+            assert off <= 2 * secant.error
+            assert off <= mpf(10) ** -d
+            assert abs(secant.others[0] - secant.x**3) <= mpf(10) ** -d * 10
+    assert len(calls) <= 3 * len(digits)
+
+
+def test_secants_do_not_settle_on_a_double_zero() -> None:
+    with mpmath.workdps(60), pytest.raises(st.ConvergenceError, match="settle"):
+        Secant(mpf("1.00001")).settle(lambda x: ((x - 1) ** 2,), 40)
+
+
+def test_a_base_flow_is_off_by_the_sum_of_what_was_found() -> None:
+    base = mpf(2), mpf(10)
+    moved = _off(base, [(mpf(2), mpf("10.01")), (mpf("2.004"), mpf("10.01")), (mpf(2), mpf("10.04"))])
+    assert [float(x) for x in moved] == pytest.approx([2.0, 10.0 + 0.03 * 0.006 / 0.003])
+    assert _off(base, [base, base]) == base
+    assert _off((), [(), ()]) == ()
+
+
+def test_parameters_mean_the_decimals_that_were_typed() -> None:
+    assert exact(0.8) == Fraction(8, 10)
+    assert exact(5e-4) == Fraction(5, 10000)
+
+
+def test_the_steady_flow_carries_the_exact_mass_flux(scenes: dict[str, ChuteProblem]) -> None:
+    """With another order, step and far field than those it was found with; and it is the flow that doubles know."""
+    flow, ring = scenes["mid"].flow, choose()
+    formulation, settings = PreciseChute(scenes["mid"]), Settings.of(25)
+    better = settings.finer().farther()
+    with ring.working(better.digits), mpmath.workdps(better.digits):
+        T, u = formulation.base(ring, settings, nothing)
+        base = descend(ring, formulation.chute(ring), ring.number(T), better, flow.height, nothing)
+        assert abs(ring.to_mpmath(base.mass_flux) - 3) < mpf(10) ** -23
+        assert abs(ring.to_mpmath(base.far_velocity) / u - 1) < mpf(10) ** -23
+        nu, temperature = (float(ring.to_mpmath(x)) for x in base.state[:2])
+    assert float(T) == pytest.approx(flow.far_temperature, rel=1e-12)
+    assert float(u) == pytest.approx(flow.far_velocity, rel=1e-12)
+    assert (nu, temperature) == pytest.approx((flow.base["nu"], flow.base["T"]), rel=1e-11)
+
+
+def test_the_two_arithmetics_form_the_same_discriminant(scenes: dict[str, ChuteProblem]) -> None:
+    settings = Settings.of(14)
+    values = []
+    for name in ("flint", "mpmath"):
+        ring, formulation = choose(name), PreciseChute(scenes["high"])
+        with ring.working(settings.digits), mpmath.workdps(settings.digits):
+            course = formulation.course(ring, settings, formulation.base(ring, settings, nothing))
+            D = PreciseShooting(ring, formulation.size, settings, course, nothing)
+            values.append([ring.to_mpmath(D(ring.number(Fraction(k, 1000)))) for k in (3, 5)])
+    for one, other in zip(*values, strict=True):
+        assert abs(one / other - 1) < 1e-13
+
+
+# modes
 
 
 def orr_sommerfeld_even(sigma: mpc) -> mpc:
@@ -36,15 +195,22 @@ def orr_sommerfeld_even(sigma: mpc) -> mpc:
     return f[0] * g[1] - f[1] * g[0]
 
 
-def test_poiseuille_to_forty_digits() -> None:
-    mode = st.refine(PlanePoiseuille(), guess=GUESS, digits=40)
-    assert mode.converged
-    assert mode.error <= 1e-40 * abs(mode.sigma)
+@pytest.fixture(scope="module")
+def poiseuille() -> mpc:
+    """σ to a hundred digits by that series."""
     with mpmath.workdps(130):
-        truth = mpmath.findroot(orr_sommerfeld_even, (mpc(mode.sigma), mpc(mode.sigma) * (1 + mpf(10) ** -30)), tol=1e-150, verify=False)
-        assert abs(truth - mode.sigma) <= mode.error
-        published = mpc(POISEUILLE[1], "-" + POISEUILLE[0])
-        assert abs(published - mode.sigma) < mpf(10) ** -20
+        near = mpc(POISEUILLE[1], "-" + POISEUILLE[0])
+        return mpmath.findroot(orr_sommerfeld_even, (near, near * (1 + mpf(10) ** -21)), tol=1e-210, verify=False)
+
+
+@pytest.mark.parametrize("digits", [40, 90])
+def test_poiseuille(poiseuille: mpc, digits: int) -> None:
+    mode = st.refine(PlanePoiseuille(), guess=GUESS, digits=digits)
+    assert mode.converged
+    with mpmath.workdps(130):
+        assert mode.error <= mpf(10) ** -digits * abs(mode.sigma)
+        assert abs(poiseuille - mode.sigma) <= mode.error
+        assert abs(mpc(POISEUILLE[1], "-" + POISEUILLE[0]) - mode.sigma) < mpf(10) ** -20
 
 
 @pytest.mark.parametrize("name", list(DOUBLE))
@@ -56,7 +222,17 @@ def test_the_first_digits_are_those_of_double_precision(scenes: dict[str, ChuteP
     assert mode.digits >= 20
     assert abs(complex(mode.sigma) - rough.sigma) <= rough.error
     assert abs(complex(mode.sigma) - known) < 1e-15
-    assert set(mode.budget.as_dict()) == {"integration", "far_field", "steady_flow", "root", "rounding"}
+    assert all(part > 0 for part in mode.budget.as_dict().values())
+
+
+def test_a_flow_given_by_its_far_temperature_has_an_exact_one() -> None:
+    flow = st.chute.steady(far_temperature=0.7, **GRAINS)
+    problem = st.chute.problem(flow, 0.01, 0.0)
+    rough = st.refine(problem, guess=4.09e-5 - 0.03244j, rtol=1e-11)
+    mode = st.refine(problem, guess=rough.sigma, digits=14)
+    assert rough.converged
+    assert mode.converged
+    assert abs(complex(mode.sigma) - rough.sigma) <= rough.error
 
 
 def test_two_runs_agree_on_every_digit_that_the_bound_promises(scenes: dict[str, ChuteProblem]) -> None:
@@ -64,6 +240,7 @@ def test_two_runs_agree_on_every_digit_that_the_bound_promises(scenes: dict[str,
     fewer, more = (refine_digits(scenes["high"], 0.004, digits) for digits in (14, 24))
     with mpmath.workdps(40):
         assert abs(fewer.sigma - more.sigma) <= fewer.error + more.error
+        assert abs(mpf(held_complex(fewer.sigma, fewer.error)) - more.sigma) < mpf(10) ** -16
 
 
 def test_the_two_arithmetics_agree() -> None:
@@ -73,16 +250,120 @@ def test_the_two_arithmetics_agree() -> None:
     assert min(flint.digits, plain.digits) >= 25
 
 
-def test_progress_rises_to_the_end() -> None:
+class Rod:
+    """T″ = σ T, insulated at z = 0 and cooled at z = 1, T′ + 0.3 T = 0: σ = −x² with x tan x = 3/10."""
+
+    size, decaying = 2, 1
+
+    def exact_ends(self, exact: Any) -> tuple[Any, Any]:
+        return 0, 1
+
+    def exact_pencil(self, z: Any, exact: Any) -> tuple[dict[tuple[int, int], Any], ...]:
+        return {(0, 0): 1, (1, 1): 1}, {}, {(0, 1): 1}, {(1, 0): 1}
+
+    def exact_far(self, sigma: Any, exact: Any) -> list[list[Any]]:
+        return [[1], [0]]
+
+    def exact_wall(self, exact: Any) -> tuple[list[list[Any]], list[list[Any]]]:
+        return [[exact(0.3), 1]], [[0, 0]]
+
+
+@pytest.mark.parametrize("arithmetic", ["flint", "mpmath"])
+def test_a_problem_of_the_users_own_has_any_number_of_digits(arithmetic: str) -> None:
+    mode = refine_digits(st.ClosedProblem(Rod()), -0.28, 60, arithmetic=arithmetic)
+    assert mode.converged
+    with mpmath.workdps(90):
+        x = mpmath.findroot(lambda x: x * mpmath.tan(x) - mpf(3) / 10, 0.53)
+        assert abs(mode.sigma + x * x) <= mode.error <= mpf(10) ** -60
+
+
+def test_a_closed_form_is_the_problem_it_stands_for() -> None:
+    """PlanePoiseuille writes both down by hand."""
+    by_hand, closed = PlanePoiseuille(), st.ClosedProblem(PlanePoiseuille())
+    z = np.linspace(0.0, 1.0, 5) + 0.1j
+    for one, other in zip(vars(by_hand.pencil(z)).values(), vars(closed.pencil(z)).values(), strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-15)
+    one, other = (st.refine(p, guess=GUESS, rtol=1e-10) for p in (by_hand, closed))
+    assert abs(one.sigma - other.sigma) <= one.error + other.error
+
+
+def test_progress_rises_to_the_end_and_says_how_long_it_takes() -> None:
     told: list[tuple[int, int, float]] = []
     refine_digits(PlanePoiseuille(), GUESS, 20, progress=lambda *what: told.append(what))
     shares = [done / total for done, total, _ in told]
     assert shares == sorted(shares)
     assert shares[-1] == pytest.approx(1.0)
+    assert all(left >= 0.0 for _, _, left in told)
+    assert told[-1][2] == pytest.approx(0.0, abs=1e-6)
 
 
-def test_reasons_in_place_of_digits(scenes: dict[str, ChuteProblem]) -> None:
-    lost = st.refine(scenes["high"], guess=3.0 + 5.0j, digits=20)
-    assert lost.converged or lost.status.startswith("not converged: ")
+# the command line
+
+
+def test_the_command_line_prints_the_digits_that_hold(poiseuille: mpc, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["refine", "poiseuille", "--guess=0.0037,-0.2375", "--digits", "50"]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    line = next(line for line in out.splitlines() if line.startswith("σ"))
+    re, sign, im = line.split()[1:]
+    assert sign == "-"
+    with mpmath.workdps(80):
+        printed = mpc(re, "-" + im.removesuffix("i"))
+        assert abs(printed - poiseuille) < mpf(10) ** -50
+        assert min(len(re), len(im)) >= 50
+    assert cli.main(["refine", "poiseuille", "--guess=0.0037,-0.2375", "--digits", "50", "--json", "-"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    with mpmath.workdps(80):
+        assert abs(mpc(answer["sigma"]["re"], answer["sigma"]["im"]) - poiseuille) <= answer["error"]
+
+
+# reasons in place of digits
+
+
+@pytest.mark.parametrize("guess", [3.0 + 5.0j, 0.5])
+def test_no_mode_near_the_guess(scenes: dict[str, ChuteProblem], guess: complex) -> None:
+    lost = st.refine(scenes["high"], guess=guess, digits=20)
+    assert lost.status.startswith("not converged: ")
+    assert "mode" in lost.status
+    assert lost.digits < 16
+
+
+def test_a_base_flow_at_a_fold() -> None:
+    """Next to the least mass flux between the branches T_∞ hangs on it by a square root: d ln Q0/d ln T_∞ vanishes."""
+
+    def flux(log_T: float) -> float:
+        return st.chute.steady(far_temperature=float(np.exp(log_T)), **GRAINS).mass_flux
+
+    least = minimize_scalar(flux, bounds=(1.3, 1.5), method="bounded", options={"xatol": 1e-7})
+    flow = st.chute.steady(mass_flux=float(least.fun) * (1 + 1e-13), branch="mid", **GRAINS)
+    mode = st.refine(st.chute.problem(flow, 0.0, 0.0125), guess=0.0032279, digits=20)
+    assert "fold" in mode.status
+    assert "d ln Q0/d ln T" in mode.status
+    assert mode.digits < 16
+
+
+def test_without_python_flint_mpmath_does_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    assert choose().name == "mpmath"
+    with pytest.raises(st.InputError, match="pip install"):
+        choose("flint")
+
+
+def test_a_problem_without_formulas_is_refused(scenes: dict[str, ChuteProblem]) -> None:
+    class Plain:
+        """Everything of a problem but formulas for numbers of any kind."""
+
+        def __getattr__(self, name: str) -> Any:
+            if name.startswith("exact_"):
+                raise AttributeError(name)
+            return getattr(scenes["high"], name)
+
+    with pytest.raises(st.InputError, match="Plain: more than 12 digits ask for a problem with exact_ends"):
+        refine_digits(Plain(), 0.004, 20)  # type: ignore[arg-type]
+
+
+def test_what_cannot_be_done_is_refused(scenes: dict[str, ChuteProblem]) -> None:
     with pytest.raises(st.InputError, match="Taylor"):
         st.refine(scenes["high"], guess=0.004, digits=20, method=st.Frame())
+    with pytest.raises(st.InputError, match="allowed is flint or mpmath"):
+        refine_digits(scenes["high"], 0.004, 20, arithmetic="quad")

@@ -12,8 +12,8 @@ from shootstab.discriminants.continuum import Continuum, continuum_of
 from shootstab.problems.chute import ChuteProblem
 from shootstab.problems.gallery.poiseuille import PlanePoiseuille
 from shootstab.questions.bounds import displacement
+from shootstab.questions.judge import radius_of
 from shootstab.questions.reference import claims, spectrum
-from shootstab.questions.verify import radius_of
 from shootstab.spectral import chute as pseudospectral
 
 GRAINS = {"e": 0.8, "e_w": 0.8, "r": 0.6, "tan_theta": 0.3}
@@ -222,3 +222,20 @@ def test_input_of_verify_is_checked(scenes: dict[str, ChuteProblem]) -> None:
             st.verify(scenes["high"], bad)
     with pytest.raises(st.InputError, match="digits"):
         st.verify(scenes["high"], [0.1], digits=40)
+
+
+def test_a_claim_of_nothing_shares_no_digit_with_a_mode(scenes: dict[str, ChuteProblem]) -> None:
+    report = st.verify(scenes["fig2"], [0.0], digits=3)
+    assert report.verdicts[0].verdict == "spurious"
+    assert report.undecided
+    assert "not looked for" in report.searched
+
+
+def test_where_nothing_is_searched_is_said(scenes: dict[str, ChuteProblem]) -> None:
+    """Claims on a line span a box nevertheless; a claim beyond the reach of a mesh does not make the box larger, and is named."""
+    line = st.verify(scenes["high"], [0.003, 0.0035, 0.0045])
+    assert [m.sigma.real for m in line.missing] == pytest.approx([0.0039705046389])
+    far = st.verify(scenes["high"], [0.0039705, 0.0045, 1e12], digits=5)
+    assert [v.verdict for v in far.verdicts] == ["confirmed", "spurious", "unresolved"]
+    assert far.undecided[0].startswith("the part of the box that the 1 largest claims add")
+    assert "holds 1" in far.searched

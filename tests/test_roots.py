@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shootstab.discriminants.protocol import Value
-from shootstab.roots.find import find
+from shootstab.roots.find import Search, Zero, find
 from shootstab.roots.iterations import muller, newton
-from shootstab.roots.winding import wind
+from shootstab.roots.winding import power_sums, wind
 from shootstab.vocabulary.errors import ConvergenceError
-from shootstab.vocabulary.regions import Disc, Rectangle
+from shootstab.vocabulary.regions import Disc, Polygon, Rectangle, Region, halves, size
 from shootstab.vocabulary.scaled import Scaled
 
 
@@ -96,16 +96,78 @@ def test_a_zero_on_the_boundary_is_refused() -> None:
         wind(Known([0.3 - 1j]), Rectangle(-1 - 1j, 1 + 1j))
 
 
+def search(D: Known) -> Search:
+    def polish(start: complex) -> complex | None:
+        root = newton(D, start, 1e-12, 20)
+        return root.sigma if root.converged else None
+
+    return Search(lambda region: wind(D, region), lambda disc: wind(D, disc), polish)
+
+
+REGIONS = (
+    Rectangle(-1 - 1j, 1 + 1j),
+    Disc(0.1j, 1.05),
+    Polygon((-1 - 1j, 1 - 1j, 0.02 + 0.95j)),
+    Polygon((-1 - 1j, 1 - 1j, 0.03 + 0.12j, 1 + 1j, -1 + 1j)),
+)
+
+
 @settings(max_examples=25, deadline=None)
-@given(st.lists(st.tuples(st.integers(-9, 9), st.integers(-9, 9)), max_size=6, unique=True))
-def test_find_returns_all_zeros_and_no_other(cells: list[tuple[int, int]]) -> None:
+@given(st.sampled_from(REGIONS), st.lists(st.tuples(st.integers(-9, 9), st.integers(-9, 9)), max_size=12, unique=True))
+def test_find_returns_all_zeros_and_no_other(region: Region, cells: list[tuple[int, int]]) -> None:
     zeros = [complex(a / 10 + 0.013, b / 10 + 0.007) for a, b in cells]
-    found = find(Known(zeros, exponent=5 + 2j), Rectangle(-1 - 1j, 1 + 1j))
+    if any(abs(z - region.boundary(region.parameter(z))) < 1e-4 for z in zeros):
+        return
+    found = find(search(Known(zeros, exponent=5 + 2j)), region)
     key = lambda z: (round(z.real, 6), round(z.imag, 6))  # noqa: E731
-    assert sorted(map(key, found)) == sorted(map(key, zeros))
+    assert sorted(key(z.sigma) for z in found) == sorted(key(z) for z in zeros if region.contains(z))
+    assert all(z.multiplicity == 1 for z in found)
 
 
-def test_a_double_zero_is_found_twice() -> None:
-    found = find(Known([0.2 + 0.1j, 0.2 + 0.1j]), Rectangle(-1 - 1j, 1 + 1j))
-    assert len(found) == 2
-    assert all(abs(z - 0.2 - 0.1j) < 1e-6 for z in found)
+def test_a_handful_of_zeros_needs_few_evaluations() -> None:
+    """Those of the contour, and a few Newton steps a zero: dividing would take hundreds."""
+    D = Known([0.3 + 0.1j, -0.2j, 0.5 + 0.5j, 2.0], exponent=3.0)
+    assert len(find(search(D), Disc(0j, 1.0))) == 3
+    assert D.evaluations < 80
+
+
+def test_power_sums_are_those_of_the_zeros() -> None:
+    zeros = [0.3, -0.2j, 0.5 + 0.5j]
+    sums = power_sums(wind(Known([*zeros, 2.0], exponent=5 + 2j), Rectangle(-1 - 1j, 1 + 1j)).pieces, 0.1, 2.0, 3)
+    assert sums == pytest.approx([sum(((z - 0.1) / 2) ** k for z in zeros) for k in range(4)], abs=1e-3)
+
+
+@pytest.mark.parametrize("multiplicity", [2, 3])
+def test_a_multiple_zero_is_one_zero_with_its_multiplicity(multiplicity: int) -> None:
+    multiple, simple = sorted(find(search(Known([0.2 + 0.1j] * multiplicity + [0.5])), Disc(0j, 1.0)), key=lambda z: z.sigma.real)
+    assert multiple.multiplicity == multiplicity
+    assert abs(multiple.sigma - 0.2 - 0.1j) < 1e-9
+    assert 0.0 < multiple.radius < 1e-4
+    assert simple == Zero(pytest.approx(0.5))
+
+
+def test_zeros_that_lie_close_together_are_told_apart() -> None:
+    pair = (0.2 + 0.1j, 0.2 + 0.1j + 1e-6)
+    found = find(search(Known([*pair, -0.4])), Disc(0j, 1.0))
+    assert sorted(z.sigma.real for z in found) == pytest.approx([-0.4, 0.2, 0.200001], abs=1e-9)
+    assert all(z.multiplicity == 1 for z in found)
+
+
+def test_known_zeros_are_not_found_again() -> None:
+    D = Known([0.3, -0.2j, 0.5 + 0.5j])
+    assert [z.sigma for z in find(search(D), Disc(0j, 1.0), [Zero(0.3 + 0j), Zero(-0.2j)])] == pytest.approx([0.5 + 0.5j])
+    assert find(search(D), Disc(0j, 1.0), [Zero(z + 0j) for z in D.zeros]) == []
+    # a double one, of which one is known
+    (left,) = find(search(Known([0.3, 0.3])), Disc(0j, 1.0), [Zero(0.3 + 0j)])
+    assert left.multiplicity == 1
+    with pytest.raises(ConvergenceError, match="fewer than are known"):
+        find(search(Known([0.3])), Disc(0j, 1.0), [Zero(0.3 + 0j), Zero(0.4 + 0j)])
+
+
+@pytest.mark.parametrize("region", REGIONS)
+def test_halves_cover_the_region(region: Region) -> None:
+    parts = halves(region, 0.47)
+    inside = [complex(a, b) / 20 + 0.003 + 0.007j for a in range(-25, 25) for b in range(-25, 25)]
+    assert all(any(part.contains(z) for part in parts) for z in inside if region.contains(z))
+    assert not any(all(part.contains(z) for part in parts) for z in inside)
+    assert all(size(part) <= size(region) for part in parts)

@@ -6,13 +6,13 @@ import itertools
 
 import numpy as np
 import pytest
+from doubled import Doubled
 
 import shootstab as st
 from shootstab.discriminants.atlas import Atlas, Undecidable
 from shootstab.discriminants.frame import Frame
 from shootstab.problems.chute import ChuteProblem
 from shootstab.problems.gallery.poiseuille import PlanePoiseuille
-from shootstab.problems.protocol import FarFrame, Pencil
 from shootstab.questions.resonances import find_resonances
 from shootstab.questions.survey import survey
 from shootstab.questions.unstable import HalfDisc, bound, departure_from_law
@@ -137,56 +137,72 @@ def test_verify_states_the_number_of_growing_modes(scenes: dict[str, ChuteProble
     assert "1 modes have Re sigma >" in report.searched
 
 
-class Doubled:
-    """Two copies of plane Poiseuille flow side by side: every eigenvalue is double."""
-
-    size, decaying = 8, 4
-
-    def __init__(self) -> None:
-        self.single = PlanePoiseuille(reynolds=2000.0)
-
-    def pencil(self, z: np.ndarray) -> Pencil:
-        return Pencil(*(_blocks(M) for M in (getattr(self.single.pencil(z), name) for name in ("C0", "C1", "D0", "D1"))))
-
-    def start(self, sigma: complex, tolerance: float) -> float:
-        return self.single.start(sigma, tolerance)
-
-    def far_frame(self, z: float, sigma: complex) -> FarFrame:
-        frame = _blocks(self.single.far_frame(z, sigma).frame[None])[0]
-        return FarFrame(frame, np.zeros_like(frame), 0.0, 0.0)
-
-    def mesh(self, start: float) -> np.ndarray:
-        return self.single.mesh(start)
-
-    def wall_rows(self) -> tuple[np.ndarray, np.ndarray]:
-        W0, W1 = self.single.wall_rows()
-        return _blocks(W0[None])[0], _blocks(W1[None])[0]
-
-    def cruder(self, factor: float) -> Doubled:
-        return self
-
-    def heights(self, points: int) -> None:
-        return None
-
-    def continuum_at(self, z: np.ndarray) -> np.ndarray:
-        return np.empty(0, complex)
+SINGLE = PlanePoiseuille(reynolds=500.0)
+SEMISIMPLE, DEFECTIVE = Doubled(SINGLE), Doubled(SINGLE, drive=1.0)
+NOWHERE = Rectangle(1 + 1j, 2 + 2j)
 
 
-def _blocks(M: np.ndarray) -> np.ndarray:
-    out = np.zeros((len(M), 2 * M.shape[1], 2 * M.shape[2]), complex)
-    out[:, : M.shape[1], : M.shape[2]] = M
-    out[:, M.shape[1] :, M.shape[2] :] = M
-    return out
+@pytest.fixture(scope="module")
+def single() -> complex:
+    """Its own error is far below that of the double ones."""
+    (mode,) = st.find(SINGLE, Rectangle(-0.1 - 0.45j, 0.05 - 0.2j), rtol=1e-13).modes
+    assert mode.error < 1e-14
+    assert mode.multiplicity == 1
+    return complex(mode.sigma)
 
 
-def test_a_double_eigenvalue_is_reported_as_such() -> None:
-    single = st.find(PlanePoiseuille(reynolds=2000.0), Rectangle(-0.05 - 0.4j, 0.05 - 0.2j))
-    (sigma,) = [m.sigma for m in single.modes]
-    near = Disc(sigma, 1e-3 * abs(sigma))
-    assert st.count(Doubled(), near) == 2
-    verdict = st.verify(Doubled(), [sigma], digits=4, region=Rectangle(1 + 1j, 2 + 2j)).verdicts[0]
-    assert verdict.verdict == "unresolved"
-    assert "2 modes" in verdict.why
-    mode = st.refine(Doubled(), guess=sigma * 1.01, rtol=1e-6)
-    assert not mode.converged
-    assert "2 modes lie within" in mode.status or "error bound" in mode.status
+@pytest.mark.parametrize("problem", [SEMISIMPLE, DEFECTIVE], ids=["semisimple", "defective"])
+def test_a_double_eigenvalue_is_reported_as_such(problem: Doubled, single: complex) -> None:
+    near = Disc(single * (1 + 1e-4), 1e-3 * abs(single))
+    assert st.count(problem, near) == 2
+    for mode in (st.refine(problem, guess=single * 1.01, rtol=1e-4), *st.find(problem, near, rtol=1e-4).modes):
+        assert mode.multiplicity == 2
+        assert mode.converged
+        assert abs(mode.sigma - single) <= mode.error < 1e-4 * abs(single)
+
+
+def test_claims_of_a_double_eigenvalue(single: complex) -> None:
+    """It answers two claims, not three; claimed once, one is missing."""
+    problem = DEFECTIVE
+    claims = [single, single * (1 + 1e-7), single * (1 + 2e-7)]
+    report = st.verify(problem, claims, digits=4, region=NOWHERE)
+    assert [v.verdict for v in report.verdicts] == ["confirmed", "confirmed", "spurious"]
+    assert [v.multiplicity for v in report.verdicts] == [2, 2, 1]
+    assert "of multiplicity 2" in report.verdicts[0].why
+    assert "of multiplicity 2 only" in report.verdicts[2].why
+    near = Rectangle(single - 0.01 - 0.01j, single + 0.012 + 0.013j)
+    once = st.verify(problem, claims[:1], digits=4, region=near)
+    assert len(once.missing) == 1
+    assert abs(once.missing[0].sigma - single) < 1e-4
+    off = st.verify(problem, [single * (1 + 1e-3)], digits=5, region=NOWHERE).verdicts[0]
+    assert off.verdict == "inaccurate"
+    assert off.digits_agreed == pytest.approx(3.0, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    "region",
+    [Disc(-0.001 - 0.004j, 0.006), Polygon((-0.006 - 0.009j, 0.003 - 0.009j, 0.004 + 0.0021j, 0.0007 - 0.0021j, -0.006 + 0.0017j))],
+    ids=["disc", "polygon"],
+)
+def test_find_in_other_regions(scenes: dict[str, ChuteProblem], region: Disc | Polygon) -> None:
+    """Around the end of the continuous spectrum at infinity."""
+    found = st.find(scenes["fig2"], region)
+    assert sorted((complex(m.sigma) for m in found.modes), key=lambda z: z.real) == pytest.approx([DAMPED, UNSTABLE], abs=1e-10)
+    assert found.survey.closure < 1e-5
+
+
+def test_points_where_an_iteration_stalls_are_no_modes() -> None:
+    """Muller stalls at the first two with one tolerance and another: winding numbers are 0."""
+    flow = st.chute.steady(e=0.85, e_w=0.75, r=0.5, tan_theta=0.25, far_temperature=5.0)
+    problem = st.chute.problem(flow, 0.004, 0.006)
+    stalls, mode = (-0.0001256 - 0.0405999j, 0.0039058 - 0.0351725j), 0.00182747 - 0.02681564j
+    for sigma in stalls:
+        assert st.count(problem, Disc(sigma, 0.05 * abs(sigma))) == 0
+    report = st.verify(problem, [*stalls, mode], digits=6, region=NOWHERE)
+    assert [v.verdict for v in report.verdicts] == ["spurious", "spurious", "confirmed"]
+
+
+def test_a_claim_too_large_for_a_mesh_is_unresolved_at_once(scenes: dict[str, ChuteProblem]) -> None:
+    report = st.verify(scenes["fig2"], [3e9 + 1e3j, 2000.0 + 3.0j], region=NOWHERE)
+    assert [v.verdict for v in report.verdicts] == ["unresolved", "spurious"]
+    assert "steps" in report.verdicts[0].why

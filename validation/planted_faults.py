@@ -7,15 +7,19 @@ from collections.abc import Iterator
 
 import numpy as np
 from claims import Case, Claim, main
+from doubled import Doubled
 from scenes import problem
 
 import shootstab as st
 from shootstab.problems.chute import ChuteProblem
+from shootstab.problems.gallery.poiseuille import PlanePoiseuille
+from shootstab.problems.protocol import Problem
+from shootstab.questions.judge import radius_of
 from shootstab.questions.reference import claims
-from shootstab.questions.verify import radius_of
 from shootstab.vocabulary.records import Report
 
 DIGITS = 7
+DOUBLE_DIGITS = 5
 TRUNCATION = 100
 SHIFTS = (1e-3, 1e-6, 1e-9)
 
@@ -63,6 +67,19 @@ def plant(name: str, p: ChuteProblem, foreign: list[complex]) -> Iterator[Case]:
     yield Case(f"{name}: left out", "missing", "missing" if found else "not noticed", 0.0)
 
 
+def plant_double(name: str, p: Problem, sigma: complex) -> Iterator[Case]:
+    """A double eigenvalue is one mode that answers two claims and no third; shifted it is inaccurate; claimed once it is missing."""
+    nothing = st.Rectangle(10 + 10j, 11 + 11j)
+    claimed = [sigma, sigma * (1 + 1e-8), sigma * (1 + 2e-8), sigma * (1 + 1e-3)]
+    report = st.verify(p, claimed, digits=DOUBLE_DIGITS, region=nothing)
+    yield _case(f"{name}: claimed three times, and shifted", ["confirmed", "confirmed", "spurious", "spurious"], report)
+    yield Case(f"{name}: multiplicity", "2", str(report.verdicts[0].multiplicity), 0.0)
+    yield _case(f"{name}: shifted alone", ["inaccurate"], st.verify(p, claimed[3:], digits=DOUBLE_DIGITS, region=nothing))
+    around = st.Disc(sigma * (1 + 0.01j), 0.1 * abs(sigma))
+    missing = st.verify(p, claimed[:1], digits=DOUBLE_DIGITS, region=around).missing
+    yield Case(f"{name}: claimed once", "1 missing", f"{len(missing)} missing", 0.0)
+
+
 def _case(name: str, want: list[str], report: Report) -> Case:
     return Case(name, " ".join(want), " ".join(v.verdict for v in report.verdicts), 0.0)
 
@@ -76,6 +93,13 @@ def cases(quick: bool) -> Iterator[Case]:
         )
     for name, p in random_scenes(1 if quick else 8):
         yield from plant(name, p, foreign)
+    channel = PlanePoiseuille(reynolds=500.0)
+    sigma = complex(st.refine(channel, -0.0705 - 0.3806j, rtol=1e-12).sigma)
+    yield from plant_double("two channels", Doubled(channel), sigma)
+    yield from plant_double("a channel driven by another", Doubled(channel, drive=1.0), sigma)
+    if not quick:
+        for name, sigma in zip(("high", "low"), foreign, strict=True):
+            yield from plant_double(f"{name}, two flows", Doubled(problem(name)), sigma)
 
 
 CLAIM = Claim(

@@ -7,7 +7,17 @@ import importlib
 import sys
 import time
 
-CLAIMS = ("paper_modes", "against_pseudospectral", "near_continuum", "methods", "planted_faults")
+CLAIMS = (
+    "paper_modes",
+    "against_pseudospectral",
+    "near_continuum",
+    "balloon",
+    "methods",
+    "planted_faults",
+    "gallery",
+    "digits",
+    "calibration",
+)
 
 
 def main() -> int:

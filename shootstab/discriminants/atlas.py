@@ -12,17 +12,14 @@ from dataclasses import dataclass
 from shootstab.discriminants.continuum import continuum_of
 from shootstab.discriminants.paths import Bend
 from shootstab.discriminants.protocol import Examinable, Method
+from shootstab.problems.barrier import barrier_of
 from shootstab.problems.protocol import Problem
-from shootstab.vocabulary.errors import ConvergenceError
+from shootstab.vocabulary.errors import Undecidable as Undecidable
 
 NEAR = 0.35  # singular points nearer to the real axis than this, in the scale of the curve, are passed in the complex plane
 HEIGHT, HALF_WIDTH = 0.55, 0.7  # of a bend, in the same scale
 REACH = 0.3  # the singular points of a disc must stay within this part of the scale around the bend's centre
 DECADE = 4.0  # ratio of |σ| over which one mesh serves
-
-
-class Undecidable(ConvergenceError):  # noqa: N818 - it is a finding, not a fault
-    """D cannot be continued over the disc, for the reason given."""
 
 
 @dataclass(frozen=True)
@@ -43,18 +40,28 @@ class Atlas:
     def __init__(self, problem: Problem, method: Method) -> None:
         self.problem, self.method = problem, method
         self.continuum = continuum_of(problem)
+        self.barrier = barrier_of(problem)
         self._straight: dict[int, Examinable] = {}
         self._bent: list[tuple[Bend, int, Examinable]] = []
 
     def distance(self, sigma: complex) -> float:
         """The distance of σ to the continuous spectrum; infinite if there is none."""
-        return math.inf if self.continuum is None else self.continuum.distance(sigma)
+        spectra = [s for s in (self.continuum, self.barrier) if s is not None]
+        return min((s.distance(sigma) for s in spectra), default=math.inf)
+
+    @property
+    def rightmost(self) -> float:
+        """The largest real part on the continuous spectrum; −∞ if there is none."""
+        edges = [] if self.continuum is None else [float(self.continuum.sigma.real.max())]
+        return max(edges + ([] if self.barrier is None else [self.barrier.rightmost]), default=-math.inf)
 
     def own_side(self, chart: Chart, zero: complex) -> bool:
         """Whether a zero of a chart is a mode, and not a resonance on the other side of the continuous spectrum.
 
         Raises Undecidable where the zero lies on the continuous spectrum to rounding.
         """
+        if self.barrier is not None and self.barrier.beyond(zero):
+            return False
         if chart.side == 0:
             return True
         assert self.continuum is not None
@@ -68,6 +75,8 @@ class Atlas:
 
         Raises Undecidable where an end of the continuous spectrum lies in the disc, or where it passes more than once.
         """
+        if self.barrier is not None and self.barrier.distance(centre) <= radius:
+            raise Undecidable(f"the continuous spectrum of an end at infinity enters the circle of {radius:.1e}")
         if self.continuum is None:
             return (self._on_the_axis(centre),)
         passes = self.continuum.passes(centre, radius)
@@ -114,8 +123,12 @@ class Atlas:
     def _on_the_axis(self, sigma: complex) -> Chart:
         bucket = round(math.log(abs(sigma) or 1.0) / math.log(DECADE))
         if bucket not in self._straight:
-            self._straight[bucket] = self.method.on(self.problem)
+            self._straight[bucket] = self._on_the_real_axis(bucket)
         return Chart(self._straight[bucket], 0, "real")
+
+    def _on_the_real_axis(self, bucket: int) -> Examinable:
+        """A discriminant for |σ| of this size."""
+        return self.method.on(self.problem)
 
     def beside(self, z: float, sigma: complex, side: int) -> Chart:
         """The chart whose path leaves singular points near z on this side: side +1, above the path; sigma tells the size of |σ|."""
@@ -128,5 +141,9 @@ class Atlas:
                 return Chart(discriminant, side, str(bend))
         bend = Bend(z, HALF_WIDTH * scale, -side * HEIGHT * scale)
         discriminant = self.method.on(self.problem, bend)
+        # off the detour the mesh of any other path for such |σ| serves as well
+        others = [d for _, known, d in reversed(self._bent) if known == bucket] + [d for b, d in self._straight.items() if b == bucket]
+        if others:
+            discriminant.adopt(others[0])
         self._bent.append((bend, bucket, discriminant))
         return Chart(discriminant, side, str(bend))

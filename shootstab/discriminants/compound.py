@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shootstab.discriminants.paths import Bend
+from shootstab.discriminants.product import Product, shoot
 from shootstab.discriminants.protocol import Value
 from shootstab.discriminants.shooting import Shooting
 from shootstab.discriminants.table import Table
@@ -28,9 +29,9 @@ class Compound:
     rtol: float = 1e-11
     name: str = "compound"
 
-    def on(self, problem: Problem, bend: Bend | None = None) -> Shooting:
+    def on(self, problem: Problem, bend: Bend | None = None) -> Shooting | Product:
         """D(σ) of the problem, along the real axis or along a bend; the mesh is made at the first σ and grows where another needs it."""
-        return Shooting(problem, self, bend)
+        return shoot(problem, lambda: self, bend)
 
     def carry(
         self, table: Table, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
@@ -42,8 +43,8 @@ class Compound:
         norms = np.linalg.norm(far.frame, axis=0)
         y, dy = minors_with_slope(far.frame / norms, far.tangent / norms, lists.subsets)
         errors = np.empty(len(table.nodes) - 1)
-        system = table.steps, table.X, table.V, table.G, table.T
-        log_scale = transport_minors(*system, sigma, *lists, y, dy, tangent, errors)
+        system, at, y, dy = table.numbers(sigma, y, dy)
+        log_scale = transport_minors(system, at, *lists, y, dy, tangent, errors)
         w, dw = minors_with_slope((rows[0] + sigma * rows[1]).T, rows[1].T, lists.subsets)
         with np.errstate(invalid="ignore", over="ignore"):  # a mesh too coarse for y: the errors tell
             D, dD = w @ y, w @ dy + dw @ y

@@ -7,9 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from shootstab.discriminants.paths import Bend
+from shootstab.discriminants.product import Product, shoot
 from shootstab.discriminants.protocol import Value
 from shootstab.discriminants.shooting import Shooting
 from shootstab.discriminants.table import Table
+from shootstab.kernels.elimination import det_with_slope
 from shootstab.kernels.transport import transport
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
 from shootstab.vocabulary.scaled import Scaled
@@ -22,31 +24,17 @@ class Frame:
     rtol: float = 1e-11
     name: str = "frame"
 
-    def on(self, problem: Problem, bend: Bend | None = None) -> Shooting:
+    def on(self, problem: Problem, bend: Bend | None = None) -> Shooting | Product:
         """D(σ) of the problem, along the real axis or along a bend; the mesh is made at the first σ and grows where another needs it."""
-        return Shooting(problem, self, bend)
+        return shoot(problem, lambda: self, bend)
 
     def carry(
         self, table: Table, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
     ) -> tuple[Value, np.ndarray]:
         """D = det[(W0 + σW1) Y]; the R factors of the orthonormalizations are carried along, so that D is analytic."""
-        Y, dY = far.frame.copy(), far.tangent.copy()
         errors = np.empty(len(table.nodes) - 1)
-        log_det, trace = transport(table.steps, table.X, table.V, table.G, table.T, sigma, Y, dY, tangent, errors)
+        system, at, Y, dY = table.numbers(sigma, far.frame, far.tangent)
+        log_det, trace = transport(system, at, Y, dY, tangent, errors)
         W = rows[0] + sigma * rows[1]
         det, slope = det_with_slope(W @ Y, rows[1] @ Y + W @ dY)
-        return Value(sigma, Scaled(det, log_det + far.log_scale), slope + trace * det), errors
-
-
-def det_with_slope(M: ComplexArray, dM: ComplexArray) -> tuple[complex, complex]:
-    """det M and its derivative, the sum of the determinants with one column differentiated.
-
-    It holds where M is singular, and elimination keeps the accuracy of rows of very different size.
-    """
-    k = len(M)
-    stack = np.repeat(M[None], k + 1, axis=0)
-    for j in range(k):
-        stack[j + 1, :, j] = dM[:, j]
-    with np.errstate(invalid="ignore"):  # a mesh that is too coarse gives NaN here, and is refused
-        dets = np.linalg.det(stack)
-    return complex(dets[0]), complex(dets[1:].sum())
+        return Value(sigma, Scaled(det, log_det + far.log_scale), slope + complex(trace) * det), errors

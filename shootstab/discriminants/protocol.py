@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, Self
 
 from shootstab.discriminants.paths import Bend
 from shootstab.problems.protocol import Problem
@@ -49,11 +49,20 @@ class Discriminant(Protocol):
 
 
 class Examinable(Discriminant, Protocol):
-    """A discriminant that can be asked for its errors: its methods give variants whose zeros lie elsewhere by one of them."""
+    """A discriminant on a mesh that can be asked for its errors: its methods give variants whose zeros lie elsewhere by one of them."""
+
+    def adopt(self, other: Self) -> None:
+        """Begin with the mesh that another path of the same problem has."""
+        ...
 
     @property
     def far_error(self) -> float:
         """The relative error of the far-field frame at the last σ."""
+        ...
+
+    @property
+    def steps(self) -> int:
+        """How many steps the mesh has."""
         ...
 
     def refined(self, seed: int | None = None) -> Examinable:
@@ -72,8 +81,8 @@ class Examinable(Discriminant, Protocol):
         """Of another problem, on the same mesh."""
         ...
 
-    def begin_with(self, other: object) -> None:
-        """Take the mesh of a neighbouring problem's discriminant, if it has one, as the first: it grows where this one needs it."""
+    def moved_to(self, problem: Problem) -> Examinable:
+        """Of another problem, from the same mesh on, which grows where it must: for a problem next to this one."""
         ...
 
 

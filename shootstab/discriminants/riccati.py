@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import cmath
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -9,11 +11,12 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from shootstab.discriminants.frame import det_with_slope
 from shootstab.discriminants.paths import Bend
+from shootstab.discriminants.product import Product, shoot
 from shootstab.discriminants.protocol import Value
 from shootstab.discriminants.shooting import Shooting
 from shootstab.discriminants.table import Table
+from shootstab.kernels.elimination import det_with_slope
 from shootstab.kernels.riccati import transport_chart
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
 from shootstab.vocabulary.scaled import Scaled
@@ -31,9 +34,9 @@ class Riccati:
     rtol: float = 1e-11
     name: str = "riccati"
 
-    def on(self, problem: Problem, bend: Bend | None = None) -> Shooting:
+    def on(self, problem: Problem, bend: Bend | None = None) -> Shooting | Product:
         """D(σ) of the problem, along the real axis or along a bend; the mesh is made at the first σ and grows where another needs it."""
-        return Shooting(problem, Charted(self.rtol), bend)
+        return shoot(problem, lambda: Charted(self.rtol), bend)
 
     def carry(
         self, table: Table, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
@@ -75,7 +78,7 @@ class Charted:
             swaps = self._charts.on(table.nodes)
             if swaps is not None:
                 value, errors, largest, _ = _carry(table, rows, far, sigma, tangent, self._charts.order, swaps)
-                if largest <= LARGE:
+                if largest <= LARGE and cmath.isfinite(value.D.mantissa) and math.isfinite(value.D.log_scale):
                     return value, errors
         order = _pivots_first(far.frame)
         value, errors, _, swaps = _carry(table, rows, far, sigma, tangent, order, None)
@@ -99,12 +102,12 @@ def _carry(
     Y, dY = far.frame / units[:, None], far.tangent / units[:, None]
     p, q = order[:k], order[k:]
     U, dU = Y[p], dY[p]
-    S = np.linalg.solve(U.T, Y[q].T).T.copy()
-    dS = np.linalg.solve(U.T, (dY[q] - S @ dU).T).T.copy()
+    S: ComplexArray = np.linalg.solve(U.T, Y[q].T).T.astype(np.complex128)
+    dS: ComplexArray = np.linalg.solve(U.T, (dY[q] - S @ dU).T).T.astype(np.complex128)
     errors = np.full(len(table.nodes) - 1, np.nan)
     given = np.empty((0, 3), dtype=np.int64) if swaps is None else swaps
-    system = table.steps, table.X, table.V, table.G, table.T
-    log_det, dlog_det, largest, made = transport_chart(*system, sigma, units, order, S, dS, tangent, errors, given, swaps is None)
+    system, at, S, dS = table.numbers(sigma, S, dS)
+    log_det, dlog_det, largest, made = transport_chart(system, at, units, order, S, dS, tangent, errors, given, swaps is None)
     p, q = order[:k], order[k:]
     W, dW = (rows[0] + sigma * rows[1]) * units, rows[1] * units
     start, start_slope = det_with_slope(U, dU)

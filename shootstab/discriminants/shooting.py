@@ -12,13 +12,14 @@ import numpy as np
 from shootstab.discriminants.mesh import halved, redistribute, split
 from shootstab.discriminants.paths import Bend
 from shootstab.discriminants.protocol import Value
-from shootstab.discriminants.table import Table, tabulate
+from shootstab.discriminants.table import Table, retabulate, tabulate
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
 from shootstab.vocabulary.errors import ConvergenceError
 from shootstab.vocabulary.scaled import Scaled
 
 MOST_STEPS = 40_000
 TURNS = 30  # attempts at a mesh
+FAR_MARGIN = 1e-4  # of the far frame's tolerance, for a mesh that is to serve larger σ too
 REDISTRIBUTIONS = 3  # of them, those that move every node
 
 
@@ -67,8 +68,7 @@ class Shooting:
         self.evaluations = 0
         self._table: Table | None = None
         self._far_error = 0.0
-        self._tables: dict[tuple[int, int, int | None], Table] = {}
-        self._tables_of: Table | None = None
+        self._tables: dict[tuple[int, bool, int | None], tuple[Table | None, Table]] = {}
         self._rows = problem.wall_rows()
 
     def __call__(self, sigma: complex) -> Scaled:
@@ -85,10 +85,14 @@ class Shooting:
         return self._variant(lambda far: far, halved(self._mesh, seed), self.problem, seed)
 
     def turned(self, seed: int) -> Shooting:
-        """The same from the far frame in another basis of determinant 1, chosen at random."""
+        """The same from the far frame with its columns in another order and with other phases, of product 1, at random.
+
+        They are not mixed: columns of very different size would be spoilt by that, and not by the method.
+        """
         k = self.problem.decaying
-        basis = np.linalg.qr(_random(seed, k, k))[0]  # unitary: it must not add a condition of its own
-        basis /= np.linalg.det(basis) ** (1 / k)
+        order = np.random.default_rng(seed).permutation(k)
+        basis = np.eye(k)[order] * _random(seed, k)
+        basis[:, 0] /= np.linalg.det(basis)
         return self._variant(lambda far: replace(far, frame=far.frame @ basis, tangent=far.tangent @ basis), self._mesh, self.problem)
 
     def jiggled(self, seed: int, size: float) -> Shooting:
@@ -100,10 +104,25 @@ class Shooting:
         """Of another problem, on the same mesh."""
         return self._variant(lambda far: far, self._mesh, problem)
 
-    def begin_with(self, other: object) -> None:
-        """Take the mesh of a neighbouring problem's discriminant, if it has one, as the first: it grows where this one needs it."""
-        if isinstance(other, Shooting) and other._table is not None:
-            self._table = tabulate(self.problem, other._mesh)
+    def moved_to(self, problem: Problem, method: Carrier | None = None) -> Shooting:
+        """Of another problem, from the same mesh on, which grows where it must; method carries it, if not the same object."""
+        other = Shooting(problem, method or self.method, self.bend)
+        if self._table is not None:
+            other._table = tabulate(problem, self._mesh)
+        return other
+
+    def adopt(self, other: Shooting) -> None:
+        """Begin with the mesh and the table that another path of the same problem has off the detours."""
+        if other._table is None or self.bend is None:
+            return
+        nodes = other._mesh
+        real = nodes[nodes.imag == 0.0].real
+        if other.bend is not None:
+            inside = self.problem.mesh(real[0])
+            inside = inside[np.abs(inside - other.bend.centre) < other.bend.half_width]
+            real = np.union1d(real, inside)
+            real = real if nodes[-1].real > nodes[0].real else real[::-1]
+        self._table = retabulate(self.problem, self.bend.of(real), other._table)
 
     @property
     def far_error(self) -> float:
@@ -130,12 +149,13 @@ class Shooting:
         """A table of its own mesh, of the halved one, or of another problem's on its own: each is made once for each mesh."""
         if problem is self.problem and nodes is self._mesh:
             return self._table
-        if self._tables_of is not self._table:
-            self._tables, self._tables_of = {}, self._table
-        key = (id(problem), len(nodes), seed)
-        if key not in self._tables:
-            self._tables[key] = tabulate(problem, nodes)
-        return self._tables[key]
+        key = (id(problem), nodes is self._mesh, seed)
+        known = self._tables.get(key)
+        if known is None or known[0] is not self._table:
+            # the mesh may have grown since: most of its steps are the same
+            table = tabulate(problem, nodes) if known is None else retabulate(problem, nodes, known[1])
+            self._tables[key] = known = self._table, table
+        return known[1]
 
     @property
     def _far_tolerance(self) -> float:
@@ -153,12 +173,25 @@ class Shooting:
             self._regrid(errors, everywhere=turn < REDISTRIBUTIONS)
         raise ConvergenceError(f"no mesh found that holds local errors of {self.method.rtol:.1e} at sigma = {sigma:.6g}")
 
+    def _reach_out(self, sigma: complex) -> None:
+        """Begin farther out, where the far frame holds for σ and for somewhat larger ones; the rest of the mesh stays."""
+        nodes, table = self._mesh, self._table
+        assert table is not None
+        outwards = nodes[0].real - nodes[-1].real
+        straight = self.problem.mesh(self.problem.start(sigma, FAR_MARGIN * self._far_tolerance))
+        beyond = straight[(straight - nodes[0].real) * outwards > 1e-9 * outwards**2]
+        if len(beyond) == 0:
+            self._build(sigma, self._far_tolerance)
+        else:
+            self._table = retabulate(self.problem, np.concatenate((beyond, nodes)), table)
+
     def _regrid(self, errors: np.ndarray, everywhere: bool) -> None:
         """Spread the steps anew, or only split those that err too much."""
         nodes = (redistribute if everywhere else split)(self._mesh, errors, self.method.rtol)
         if len(nodes) > MOST_STEPS:
             raise ConvergenceError(f"the mesh would need more than {MOST_STEPS} steps: sigma lies on a singularity of the system")
-        self._table = tabulate(self.problem, nodes)
+        assert self._table is not None
+        self._table = retabulate(self.problem, nodes, self._table)
 
     def _evaluate(self, sigma: complex, tangent: bool) -> Value:
         if self._table is None:
@@ -177,7 +210,7 @@ class Shooting:
         far = self._start(self.problem.far_frame(table.nodes[0].real, sigma))
         self._far_error = far.error
         if far.error > 10 * self._far_tolerance:
-            self._build(sigma, self._far_tolerance)
+            self._reach_out(sigma)
             return self._shoot(sigma, tangent)
         self.evaluations += 1
         return self.method.carry(table, self._rows, far, sigma, tangent)

@@ -2,7 +2,7 @@
 
 At every Runge–Kutta abscissa the pencil is reduced to
 
-    A(σ) = C⁻¹D = X0 + σ X1 + V γ(σ)⁻¹ t(σ),   γ = γ0 + σ γ1,   t = t0 + σ t1 + σ² t2.
+    A(σ) = C⁻¹D = X0 + σ X1 + V γ(σ)⁻¹ τ(σ),   γ = G0 + σ G1,   τ = T0 + σ T1 + σ² T2.
 
 The rows of C that σ does not enter fix ψ′ up to the null space V of those rows; the m rows that it does enter fix the rest. m is 0 for most
 problems and 1 for the chute, and det C vanishes where det γ does: nothing is divided by that is not singular in truth.
@@ -11,10 +11,15 @@ problems and 1 for the chute, and det C vanishes where det γ does: nothing is d
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from shootstab.kernels.elimination import solve_each
+from shootstab.kernels.system import Sampled
 from shootstab.kernels.tableau import STAGES
 from shootstab.kernels.tableau import C as ABSCISSAE
 from shootstab.problems.protocol import ComplexArray, Pencil, Problem
@@ -23,21 +28,24 @@ from shootstab.vocabulary.errors import InputError
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """nodes (N+1,) from the far end to the wall; the reduced pencil at the 12 abscissae of each of N steps.
-
-    X (N, 12, 2, n, n), V (N, 12, n, m), G (N, 12, 2, m, m) for γ, T (N, 12, 3, m, n) for t.
-    """
+    """nodes (N+1,) from the far end to the wall; the reduced system on the N steps, in complex numbers."""
 
     nodes: ComplexArray
-    X: ComplexArray
-    V: ComplexArray
-    G: ComplexArray
-    T: ComplexArray
+    system: Sampled
 
-    @property
-    def steps(self) -> ComplexArray:
-        """h (N,)."""
-        return np.diff(self.nodes)
+    @cached_property
+    def real(self) -> Sampled | None:
+        """The system in real numbers, None if it is not real."""
+        parts = self.system[3:]
+        if any(part.imag.any() for part in parts):
+            return None
+        return Sampled(*self.system[:3], *(np.ascontiguousarray(part.real) for part in parts))
+
+    def numbers(self, sigma: complex, *arrays: ComplexArray) -> tuple[Any, ...]:
+        """The system, σ and copies of arrays for a kernel: as real numbers where all of them are, and complex ones otherwise."""
+        if sigma.imag == 0.0 and not any(a.imag.any() for a in arrays) and self.real is not None:
+            return self.real, sigma.real, *(a.real.copy() for a in arrays)
+        return self.system, sigma, *(a.astype(np.complex128, order="C") for a in arrays)
 
 
 def tabulate(problem: Problem, nodes: NDArray[np.complexfloating]) -> Table:
@@ -46,13 +54,52 @@ def tabulate(problem: Problem, nodes: NDArray[np.complexfloating]) -> Table:
     Raises InputError where the pencil is of the wrong shape, not finite, or of deficient rank.
     """
     at: ComplexArray = np.asarray(nodes, dtype=np.complex128)
-    h = np.diff(at)
+    return Table(at, _sampled(problem, at[:-1], np.diff(at)))
+
+
+def retabulate(problem: Problem, nodes: NDArray[np.complexfloating], known: Table) -> Table:
+    """The same as `tabulate`, where the problem is known on another mesh of the same path: the steps that both have are copied."""
+    at: ComplexArray = np.asarray(nodes, dtype=np.complex128)
+    places = {step: i for i, step in enumerate(pairwise(known.nodes.tolist()))}
+    old = np.array([places.get(step, -1) for step in pairwise(at.tolist())])
+    fresh = np.flatnonzero(old < 0)
+    if 2 * len(fresh) > len(old):
+        return tabulate(problem, at)
+    P, V, G = (a[old] for a in known.system[3:])
+    if len(fresh):
+        new = _sampled(problem, at[:-1][fresh], np.diff(at)[fresh])
+        if new.P.shape[2:] != P.shape[2:] or not all(map(np.array_equal, new[:3], known.system[:3])):
+            return tabulate(problem, at)  # an entry vanishes on one of the two
+        P[fresh], V[fresh], G[fresh] = new[3:]
+    return Table(at, Sampled(*known.system[:3], P, V, G))
+
+
+def _sampled(problem: Problem, starts: ComplexArray, h: ComplexArray) -> Sampled:
+    """The system on steps of these lengths from these points, in the order of the path."""
     order = np.argsort(ABSCISSAE)
-    points: ComplexArray = at[:-1, None] + h[:, None] * ABSCISSAE[order]
+    points: ComplexArray = starts[:, None] + h[:, None] * ABSCISSAE[order]
     reduced = reduce_pencil(problem.pencil(points.ravel()), problem.size)
-    steps = len(h)
     back = np.argsort(order)
-    return Table(at, *(a.reshape(steps, STAGES, *a.shape[1:])[:, back].copy() for a in reduced))
+    return sample(h, *(a.reshape(len(h), STAGES, *a.shape[1:])[:, back] for a in reduced))
+
+
+def sample(h: ComplexArray, X: ComplexArray, V: ComplexArray, G: ComplexArray, T: ComplexArray) -> Sampled:
+    """The reduced system at the abscissae of N steps of lengths h, in the form that the kernels take.
+
+    X (N, 12, 2, n, n), V (N, 12, n, m), G (N, 12, 2, m, m), T (N, 12, 3, m, n).
+    """
+    n, m = V.shape[2:]
+    lengths = h[:, None, None, None]
+    degree = 2 if T[:, :, 2].any() else 1
+    stacked = np.zeros((len(h), STAGES, degree + 1, n + m, n), dtype=np.complex128)
+    stacked[:, :, :2, :n] = X * lengths[..., None]
+    stacked[:, :, :, n:] = T[:, :, : degree + 1]
+    row, column = np.nonzero(stacked.any(axis=(0, 1, 2)))
+    start = np.searchsorted(row, np.arange(n + m + 1))
+    carries = np.flatnonzero(V.any(axis=(0, 1, 3)))
+    parts = stacked[:, :, :, row, column], V[:, :, carries] * lengths, G
+    P, V, G = (np.ascontiguousarray(part) for part in parts)
+    return Sampled(start.astype(np.uint64), column.astype(np.uint64), carries.astype(np.uint64), P, V, G)
 
 
 def reduce_pencil(pencil: Pencil, n: int) -> tuple[ComplexArray, ComplexArray, ComplexArray, ComplexArray]:
@@ -78,11 +125,10 @@ def reduce_pencil(pencil: Pencil, n: int) -> tuple[ComplexArray, ComplexArray, C
     right = np.zeros((p, n, 2 * n + m), dtype=np.complex128)
     right[:, : n - m, :n], right[:, : n - m, n : 2 * n] = D0[:, fixed], D1[:, fixed]
     right[:, n - m :, 2 * n :] = np.eye(m)
-    try:
-        solved = np.linalg.solve(complete, right)
-    except np.linalg.LinAlgError:
-        raise InputError("the pencil's C has rows of deficient rank, whatever sigma is") from None
-    X0, X1, V = (np.asarray(part, dtype=np.complex128) for part in np.split(solved, (n, 2 * n), axis=2))
+    solve_each(complete, right)
+    if not np.isfinite(right).all():
+        raise InputError("the pencil's C has rows of deficient rank, whatever sigma is")
+    X0, X1, V = np.split(right, (n, 2 * n), axis=2)
     G0, G1 = C0[:, moving] @ V, C1[:, moving] @ V
     T0 = D0[:, moving] - C0[:, moving] @ X0
     T1 = D1[:, moving] - C0[:, moving] @ X1 - C1[:, moving] @ X0

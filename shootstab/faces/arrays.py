@@ -1,4 +1,4 @@
-"""NumPy's own files, npy and npz. Nothing is ever unpickled."""
+"""NumPy's own files, npy and npz: nothing is ever unpickled. And which array of several is meant, in any format."""
 
 from __future__ import annotations
 
@@ -6,7 +6,10 @@ import io
 import tokenize
 import zipfile
 import zlib
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
+
+from shootstab.faces.notation import shortened
 
 if TYPE_CHECKING:
     import numpy as np
@@ -32,20 +35,15 @@ def from_npy(data: bytes) -> NDArray[np.complex128]:
         array = np.load(io.BytesIO(data), allow_pickle=False)
     except _BROKEN as error:
         raise ValueError(f"broken npy: {error}: {ALLOWED}") from error
-    return _as_complex(array)
+    return as_complex(array)
 
 
-def from_npz(data: bytes, largest: int) -> NDArray[np.complex128]:
-    """The eigenvalues in the bytes of an npz file: its only array, or the one called eigenvalues or sigma. Raises ValueError."""
+def from_npz(data: bytes, dataset: str | None, largest: int) -> NDArray[np.complex128]:
+    """The eigenvalues in the bytes of an npz file: its only array, or the one of this name. Raises ValueError."""
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             members = {name.removesuffix(".npy"): name for name in archive.namelist()}
-            chosen = next((members[n] for n in NAMES if n in members), None)
-            if chosen is None and len(members) == 1:
-                (chosen,) = members.values()
-            if chosen is None:
-                found = ", ".join(members) or "none"
-                raise ValueError(f"arrays in it: {found}: allowed is one array, or one of them called {' or '.join(NAMES)}")
+            chosen = members[choose(list(members), dataset, list(members))]
             info = archive.getinfo(chosen)
             if info.file_size > largest:
                 raise ValueError("larger than 64 MB when unpacked: allowed is a smaller file")
@@ -57,7 +55,24 @@ def from_npz(data: bytes, largest: int) -> NDArray[np.complex128]:
     return from_npy(member)
 
 
-def _as_complex(array: Any) -> NDArray[np.complex128]:
+def choose(numeric: Sequence[str], dataset: str | None, there: Sequence[str]) -> str:
+    """Which array is meant: the one asked for, else the one called eigenvalues or sigma, else the only one of numbers.
+
+    Raises ValueError that lists what is there.
+    """
+    listed = shortened(", ".join(there) or "none", 200).strip("'\"")
+    if dataset is not None:
+        if dataset in numeric:
+            return dataset
+        raise ValueError(f"no array of numbers called {shortened(dataset)} in it: there are {listed}")
+    named = [name for name in NAMES if name in numeric]
+    if named or len(numeric) == 1:
+        return named[0] if named else numeric[0]
+    raise ValueError(f"arrays in it: {listed}: allowed is one array, or one of them called {' or '.join(NAMES)}, or --dataset NAME")
+
+
+def as_complex(array: Any) -> NDArray[np.complex128]:
+    """Eigenvalues (m,) from a list of numbers in whatever shape, or from two real columns. Raises ValueError."""
     import numpy as np
 
     if not isinstance(array, np.ndarray) or array.dtype.kind not in "iufc":

@@ -78,9 +78,10 @@ def parser() -> argparse.ArgumentParser:
     subparsers = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
     verify = _command(subparsers, commands.verify, "a verdict on each eigenvalue, and the modes that are missing")
-    verify.add_argument(
-        "eigenvalues", nargs="?", metavar="EIGENVALUES", help="csv, text, json, npy or npz (default: the bundled reference)"
-    )
+    formats = "csv, text, json, npy, npz, MATLAB, HDF5 or Legolas"
+    verify.add_argument("eigenvalues", nargs="?", metavar="EIGENVALUES", help=f"{formats} (default: the bundled reference)")
+    verify.add_argument("--dataset", metavar="NAME", help="the array that is meant, in a file that holds several")
+    _convention(verify)
     verify.add_argument("--digits", type=_integer(1, 12), default=6, metavar="N", help="digits that an eigenvalue must have (default 6)")
     verify.add_argument("--strict", action="store_true", help="`continuum` is bad news too")
     verify.add_argument("--plot", type=_plot_path, metavar="FILE", help="draw the complex plane into a png, pdf or svg file")
@@ -89,6 +90,7 @@ def parser() -> argparse.ArgumentParser:
     verify.add_argument("--unstable", action="store_true", help="count all growing modes too, wherever they are")
 
     refine = _command(subparsers, commands.refine, "one mode, with its error bar")
+    _convention(refine)
     refine.add_argument("--guess", type=_guess, required=True, metavar="RE[,IM]", help="where to start")
     accuracy = refine.add_mutually_exclusive_group()
     accuracy.add_argument("--rtol", type=_tolerance, default=1e-10, metavar="X", help="relative accuracy asked for (default 1e-10)")
@@ -96,15 +98,11 @@ def parser() -> argparse.ArgumentParser:
     refine.add_argument("--method", choices=tuple(commands.METHODS), help="how the determinant is formed (default: as the program chooses)")
 
     count = _command(subparsers, commands.count, "how many modes a region of the complex plane holds")
-    count.add_argument("--region", choices=("rectangle", "disc", "polygon", "half-plane"), required=True, help="the shape")
-    count.add_argument("--corners", type=_numbers(), metavar="RE0,IM0,RE1,IM1,…", help="of the rectangle: lower left, upper right")
-    count.add_argument("--centre", type=_numbers(2), metavar="RE,IM", help="of the disc")
-    count.add_argument("--radius", type=_numbers(1), metavar="R", help="of the disc")
-
+    _add_region(count, "rectangle", "disc", "polygon", "half-plane")
     count.add_argument("--floor", type=_numbers(1), metavar="X", help="of the half-plane: Re σ > X (default 1e-8)")
 
-    find = _command(subparsers, commands.find, "all modes in a rectangle, without a guess")
-    find.add_argument("--corners", type=_numbers(4), required=True, metavar="RE0,IM0,RE1,IM1", help="lower left, upper right")
+    find = _command(subparsers, commands.find, "all modes in a region, without a guess")
+    _add_region(find, "rectangle", "disc", "polygon", default="rectangle")
     find.add_argument("--resonances", action="store_true", help="list zeros beyond the continuous spectrum too")
 
     _command(subparsers, commands.steady, "the steady flow of the scene")
@@ -133,11 +131,32 @@ def _command(subparsers: Any, run: Callable[[argparse.Namespace], int], says: st
     return made
 
 
+def _add_region(command: argparse.ArgumentParser, *shapes: str, default: str | None = None) -> None:
+    """The options that name a region of the σ-plane."""
+    says = "the shape" if default is None else f"the shape (default {default})"
+    command.add_argument("--region", choices=shapes, required=default is None, default=default, help=says)
+    corners = "RE,IM of a polygon's corners, three or more, or of a rectangle's lower left and upper right"
+    command.add_argument("--corners", type=_numbers(), metavar="RE0,IM0,RE1,IM1,…", help=corners)
+    command.add_argument("--centre", type=_numbers(2), metavar="RE,IM", help="of the disc")
+    command.add_argument("--radius", type=_numbers(1), metavar="R", help="of the disc")
+
+
+def _convention(command: argparse.ArgumentParser) -> None:
+    """What the numbers mean that are given and shown (see conventions.py)."""
+    group = command.add_argument_group("what an eigenvalue is", "by default the problem's own, σ of exp(σt)")
+    group.add_argument("--as", dest="kind", choices=("growth", "frequency", "phase-speed"), help="σ, ω or c")
+    group.add_argument("--alpha", type=_numbers(1), metavar="X", help="the wavenumber, for a phase speed")
+    group.add_argument("--sign", choices=("+", "-"), help="of time in the exponent: + for a growth rate, - for ω and c by default")
+    group.add_argument("--conjugate", action="store_true", help="waves are exp(-iαx)")
+    group.add_argument("--length", type=_numbers(1), metavar="X", help="the unit of length of these numbers, in that of the problem")
+    group.add_argument("--velocity", type=_numbers(1), metavar="X", help="the unit of velocity, likewise")
+
+
 def _with_values(argv: Sequence[str]) -> list[str]:
     """Join an option to a value that begins with a minus sign, which argparse would take for an option: --guess -0.1,0.2."""
     joined: list[str] = []
     for word in argv:
-        if joined and re.fullmatch(r"--[a-z]+", joined[-1]) and re.match(r"-[\d.]", word):
+        if joined and re.fullmatch(r"--[a-z]+", joined[-1]) and re.match(r"-([\d.]|$)", word):
             joined[-1] += f"={word}"
         else:
             joined.append(word)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shootstab.faces import scenes as scene_files
+from shootstab.faces.conventions import Convention
 from shootstab.faces.files import require_writable, write_whole
 from shootstab.vocabulary.errors import InputError
 from shootstab.vocabulary.regions import Disc, Polygon, Rectangle, Region
@@ -38,19 +39,27 @@ def verify(options: Namespace) -> int:
         from shootstab.faces import plots
 
         plots.require(options.plot)
+    if options.dataset is not None and options.eigenvalues is None:
+        raise InputError("--dataset: allowed only with EIGENVALUES")
+    convention = _convention(options)
+    if options.unstable and convention.unit.imag != 0.0:
+        raise InputError(f"--unstable: allowed with growth rates only, not with --as {convention.kind}")
     region = None if options.region is None else _rectangle(options.region)
-    claimed = None if options.eigenvalues is None else readers.read(options.eigenvalues)
-    scene = scene_files.load(options.scene)
+    given = None if options.eigenvalues is None else convention.read(readers.read(options.eigenvalues, options.dataset))
+    own = scene_files.load(options.scene)
+    scene = own.seen(convention)
+    from shootstab.questions.missing import unstable_box
     from shootstab.questions.reference import claims
-    from shootstab.questions.verify import unstable_box
     from shootstab.questions.verify import verify as question
 
     with progress(f"verifying {scene.name}") as told:
-        if claimed is None:
-            claimed = claims(scene.problem, options.digits, options.truncation)
+        if given is None:
+            claimed = claims(own.problem, options.digits, options.truncation)
             # the reference claims that these are modes, not that there are no others
-            region = region or unstable_box(scene.problem, claimed)
-        report = question(scene.problem, claimed, digits=options.digits, region=region, progress=told, unstable=options.unstable)
+            region = region or (unstable_box(own.problem, claimed) if convention.plain else None)
+            given = (claimed / convention.unit).tolist()
+        report = question(scene.problem, given, digits=options.digits, region=region, progress=told, unstable=options.unstable)
+    report = convention.shown(report)
     if options.plot is not None:
         from shootstab.faces import plots
 
@@ -61,7 +70,10 @@ def verify(options: Namespace) -> int:
 
         return tables.report(report, scene)
 
-    _answer(options, documents.report(report), tables)
+    document = documents.report(report)
+    if not convention.plain:
+        document["convention"] = convention.formula
+    _answer(options, document, tables)
     return BAD_NEWS if report.bad_news(options.strict) else DONE
 
 
@@ -69,7 +81,10 @@ def refine(options: Namespace) -> int:
     """One mode, with its error bar."""
     from shootstab.faces import documents
 
-    scene = scene_files.load(options.scene)
+    convention = _convention(options)
+    if convention.conjugate:
+        raise InputError("--conjugate: allowed with verify; here give the conjugate guess")
+    scene = scene_files.load(options.scene).seen(convention)
     from shootstab.faces.terminal import progress
     from shootstab.questions.refine import refine as question
 
@@ -82,8 +97,19 @@ def refine(options: Namespace) -> int:
 
         return tables.mode(found, scene)
 
-    _answer(options, documents.mode(found), tables)
+    document = documents.mode(found)
+    if not convention.plain:
+        document["convention"] = convention.formula
+    _answer(options, document, tables)
     return DONE if found.converged else BAD_NEWS
+
+
+def _convention(options: Namespace) -> Convention:
+    """What the user says that his numbers are."""
+    given = {name: getattr(options, name)[0] for name in ("alpha", "length", "velocity") if getattr(options, name) is not None}
+    if options.kind is None and (given or options.sign is not None or options.conjugate):
+        raise InputError("--alpha, --sign, --conjugate, --length and --velocity: allowed with --as growth, frequency or phase-speed")
+    return Convention(options.kind or "growth", options.sign, conjugate=options.conjugate, **given)
 
 
 def _method(options: Namespace) -> Any:
@@ -101,14 +127,9 @@ def count(options: Namespace) -> int:
     """How many modes a region holds."""
     from shootstab.faces import documents
 
-    wanted = {"rectangle": ("corners",), "polygon": ("corners",), "disc": ("centre", "radius"), "half-plane": ()}[options.region]
-    for name in ("corners", "centre", "radius"):
-        if (getattr(options, name) is not None) != (name in wanted):
-            needed = " and ".join(f"--{w}" for w in wanted) or "nothing but --floor"
-            raise InputError(f"--region {options.region}: needed is {needed}, and no other")
     if options.floor is not None and options.region != "half-plane":
         raise InputError("--floor: allowed only with --region half-plane")
-    region = None if options.region == "half-plane" else _region(options)
+    region = _region(options)
     scene = scene_files.load(options.scene)
     if region is None:
         from shootstab.questions.unstable import HalfDisc, count_unstable
@@ -131,10 +152,11 @@ def count(options: Namespace) -> int:
 
 
 def find(options: Namespace) -> int:
-    """All modes in a rectangle; with --resonances also the zeros beyond the continuous spectrum."""
+    """All modes in a region; with --resonances also the zeros beyond the continuous spectrum."""
     from shootstab.faces import documents
 
-    region = _rectangle(options.corners)
+    region = _region(options)
+    assert region is not None
     scene = scene_files.load(options.scene)
     from shootstab.questions.find import find as question
 
@@ -149,7 +171,15 @@ def find(options: Namespace) -> int:
     return DONE
 
 
-def _region(options: Namespace) -> Region:
+def _region(options: Namespace) -> Region | None:
+    """The region that is asked about; None is a half-plane."""
+    wanted = {"rectangle": ("corners",), "polygon": ("corners",), "disc": ("centre", "radius"), "half-plane": ()}[options.region]
+    for name in ("corners", "centre", "radius"):
+        if (getattr(options, name) is not None) != (name in wanted):
+            needed = " and ".join(f"--{w}" for w in wanted) or "nothing but --floor"
+            raise InputError(f"--region {options.region}: needed is {needed}, and no other")
+    if options.region == "half-plane":
+        return None
     if options.region == "disc":
         return Disc(complex(*options.centre), options.radius[0])
     if len(options.corners) % 2 or (options.region == "rectangle" and len(options.corners) != 4):
@@ -207,7 +237,7 @@ def scenes(options: Namespace) -> int:
         _write_json(options, {"scenes": built_in})
     if options.json != "-":
         for name, (description, _) in scene_files.BUILT_IN.items():
-            print(f"{name:<12}{description}")
+            print(f"{name:<16}{description}")
     return DONE
 
 

@@ -32,6 +32,7 @@ def mode(found: Mode) -> dict[str, Any]:
         "seconds": found.seconds,
         "continuum_distance": found.continuum_distance,
         "path": found.path,
+        "multiplicity": found.multiplicity,
     }
 
 
@@ -39,7 +40,7 @@ def report(found: Report) -> dict[str, Any]:
     """What `verify` answers."""
     return {
         "verdicts": [_verdict(v) for v in found.verdicts],
-        "missing": [{"sigma": as_strings(m.sigma, m.error), "error": m.error} for m in found.missing],
+        "missing": [{"sigma": as_strings(m.sigma, m.error), "error": m.error, "multiplicity": m.multiplicity} for m in found.missing],
         "summary": dict(found.summary),
         "digits": found.digits,
         "searched": found.searched,
@@ -56,6 +57,7 @@ def _verdict(verdict: Verdict) -> dict[str, Any]:
         "digits_agreed": verdict.digits_agreed,
         "why": verdict.why,
         "continuum_distance": verdict.continuum_distance,
+        "multiplicity": verdict.multiplicity,
     }
 
 
@@ -75,7 +77,10 @@ def found(answer: Found, region: Region) -> dict[str, Any]:
     """What `find` answers: modes, resonances if they were asked for, and the count that says that these are all."""
     return {
         **count(region, answer.survey),
-        "modes": [{"sigma": as_strings(m.sigma, m.error), "error": m.error, "status": m.status} for m in answer.modes],
+        "modes": [
+            {"sigma": as_strings(m.sigma, m.error), "error": m.error, "multiplicity": m.multiplicity, "status": m.status}
+            for m in answer.modes
+        ],
         "resonances": None if answer.resonances is None else [{"sigma": as_strings(r)} for r in answer.resonances],
     }
 

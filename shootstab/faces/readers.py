@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from shootstab.faces import arrays
+from shootstab.faces import arrays, hdf5, legolas, matlab
 from shootstab.faces.notation import complex_from, shortened
 from shootstab.vocabulary.errors import InputError
 
@@ -27,15 +27,21 @@ Placed = Iterator[tuple[str, complex]]
 
 @dataclass(frozen=True)
 class Reader:
-    """One kind of file: whether these bytes are of it, and the eigenvalues in them (ValueError if they are malformed)."""
+    """One kind of file: whether these bytes are of it, and the eigenvalues in them (ValueError if they are malformed).
+
+    A file that may hold several arrays has them chosen by name.
+    """
 
     name: str
     recognises: Callable[[bytes], bool]
-    values: Callable[[bytes], Placed]
+    values: Callable[[bytes, str | None], Placed]
+    several: bool = False
 
 
-def read(path: str | Path) -> NDArray[np.complex128]:
-    """The eigenvalues in a file, in their order: csv or text, json, npy, npz.
+def read(path: str | Path, dataset: str | None = None) -> NDArray[np.complex128]:
+    """The eigenvalues in a file, in their order: csv or text, json, npy, npz, MATLAB, HDF5, Legolas.
+
+    dataset is the name of the array that is meant, in a file that may hold several.
 
     Raises InputError, whose one line names the file, for a file that is missing, empty, larger than 64 MB or malformed, and for
     one that holds a NaN or an infinity.
@@ -45,8 +51,12 @@ def read(path: str | Path) -> NDArray[np.complex128]:
     if reader is None:
         known = ", ".join(r.name for r in READERS)
         raise InputError(f"{path}: not an eigenvalue file: allowed is {known}")
+    if dataset is not None and not reader.several:
+        raise InputError(
+            f"{path}: --dataset {dataset}: allowed for {', '.join(r.name for r in READERS if r.several)}; this is {reader.name}"
+        )
     try:
-        values = [_finite(place, value) for place, value in reader.values(data)]
+        values = [_finite(place, value) for place, value in reader.values(data, dataset)]
     except ValueError as error:
         raise InputError(f"{path}: {error}") from error
     if not values:
@@ -203,17 +213,20 @@ def _is_json(data: bytes) -> bool:
 # the table: the first that recognises a file reads it
 
 
-def _placed(values: Callable[[bytes], NDArray[np.complex128]]) -> Callable[[bytes], Placed]:
-    def placed(data: bytes) -> Placed:
-        for number, value in enumerate(values(data), 1):
+def _placed(values: Callable[[bytes, str | None], NDArray[np.complex128]]) -> Callable[[bytes, str | None], Placed]:
+    def placed(data: bytes, dataset: str | None) -> Placed:
+        for number, value in enumerate(values(data, dataset), 1):
             yield f"entry {number}", complex(value)
 
     return placed
 
 
 READERS = (
-    Reader("npy", lambda data: data.startswith(arrays.MAGIC), _placed(arrays.from_npy)),
-    Reader("npz", lambda data: data.startswith(arrays.MAGIC_ZIP), _placed(lambda data: arrays.from_npz(data, LARGEST))),
-    Reader("json", _is_json, _json),
-    Reader("csv or text in UTF-8", _is_text, _text),
+    Reader("npy", lambda data: data.startswith(arrays.MAGIC), _placed(lambda data, _: arrays.from_npy(data))),
+    Reader("npz", lambda data: data.startswith(arrays.MAGIC_ZIP), _placed(lambda data, name: arrays.from_npz(data, name, LARGEST)), True),
+    Reader("HDF5", hdf5.is_hdf5, _placed(lambda data, name: hdf5.from_hdf5(data, name, LARGEST)), True),
+    Reader("MATLAB", lambda data: data.startswith(matlab.MAGIC), _placed(lambda data, name: matlab.from_mat(data, name, LARGEST)), True),
+    Reader("Legolas", lambda data: data.startswith(legolas.MAGIC), _placed(lambda data, _: legolas.from_legolas(data))),
+    Reader("json", _is_json, lambda data, _: _json(data)),
+    Reader("csv or text in UTF-8", _is_text, lambda data, _: _text(data)),
 )

@@ -8,11 +8,12 @@ from __future__ import annotations
 import importlib
 import sys
 import tomllib
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from shootstab.faces.conventions import Convention
 from shootstab.faces.notation import shortened
 from shootstab.vocabulary.errors import InputError
 
@@ -26,19 +27,33 @@ CHUTE_UNIT = "√(g cosθ/d)"
 
 @dataclass(frozen=True)
 class Scene:
-    """A problem with a name. flow is the steady flow under it, if it has one; unit is that of σ."""
+    """A problem with a name. flow is the steady flow under it, if it has one; symbol is what the eigenvalue is called, unit its unit."""
 
     name: str
     description: str
     problem: Problem
     flow: Flow | None = None
     unit: str = ""
+    symbol: str = "σ"
+
+    def seen(self, convention: Convention) -> Scene:
+        """The same with somebody else's eigenvalue."""
+        if convention.plain:
+            return self
+        from shootstab.problems.rescaled import Rescaled
+
+        description = f"{self.description}, {convention.formula}"
+        return replace(self, description=description, problem=Rescaled(self.problem, convention.unit), unit="", symbol=convention.symbol)
 
 
 def _paper(branch: str, kx: float, ky: float) -> dict[str, Any]:
     flow = {"e": 0.8, "e_w": 0.8, "r": 0.6, "tan_theta": 0.3, "mass_flux": 3.0, "branch": branch}
     return {"flow": flow, "wave": {"kx": kx, "ky": ky}}
 
+
+_PLATE = {"name": "plate", "second": 2 / 15}
+_MALIK_3 = {**_PLATE, "mach": 2.5, "far_temperature": 600 / 1.8 / 2.25, "reynolds": 3000.0, "alpha": 0.06, "beta": 0.1}
+_MALIK_6 = {**_PLATE, "mach": 4.5, "far_temperature": 1100 / 1.8 / 5.05, "reynolds": 1500.0, "omega": 0.23}
 
 # name: (description, what a scene file would say)
 BUILT_IN: Mapping[str, tuple[str, dict[str, Any]]] = {
@@ -47,6 +62,17 @@ BUILT_IN: Mapping[str, tuple[str, dict[str, Any]]] = {
     "low": ("granular chute, low flow at Q0 = 3, kx = 0.011, ky = 0, its most unstable wavenumber", _paper("low", 0.011, 0.0)),
     "fig2": ("granular chute, high flow at Q0 = 3, kx = 5e-4, ky = 0: figure 2 of the paper", _paper("high", 5e-4, 0.0)),
     "poiseuille": ("plane Poiseuille flow, Re = 10000, alpha = 1", {"problem": {"name": "poiseuille", "reynolds": 10000.0, "alpha": 1.0}}),
+    "blasius": ("Blasius boundary layer, R = 580, alpha = 0.179", {"problem": {"name": "blasius", "reynolds": 580.0, "alpha": 0.179}}),
+    "suction": ("asymptotic suction layer, R = 54370, alpha = 0.1555", {"problem": {"name": "suction"}}),
+    "benard": (
+        "Rayleigh-Benard convection, rigid, Ra = 2000, a = 3.117",
+        {"problem": {"name": "benard", "rayleigh": 2e3, "wavenumber": 3.117}},
+    ),
+    "poeschl-teller": ("Poeschl-Teller potential, nu = 0.2", {"problem": {"name": "poeschl-teller", "nu": 0.2}}),
+    "davies": ("Davies' operator -u'' + i x^2 u", {"problem": {"name": "davies"}}),
+    "shear-layer": ("shear layer U = tanh y, inviscid, alpha = 0.4446", {"problem": {"name": "shear-layer", "alpha": 0.4446}}),
+    "malik-3": ("compressible flat plate, M = 2.5, temporal: Malik's case 3, Mack's bulk viscosity", {"problem": _MALIK_3}),
+    "malik-6": ("compressible flat plate, M = 4.5, spatial: Malik's case 6, Mack's bulk viscosity", {"problem": _MALIK_6}),
 }
 
 
@@ -154,20 +180,27 @@ def _chute(name: str, description: str, tables: Mapping[str, Any]) -> Scene:
     return Scene(name, description, chute.problem(flow, kx=wave["kx"], ky=wave["ky"]), flow, CHUTE_UNIT)
 
 
-# the gallery
+# the gallery: name in [problem]: its table, and the function of shootstab.problems.gallery that its values make the problem with
 
 
-def _poiseuille(reynolds: float, alpha: float, half: bool = True) -> Problem:
-    from shootstab.problems.gallery.poiseuille import PlanePoiseuille
-
-    return PlanePoiseuille(reynolds=reynolds, alpha=alpha, half=half)
+def _numbers(*keys: str, required: tuple[str, ...] = (), **others: type) -> Table:
+    return Table("problem", {"name": str, **dict.fromkeys(keys, float), **others}, required=("name", *required))
 
 
-# name in [problem]: its table, and the problem its values make
-_GALLERY: Mapping[str, tuple[Table, Callable[..., Problem]]] = {
-    "poiseuille": (
-        Table("problem", {"name": str, "reynolds": float, "alpha": float, "half": bool}, required=("name", "reynolds", "alpha")),
-        _poiseuille,
+_GALLERY: Mapping[str, tuple[Table, str]] = {
+    "poiseuille": (_numbers("reynolds", "alpha", required=("reynolds", "alpha"), half=bool), "PlanePoiseuille"),
+    "blasius": (_numbers("reynolds", "alpha"), "blasius"),
+    "suction": (_numbers("reynolds", "alpha"), "suction"),
+    "benard": (_numbers("rayleigh", "wavenumber", "prandtl", lower=str, upper=str), "benard"),
+    "poeschl-teller": (_numbers("nu"), "poeschl_teller"),
+    "davies": (_numbers("start"), "davies"),
+    "shear-layer": (_numbers("alpha"), "shear_layer"),
+    "plate": (
+        _numbers(
+            *("mach", "far_temperature", "reynolds", "alpha", "omega", "beta", "second", "sutherland", "prandtl", "gamma", "wall"),
+            required=("mach", "far_temperature", "reynolds"),
+        ),
+        "plate",
     ),
 }
 
@@ -180,7 +213,9 @@ def _gallery(name: str, description: str, tables: Mapping[str, Any]) -> Scene:
     table, make = _GALLERY[wanted]
     values = table.checked(tables)
     del values["name"]
-    return Scene(name, description, make(**values))
+    from shootstab.problems import gallery
+
+    return Scene(name, description, getattr(gallery, make)(**values))
 
 
 # module:object

@@ -40,7 +40,7 @@ Parts = list[RenderableType]
 
 def report(found: Report, scene: Scene) -> Parts:
     """Verdicts and missing modes, the reasons, and one sentence."""
-    table = _table(f"{scene.name}: {scene.description}", _sigma("claimed σ", scene), "verdict", "mode σ", "error", "digits")
+    table = _table(f"{scene.name}: {scene.description}", _sigma("claimed σ", scene), "verdict", f"mode {scene.symbol}", "error", "digits")
     for number, verdict in enumerate(found.verdicts, 1):
         cells = _mode_cells(verdict.sigma, verdict.error) if verdict.sigma is not None else (ABSENT, ABSENT)
         table.add_row(str(number), claimed_digits(verdict.claimed, found.digits), _coloured(verdict.verdict), *cells, _agreement(verdict))
@@ -90,6 +90,8 @@ def mode(found: Mode, scene: Scene) -> Parts:
         "status": found.status,
         "method": f"{found.method}, {found.evaluations} evaluations, {found.seconds:.2g} s, {found.path} path in z",
     }
+    if found.multiplicity > 1:
+        rows["multiplicity"] = f"{found.multiplicity}: so many eigenvalues, equal or not told apart, lie within the error"
     if math.isfinite(found.continuum_distance):
         rows["continuous spectrum"] = f"at a distance of {_two_figures(found.continuum_distance)}"
     return [_pairs(f"{scene.name}: {scene.description}", rows)]
@@ -97,7 +99,8 @@ def mode(found: Mode, scene: Scene) -> Parts:
 
 def count(region: Region, found: Survey, scene: Scene) -> Parts:
     """One sentence, and what was left out."""
-    parts: Parts = [Text(f"{scene.name}: {found.count} mode{'s' * (found.count != 1)} inside the {_shape(region)}.")]
+    said = f"{scene.name}: {found.count} mode{'s' * (found.count != 1)} inside the {_shape(region)}."
+    parts: Parts = [Text(f"{said} The phase of D closed to {found.closure:.0e} of a turn, in {found.evaluations} evaluations.")]
     if found.left_out:
         parts += [
             Text(f"Not counted: what lies within {d.radius:.1e} of the end {d.centre:.6g} of the continuous spectrum.")
@@ -108,10 +111,10 @@ def count(region: Region, found: Survey, scene: Scene) -> Parts:
 
 def found(answer: Found, region: Region, scene: Scene) -> Parts:
     """A table of modes, the resonances under it, and the count."""
-    table = _table(f"{scene.name}: {scene.description}", _sigma("mode σ", scene), "error", "digits", "off the continuum")
+    table = _table(f"{scene.name}: {scene.description}", _sigma("mode σ", scene), "error", "digits", "multiplicity", "off the continuum")
     for number, m in enumerate(answer.modes, 1):
         away = _two_figures(m.continuum_distance) if math.isfinite(m.continuum_distance) else ABSENT
-        table.add_row(str(number), held_complex(m.sigma, m.error), _two_figures(m.error), f"{m.digits:.1f}", away)
+        table.add_row(str(number), held_complex(m.sigma, m.error), _two_figures(m.error), f"{m.digits:.1f}", str(m.multiplicity), away)
     parts: Parts = [table] if answer.modes else []
     if answer.resonances is not None:
         listed = ", ".join(f"{complex(r):.8g}" for r in answer.resonances) or "none"
@@ -167,6 +170,7 @@ def spectrum(found: Any, raw: bool, scene: Scene) -> Parts:
 
 
 def _sigma(title: str, scene: Scene) -> str:
+    title = title.replace("σ", scene.symbol)
     return f"{title} / {scene.unit}" if scene.unit else title
 
 
@@ -183,7 +187,7 @@ def _table(title: str, *headings: str, numbered: bool = True) -> Table:
     if numbered:
         table.add_column("#", justify="right", no_wrap=True)
     for heading in headings:
-        numeric = heading in ("error", "digits", "drift", "tail", "z", "ν", "T", "u")
+        numeric = heading in ("error", "digits", "multiplicity", "drift", "tail", "z", "ν", "T", "u")
         table.add_column(Text(heading), justify="right" if numeric else "left", no_wrap=True)
     return table
 

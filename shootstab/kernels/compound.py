@@ -13,64 +13,52 @@ import numpy as np
 from numba import njit
 
 from shootstab.kernels.exterior import apply, row_sizes
-from shootstab.kernels.tableau import E3, E5, STAGES
+from shootstab.kernels.stages import combine, reals
+from shootstab.kernels.system import system_matrix, workspace
+from shootstab.kernels.tableau import E3, E5, STAGES, WEIGHTS
 from shootstab.kernels.tableau import A as RK_A
-from shootstab.kernels.tableau import B as RK_B
-from shootstab.kernels.transport import system_matrix
 
 LOG_2 = float(np.log(2.0))
 FLOOR = 1e-9  # of the largest row: rows smaller than this count as so large
 
 
 @njit(cache=True, error_model="numpy")
-def transport_minors(h, X, V, G, T, sigma, subsets, row, column, sign, start, y, dy, tangent, errors):  # type: ignore[no-untyped-def]
+def transport_minors(system, sigma, subsets, row, column, sign, start, y, dy, tangent, errors):  # type: ignore[no-untyped-def]
     """Carry y (N,), and dy if tangent, through all steps; both are overwritten.
 
     errors (N,) receives the local error of every step. subsets, row, column, sign, start are those of exterior.Induced. Returns log_scale:
     what y stands for is y · exp(log_scale).
     """
-    n = X.shape[3]
+    n = len(system.start) - 1 - system.G.shape[3]
     size = len(y)
-    A = np.empty((n, n), dtype=np.complex128)
-    dA = np.zeros((n, n), dtype=np.complex128)
-    work = np.empty((3, max(V.shape[3], 1), n), dtype=np.complex128)
-    K = np.empty((STAGES, size), dtype=np.complex128)
-    L = np.empty((STAGES, size), dtype=np.complex128)
-    Z = np.empty(size, dtype=np.complex128)
-    W = np.empty(size, dtype=np.complex128)
-    before = np.empty(size, dtype=np.complex128)
+    A = np.empty((n, n), dtype=y.dtype)
+    dA = np.zeros((n, n), dtype=y.dtype)
+    work = workspace(system, n)
+    K = np.empty((STAGES, size), dtype=y.dtype)
+    L = np.empty((STAGES, size), dtype=y.dtype)
+    Z = np.empty(size, dtype=y.dtype)
+    W = np.empty(size, dtype=y.dtype)
+    before = np.empty(size, dtype=y.dtype)
     scales = np.empty((2, n))
+    stages, slopes = reals(K).reshape(STAGES, -1), reals(L).reshape(STAGES, -1)
     exponent = halve(y, dy)
-    for s in range(len(h)):
-        step = h[s]
+    for s in range(len(errors)):
         for i in range(STAGES):
-            Z[:] = y
-            W[:] = dy
-            for j in range(i):
-                a = RK_A[i, j]
-                if a != 0.0:
-                    w = step * a
-                    for c in range(size):
-                        Z[c] += w * K[j, c]
-                    if tangent:
-                        for c in range(size):
-                            W[c] += w * L[j, c]
-            system_matrix(X[s, i], V[s, i], G[s, i], T[s, i], sigma, A, dA, work, tangent)
-            K[i] = 0j
+            combine(reals(y), stages, RK_A, i, i, reals(Z))
+            if tangent:
+                combine(reals(dy), slopes, RK_A, i, i, reals(W))
+            system_matrix(system, s, i, sigma, A, dA, work, tangent)
+            K[i] = 0.0
             apply(A, row, column, sign, start, Z, K[i])
             if tangent:
-                L[i] = 0j
+                L[i] = 0.0
                 apply(A, row, column, sign, start, W, L[i])
                 apply(dA, row, column, sign, start, Z, L[i])
         before[:] = y
-        for i in range(STAGES):
-            w = step * RK_B[i]
-            if w != 0j:
-                for c in range(size):
-                    y[c] += w * K[i, c]
-                    if tangent:
-                        dy[c] += w * L[i, c]
-        errors[s] = local_error(abs(step), K, before, y, subsets, scales)
+        combine(reals(y), stages, WEIGHTS, 0, STAGES, reals(y))
+        if tangent:
+            combine(reals(dy), slopes, WEIGHTS, 0, STAGES, reals(dy))
+        errors[s] = local_error(K, before, y, subsets, scales)
         exponent += halve(y, dy)
     return LOG_2 * exponent
 
@@ -92,7 +80,7 @@ def halve(y, dy):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def local_error(length, K, y, ahead, subsets, scales):  # type: ignore[no-untyped-def]
+def local_error(K, y, ahead, subsets, scales):  # type: ignore[no-untyped-def]
     """The estimate of Dormand & Prince, largest over the coordinates, each relative to |y| Π_{i∈I} r_i with r_i the sizes of the rows.
 
     A minor of an orthonormal frame is no larger than the product of its rows' norms (Hadamard), and a frame whose rows are right to a
@@ -107,7 +95,7 @@ def local_error(length, K, y, ahead, subsets, scales):  # type: ignore[no-untype
         largest = max(largest, scales[0, i])
     worst = 0.0
     for c in range(len(y)):
-        sum5, sum3 = 0j, 0j
+        sum5, sum3 = 0 * y[0], 0 * y[0]
         for i in range(STAGES):
             sum5 += E5[i] * K[i, c]
             sum3 += E3[i] * K[i, c]
@@ -116,7 +104,7 @@ def local_error(length, K, y, ahead, subsets, scales):  # type: ignore[no-untype
             size = np.sqrt(total)
             for d in range(subsets.shape[1]):
                 size *= max(scales[0, subsets[c, d]], FLOOR * largest)
-            error = length * e5 / np.sqrt(e5 + 0.01 * e3) / size
+            error = e5 / np.sqrt(e5 + 0.01 * e3) / size
             if np.isnan(error):
                 return error
             worst = max(worst, error)

@@ -86,7 +86,7 @@ def apply(A, row, column, sign, start, y, out):  # type: ignore[no-untyped-def]
     for i in range(n):
         for j in range(n):
             a = A[i, j]
-            if a != 0j:
+            if a != 0.0:
                 for p in range(start[i, j], start[i, j + 1]):
                     out[row[p]] += (sign[p] * a) * y[column[p]]
 

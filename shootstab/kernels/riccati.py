@@ -14,37 +14,39 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from shootstab.kernels.tableau import E3, E5, STAGES
+from shootstab.kernels.stages import combine, reals
+from shootstab.kernels.system import system_matrix, workspace
+from shootstab.kernels.tableau import E3, E5, STAGES, WEIGHTS
 from shootstab.kernels.tableau import A as RK_A
 from shootstab.kernels.tableau import B as RK_B
-from shootstab.kernels.transport import system_matrix
 
 SMALL = 1.1  # the charts chosen have no |S_ij| beyond this at a node; rounding grows with its square, and the steps are no fewer
 FLOOR = 1e-9  # of the largest row: rows smaller than this count as so large
 
 
 @njit(cache=True, error_model="numpy")
-def transport_chart(h, X, V, G, T, sigma, units, order, S, dS, tangent, errors, swaps, choose):  # type: ignore[no-untyped-def]
+def transport_chart(system, sigma, units, order, S, dS, tangent, errors, swaps, choose):  # type: ignore[no-untyped-def]
     """Carry S (n−k, k), and dS if tangent, through all steps; both are overwritten, and so is order.
 
     The equation is that of ψ̃_i = ψ_i/units_i. order (n,) lists the rows of the state, the k pivots first. swaps (M, 3) lists the
     exchanges (node, i, j); with choose they are chosen anew. errors (N,) receives the local error of every step. Returns (log_det,
     dlog_det, largest, swaps): ln det U and its σ-derivative, the largest |S_ij| at a node, and the exchanges made.
     """
-    steps = len(h)
+    steps = len(errors)
     rest, k = S.shape
     n = rest + k
-    A = np.empty((n, n), dtype=np.complex128)
-    dA = np.zeros((n, n), dtype=np.complex128)
-    B = np.empty((n, n), dtype=np.complex128)
-    dB = np.empty((n, n), dtype=np.complex128)
-    work = np.empty((3, max(V.shape[3], 1), n), dtype=np.complex128)
-    K = np.empty((STAGES, rest, k), dtype=np.complex128)
-    L = np.empty((STAGES, rest, k), dtype=np.complex128)
-    Z = np.empty((rest, k), dtype=np.complex128)
-    W = np.empty((rest, k), dtype=np.complex128)
-    M = np.empty((2, k, k), dtype=np.complex128)
-    traces = np.empty(STAGES, dtype=np.complex128)
+    A = np.empty((n, n), dtype=S.dtype)
+    dA = np.zeros((n, n), dtype=S.dtype)
+    B = np.empty((n, n), dtype=S.dtype)
+    dB = np.empty((n, n), dtype=S.dtype)
+    work = workspace(system, n)
+    K = np.empty((STAGES, rest, k), dtype=S.dtype)
+    L = np.empty((STAGES, rest, k), dtype=S.dtype)
+    Z = np.empty((rest, k), dtype=S.dtype)
+    W = np.empty((rest, k), dtype=S.dtype)
+    M = np.empty((2, k, k), dtype=S.dtype)
+    traces = np.empty(STAGES, dtype=S.dtype)
+    stages, slopes = reals(K).reshape(STAGES, -1), reals(L).reshape(STAGES, -1)
     log_det, dlog_det, largest, made = 0j, 0j, 0.0, 0
     for s in range(steps + 1):
         while True:
@@ -62,9 +64,9 @@ def transport_chart(h, X, V, G, T, sigma, units, order, S, dS, tangent, errors, 
                     break
                 i, j = swaps[made, 1], swaps[made, 2]
             made += 1
-            if S[i, j] == 0j:
+            if S[i, j] == 0.0:
                 return log_det, dlog_det, np.inf, swaps[:made]
-            log_det += np.log(S[i, j])
+            log_det += np.log(S[i, j] + 0j)
             dlog_det += dS[i, j] / S[i, j]
             exchange(S, dS, i, j, tangent)
             order[j], order[k + i] = order[k + i], order[j]
@@ -73,37 +75,21 @@ def transport_chart(h, X, V, G, T, sigma, units, order, S, dS, tangent, errors, 
             largest = abs(S[i, j])
         if s == steps:
             break
-        step = h[s]
         for stage in range(STAGES):
-            Z[:] = S
-            W[:] = dS
-            for before in range(stage):
-                a = RK_A[stage, before]
-                if a != 0.0:
-                    w = step * a
-                    for c in range(rest):
-                        for d in range(k):
-                            Z[c, d] += w * K[before, c, d]
-                    if tangent:
-                        for c in range(rest):
-                            for d in range(k):
-                                W[c, d] += w * L[before, c, d]
-            system_matrix(X[s, stage], V[s, stage], G[s, stage], T[s, stage], sigma, A, dA, work, tangent)
+            combine(reals(S), stages, RK_A, stage, stage, reals(Z))
+            if tangent:
+                combine(reals(dS), slopes, RK_A, stage, stage, reals(W))
+            system_matrix(system, s, stage, sigma, A, dA, work, tangent)
             gather(A, order, units, B)
             traces[stage] = riccati(B, Z, M[0], K[stage])
-            log_det += step * RK_B[stage] * traces[stage]
+            log_det += RK_B[stage] * traces[stage]
             if tangent:
                 gather(dA, order, units, dB)
-                dlog_det += step * RK_B[stage] * riccati_tangent(B, dB, Z, W, M, L[stage])
-        errors[s] = local_error(abs(step), K, traces, S)
-        for stage in range(STAGES):
-            w = step * RK_B[stage]
-            if w != 0j:
-                for c in range(rest):
-                    for d in range(k):
-                        S[c, d] += w * K[stage, c, d]
-                        if tangent:
-                            dS[c, d] += w * L[stage, c, d]
+                dlog_det += RK_B[stage] * riccati_tangent(B, dB, Z, W, M, L[stage])
+        errors[s] = local_error(K, traces, S)
+        combine(reals(S), stages, WEIGHTS, 0, STAGES, reals(S))
+        if tangent:
+            combine(reals(dS), slopes, WEIGHTS, 0, STAGES, reals(dS))
     return log_det, dlog_det, largest, swaps[:made]
 
 
@@ -121,13 +107,13 @@ def riccati(B, S, M, out):  # type: ignore[no-untyped-def]
     rest, k = S.shape
     multiply_add(B[:k, k:], S, B[:k, :k], M)
     multiply_add(B[k:, k:], S, B[k:, :k], out)
-    trace = 0j
+    trace = 0 * S[0, 0]
     for d in range(k):
         trace += M[d, d]
     for c in range(rest):
         for e in range(k):
             s = S[c, e]
-            if s != 0j:
+            if s != 0.0:
                 for d in range(k):
                     out[c, d] -= s * M[e, d]
     return trace
@@ -141,7 +127,7 @@ def riccati_tangent(B, dB, S, dS, M, out):  # type: ignore[no-untyped-def]
     multiply_add(B[:k, k:], dS, M[1], M[1])
     multiply_add(dB[k:, k:], S, dB[k:, :k], out)
     multiply_add(B[k:, k:], dS, out, out)
-    trace = 0j
+    trace = 0 * S[0, 0]
     for d in range(k):
         trace += M[1, d, d]
     for c in range(rest):
@@ -160,7 +146,7 @@ def multiply_add(P, Q, start, out):  # type: ignore[no-untyped-def]
             out[c, d] = start[c, d]
         for e in range(P.shape[1]):
             p = P[c, e]
-            if p != 0j:
+            if p != 0.0:
                 for d in range(out.shape[1]):
                     out[c, d] += p * Q[e, d]
 
@@ -209,25 +195,25 @@ def farthest(S):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def local_error(length, K, traces, S):  # type: ignore[no-untyped-def]
+def local_error(K, traces, S):  # type: ignore[no-untyped-def]
     """The estimate of Dormand & Prince, largest over the components: of S relative to the size of their row, of ln det U as it is.
 
     The pivot rows of [I; S] are of size 1 and S is small: the sizes of its rows are those of an orthonormal frame up to a factor.
     """
     rest, k = S.shape
-    sum5, sum3 = 0j, 0j
+    sum5, sum3 = 0 * S[0, 0], 0 * S[0, 0]
     for stage in range(STAGES):
         sum5 += E5[stage] * traces[stage]
         sum3 += E3[stage] * traces[stage]
-    worst = combined(length, sum5.real**2 + sum5.imag**2, sum3.real**2 + sum3.imag**2)
+    worst = combined(sum5.real**2 + sum5.imag**2, sum3.real**2 + sum3.imag**2)
     if np.isnan(worst):
         return worst
     for c in range(rest):
         size, e5, e3 = FLOOR, 0.0, 0.0
         for d in range(k):
             # a row that starts from zero is as large as the step makes it
-            size = max(size, abs(S[c, d]), length * abs(K[0, c, d]), length * abs(K[STAGES - 1, c, d]))
-            sum5, sum3 = 0j, 0j
+            size = max(size, abs(S[c, d]), abs(K[0, c, d]), abs(K[STAGES - 1, c, d]))
+            sum5, sum3 = 0 * S[0, 0], 0 * S[0, 0]
             for stage in range(STAGES):
                 sum5 += E5[stage] * K[stage, c, d]
                 sum3 += E3[stage] * K[stage, c, d]
@@ -235,7 +221,7 @@ def local_error(length, K, traces, S):  # type: ignore[no-untyped-def]
             if np.isnan(size5) or np.isnan(size3):
                 return np.nan
             e5, e3 = max(e5, size5), max(e3, size3)
-        error = combined(length, e5, e3) / size
+        error = combined(e5, e3) / size
         if np.isnan(error):
             return error
         worst = max(worst, error)
@@ -243,6 +229,6 @@ def local_error(length, K, traces, S):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def combined(length, e5, e3):  # type: ignore[no-untyped-def]
-    """h e5/√(e5 + e3/100) of the squares of the estimates of order 5 and 3."""
-    return 0.0 if e5 == 0.0 else length * e5 / np.sqrt(e5 + 0.01 * e3)
+def combined(e5, e3):  # type: ignore[no-untyped-def]
+    """e5/√(e5 + e3/100) of the squares of the estimates of order 5 and 3."""
+    return 0.0 if e5 == 0.0 else e5 / np.sqrt(e5 + 0.01 * e3)

@@ -24,3 +24,4 @@ B = _frozen(DOP853.B)
 C = _frozen(DOP853.C)
 E5 = _frozen(DOP853.E5[:STAGES])
 E3 = _frozen(DOP853.E3[:STAGES])
+WEIGHTS = _frozen(np.stack((B, E5, E3)))  # of the stages: in the step, and in its two error estimates

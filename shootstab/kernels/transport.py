@@ -1,12 +1,7 @@
-"""Transport of an orthonormal frame, and of its σ-derivative, along a fixed mesh through a linear system ψ′ = A(z; σ) ψ.
-
-The system comes as a table, sampled at the Runge–Kutta abscissae of every step and reduced so that no linear system of size n is left
-to solve (see discriminants/table.py):
-
-    A(σ) = X0 + σ X1 + V γ(σ)⁻¹ t(σ),   γ = γ0 + σ γ1 (m×m),   t = t0 + σ t1 + σ² t2 (m×n).
+"""Transport of an orthonormal frame, and of its σ-derivative, along a fixed mesh through a linear system (see system.py).
 
 On a fixed mesh every operation but the orthonormalization is a rational function of σ, and of that one the R factors are carried
-along: D(σ) computed here is analytic to rounding, whatever the accuracy of the mesh.
+along: D(σ) computed here is analytic to rounding, whatever the accuracy of the mesh. Arrays are real or complex, as the system's are.
 """
 
 from __future__ import annotations
@@ -14,52 +9,61 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from shootstab.kernels.tableau import E3, E5, STAGES
+from shootstab.kernels.elimination import solve_small, square
+from shootstab.kernels.stages import combine, reals
+from shootstab.kernels.system import add_carried, evaluate, multiply, workspace
+from shootstab.kernels.tableau import STAGES, WEIGHTS
 from shootstab.kernels.tableau import A as RK_A
-from shootstab.kernels.tableau import B as RK_B
+
+FLOOR = 1e-9  # of the largest row: rows smaller than this count as so large
 
 
 @njit(cache=True, error_model="numpy")
 def orthonormalize(Y, R):  # type: ignore[no-untyped-def]
-    """Y = QR in place (n×k), by modified Gram–Schmidt; returns Σ ln r_ii. A column of zeros gives −∞."""
+    """Y = QR in place (n×k), by modified Gram–Schmidt; returns ln det R. A column of zeros gives −∞ or NaN."""
     n, k = Y.shape
     log_det = 0.0
     for j in range(k):
         for i in range(j):
-            r = 0j
+            r = 0 * R[i, j]
             for c in range(n):
                 r += Y[c, i].conjugate() * Y[c, j]
             R[i, j] = r
             for c in range(n):
                 Y[c, j] -= r * Y[c, i]
-        size = 0.0
+        square = 0.0
         for c in range(n):
-            size += Y[c, j].real ** 2 + Y[c, j].imag ** 2
-        size = np.sqrt(size)
+            square += Y[c, j].real ** 2 + Y[c, j].imag ** 2
+        size = np.sqrt(square)
         R[j, j] = size
         log_det += np.log(size)
+        inverse = 1.0 / size
         for c in range(n):
-            Y[c, j] /= size
+            Y[c, j] *= inverse
     return log_det
 
 
 @njit(cache=True, error_model="numpy")
 def reduce_tangent(Y, dY, R):  # type: ignore[no-untyped-def]
-    """dY ← dY R⁻¹ − Q tr-part: what lies in span Q changes ln D by its trace only, which is returned and taken out."""
+    """dY ← dY R⁻¹ less what lies in the span of Y: that changes ln D by its trace only, which is returned, and would grow if it stayed.
+
+    R is overwritten.
+    """
     n, k = Y.shape
     for j in range(k):
         for i in range(j):
             for c in range(n):
                 dY[c, j] -= R[i, j] * dY[c, i]
+        inverse = 1.0 / R[j, j].real
         for c in range(n):
-            dY[c, j] /= R[j, j]
-    trace = 0j
+            dY[c, j] *= inverse
+    trace = 0 * R[0, 0]
     for j in range(k):
         for i in range(k):
-            s = 0j
+            along = 0 * R[0, 0]
             for c in range(n):
-                s += Y[c, i].conjugate() * dY[c, j]
-            R[i, j] = s
+                along += Y[c, i].conjugate() * dY[c, j]
+            R[i, j] = along
         trace += R[j, j]
     for j in range(k):
         for i in range(k):
@@ -69,168 +73,83 @@ def reduce_tangent(Y, dY, R):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def solve_small(G, T):  # type: ignore[no-untyped-def]
-    """T ← G⁻¹ T for m×m G, by elimination with partial pivoting; G is destroyed."""
-    m, n = T.shape
-    for p in range(m):
-        best = p
-        for i in range(p + 1, m):
-            if abs(G[i, p]) > abs(G[best, p]):
-                best = i
-        if best != p:
-            for c in range(m):
-                G[p, c], G[best, c] = G[best, c], G[p, c]
-            for c in range(n):
-                T[p, c], T[best, c] = T[best, c], T[p, c]
-        # numba raises on complex division by zero: a singular matrix gives NaN here, and the step is refused
-        inverse = 1.0 / G[p, p] if G[p, p] != 0j else complex(np.nan, np.nan)
-        for c in range(p, m):
-            G[p, c] *= inverse
-        for c in range(n):
-            T[p, c] *= inverse
-        for i in range(m):
-            if i != p:
-                factor = G[i, p]
-                for c in range(p, m):
-                    G[i, c] -= factor * G[p, c]
-                for c in range(n):
-                    T[i, c] -= factor * T[p, c]
-
-
-@njit(cache=True, error_model="numpy")
-def system_matrix(X, V, G, T, sigma, A, dA, work, tangent):  # type: ignore[no-untyped-def]
-    """A(σ) and, if tangent, dA/dσ at one point. X (2,n,n), V (n,m), G (2,m,m), T (3,m,n); work (3,max(m,1),n)."""
-    n = A.shape[0]
-    m = V.shape[1]
-    for i in range(n):
-        for j in range(n):
-            A[i, j] = X[0, i, j] + sigma * X[1, i, j]
-            if tangent:
-                dA[i, j] = X[1, i, j]
-    if m == 0:
-        return
-    small, right, slope = work[0, :, :m], work[1], work[2]
-    for i in range(m):
-        for j in range(m):
-            small[i, j] = G[0, i, j] + sigma * G[1, i, j]
-        for j in range(n):
-            right[i, j] = T[0, i, j] + sigma * (T[1, i, j] + sigma * T[2, i, j])
-    solve_small(small, right)
-    if tangent:
-        # (γ⁻¹ t)′ = γ⁻¹ (t′ − γ1 γ⁻¹ t)
-        for i in range(m):
-            for j in range(m):
-                small[i, j] = G[0, i, j] + sigma * G[1, i, j]
-            for j in range(n):
-                slope[i, j] = T[1, i, j] + 2.0 * sigma * T[2, i, j]
-                for q in range(m):
-                    slope[i, j] -= G[1, i, q] * right[q, j]
-        solve_small(small, slope)
-    for i in range(n):
-        for q in range(m):
-            v = V[i, q]
-            if v != 0j:
-                for j in range(n):
-                    A[i, j] += v * right[q, j]
-                    if tangent:
-                        dA[i, j] += v * slope[q, j]
-
-
-@njit(cache=True, error_model="numpy")
-def transport(h, X, V, G, T, sigma, Y, dY, tangent, errors):  # type: ignore[no-untyped-def]
+def transport(system, sigma, Y, dY, tangent, errors):  # type: ignore[no-untyped-def]
     """Carry Y (n×k), and dY if tangent, through all steps; both are overwritten, Y by an orthonormal frame.
 
-    h (N,), X (N,12,2,n,n), V (N,12,n,m), G (N,12,2,m,m), T (N,12,3,m,n). errors (N,) receives the local error of every step,
-    each row of the frame relative to its own size. Returns (log_det, trace): what Y stands for is Y·R with ln det R = log_det, and
-    d ln D/dσ = trace + what Y and dY give.
+    errors (N,) receives the local error of every step, each row of the frame relative to its own size. Returns (log_det, trace):
+    what Y stands for is Y·R with ln det R = log_det, and d ln D/dσ = trace + what Y and dY give.
     """
-    steps = len(h)
+    start, column, carries, P, V, G = system
     n, k = Y.shape
-    A = np.empty((n, n), dtype=np.complex128)
-    dA = np.empty((n, n), dtype=np.complex128)
-    work = np.empty((3, max(V.shape[3], 1), n), dtype=np.complex128)
-    K = np.empty((STAGES, n, k), dtype=np.complex128)
-    L = np.empty((STAGES, n, k), dtype=np.complex128)
-    Z = np.empty((n, k), dtype=np.complex128)
-    W = np.empty((n, k), dtype=np.complex128)
-    R = np.zeros((k, k), dtype=np.complex128)
+    m = G.shape[3]
+    K, L = np.empty((STAGES, n, k), Y.dtype), np.empty((STAGES, n, k), Y.dtype)
+    Z, W = np.empty_like(Y), np.empty_like(Y)
+    t, dt = np.empty((1, m, k), Y.dtype), np.empty((1, m, k), Y.dtype)
+    E = np.empty((2, n, k), Y.dtype)
+    R = np.zeros((k, k), Y.dtype)
+    values, slopes, small, _, _ = workspace(system, n)
+    # the same memory as real numbers, for what is real-linear
+    y, dy, z, w, fifth, third = reals(Y), reals(dY), reals(Z), reals(W), reals(E[0]), reals(E[1])
+    ks, ls, t0, dt0 = reals(K).reshape(STAGES, -1), reals(L).reshape(STAGES, -1), t[0], dt[0]
     log_det = orthonormalize(Y, R)
-    trace = reduce_tangent(Y, dY, R) if tangent else 0j
-    for s in range(steps):
-        step = h[s]
+    trace = reduce_tangent(Y, dY, R) if tangent else 0 * R[0, 0]
+    for s in range(len(errors)):
         for i in range(STAGES):
-            Z[:] = Y
-            W[:] = dY
-            for j in range(i):
-                a = RK_A[i, j]
-                if a != 0.0:
-                    w = step * a
-                    for c in range(n):
-                        for d in range(k):
-                            Z[c, d] += w * K[j, c, d]
-                    if tangent:
-                        for c in range(n):
-                            for d in range(k):
-                                W[c, d] += w * L[j, c, d]
-            system_matrix(X[s, i], V[s, i], G[s, i], T[s, i], sigma, A, dA, work, tangent)
-            for c in range(n):
-                for d in range(k):
-                    K[i, c, d] = 0j
-                for q in range(n):
-                    a_cq = A[c, q]
-                    if a_cq != 0j:
-                        for d in range(k):
-                            K[i, c, d] += a_cq * Z[q, d]
+            evaluate(P, G, start[n], s, i, sigma, values, slopes, small, tangent)
+            combine(y, ks, RK_A, i, i, z)
+            multiply(start, column, 0, values, Z, K, i, True)
+            if m > 0:
+                multiply(start, column, n, values, Z, t, 0, True)
+                solve_small(small, t0)
+                add_carried(V, carries, s, i, t0, K)
             if tangent:
-                for c in range(n):
-                    for d in range(k):
-                        L[i, c, d] = 0j
-                    for q in range(n):
-                        a_cq = A[c, q]
-                        da_cq = dA[c, q]
-                        for d in range(k):
-                            L[i, c, d] += a_cq * W[q, d] + da_cq * Z[q, d]
-        errors[s] = _local_error(abs(step), K, Y)
-        for i in range(STAGES):
-            w = step * RK_B[i]
-            if w != 0j:
-                for c in range(n):
-                    for d in range(k):
-                        Y[c, d] += w * K[i, c, d]
-                        if tangent:
-                            dY[c, d] += w * L[i, c, d]
+                combine(dy, ls, RK_A, i, i, w)
+                multiply(start, column, 0, values, W, L, i, True)
+                multiply(start, column, 0, slopes, Z, L, i, False)
+                if m > 0:
+                    # γ dt = τ dZ + τ′ Z − G1 t
+                    multiply(start, column, n, values, W, dt, 0, True)
+                    multiply(start, column, n, slopes, Z, dt, 0, False)
+                    for a in range(m):
+                        for b in range(m):
+                            small[a, b] = G[s, i, 0, a, b] + sigma * G[s, i, 1, a, b]
+                            for d in range(k):
+                                dt0[a, d] -= G[s, i, 1, a, b] * t0[b, d]
+                    solve_small(small, dt0)
+                    add_carried(V, carries, s, i, dt0, L)
+        E[:] = 0.0
+        combine(fifth, ks, WEIGHTS, 1, STAGES, fifth)
+        combine(third, ks, WEIGHTS, 2, STAGES, third)
+        errors[s] = _local_error(Y, K, E)
+        combine(y, ks, WEIGHTS, 0, STAGES, y)
         log_det += orthonormalize(Y, R)
         if tangent:
+            combine(dy, ls, WEIGHTS, 0, STAGES, dy)
             trace += reduce_tangent(Y, dY, R)
     return log_det, trace
 
 
 @njit(cache=True, error_model="numpy")
-def _local_error(length, K, Y):  # type: ignore[no-untyped-def]
+def _local_error(Y, K, E):  # type: ignore[no-untyped-def]
     """The estimate of Dormand & Prince, largest over the components, each relative to the size of its row in the frame."""
-    stages, n, k = K.shape
-    worst = 0.0
-    floor = 0.0
+    n, k = Y.shape
+    worst, floor = 0.0, 0.0
     for c in range(n):
         for d in range(k):
-            floor = max(floor, abs(Y[c, d]))
-    floor *= 1e-9
+            floor = max(floor, square(Y[c, d]))
+    floor *= FLOOR * FLOOR
     for c in range(n):
         size, e5, e3 = floor, 0.0, 0.0
         for d in range(k):
             # a row that starts from zero is as large as the step makes it
-            size = max(size, abs(Y[c, d]), length * abs(K[0, c, d]), length * abs(K[stages - 1, c, d]))
-            sum5, sum3 = 0j, 0j
-            for i in range(stages):
-                sum5 += E5[i] * K[i, c, d]
-                sum3 += E3[i] * K[i, c, d]
-            size5, size3 = sum5.real**2 + sum5.imag**2, sum3.real**2 + sum3.imag**2
+            size = max(size, square(Y[c, d]), square(K[0, c, d]), square(K[STAGES - 1, c, d]))
+            size5, size3 = square(E[0, c, d]), square(E[1, c, d])
             # written so that a NaN wins
             if e5 == e5 and not size5 <= e5:
                 e5 = size5
             if e3 == e3 and not size3 <= e3:
                 e3 = size3
-        error = 0.0 if e5 == 0.0 else length * e5 / np.sqrt(e5 + 0.01 * e3) / size
+        error = 0.0 if e5 == 0.0 else e5 / np.sqrt((e5 + 0.01 * e3) * size)
         if worst == worst and not error <= worst:
             worst = error
     return worst

@@ -10,11 +10,15 @@ from shootstab.problems.protocol import Problem
 from shootstab.vocabulary.records import Budget
 
 HALVING = 12.0  # of the 2^8 that halving the steps gains, what is counted on
-FLOW_FACTOR = 1e3  # by which the base flow is computed less accurately
-FLOW_GAIN = 100.0  # of that factor, what is counted on
+FLOWS = (4.0, 2.0)  # by which the base flow is computed less accurately, for another one that errs about as much
 PROBE = 1e-7  # relative change of the far frame by which its influence is measured
 SAFETY = 3.0  # on what a random sample of the far frame shows
-NOISE = 12.0  # on what three random samples of rounding show: calibrated (validation/calibration.py)
+# A sample of rounding is the difference of two draws, the zero's own error and another one. With σ real the own error exceeds 5 times the
+# root mean square of four samples, and 6 times the larger of two, in less than 1 of 100 cases, with σ complex much less often.
+NOISE = 5.0  # on samples of the rounding of the transport
+FLOW_NOISE = 6.0  # on two flows computed anew, with every rounding on the way from the inputs over the flow to the system
+NEGLIGIBLE = 0.1  # part of the integration error that another part may have without being measured further
+CURVATURE = 1e3  # |σ D″/(2 D′)| next to a simple zero
 EPSILON = sys.float_info.epsilon
 
 
@@ -26,13 +30,43 @@ def displacement(variant: Discriminant, value: Value) -> float:
     return abs((other.at_scale(scale) - value.D.at_scale(scale)) / derivative) if derivative != 0.0 else math.inf
 
 
-def budget(problem: Problem, coarse: Examinable, coarse_value: Value, fine: Examinable, fine_value: Value, root: float) -> Budget:
-    """The parts of the bound on the zero of the finer discriminant, whose last Newton step had length root; both values are taken there."""
-    sigma = fine_value.sigma
+def budget(problem: Problem, coarse: Examinable, coarse_value: Value, fine: Examinable, fine_value: Value) -> Budget:
+    """The parts of the bound on the zero σ − D/D′ of the finer discriminant, with the values of both at one σ next to their zeros.
+
+    What far field and steady flow do to the zero is measured on the coarse mesh: a sensitivity needs few digits.
+    """
     integration = abs(coarse_value.newton_step - fine_value.newton_step) / HALVING
     far = SAFETY * displacement(coarse.jiggled(1, PROBE), coarse_value) / PROBE * coarse.far_error
-    crude = problem.cruder(FLOW_FACTOR)
-    flow = 0.0 if crude is problem else displacement(coarse.of(crude), coarse_value) / FLOW_GAIN
-    others = fine.turned(1), fine.turned(2), coarse.refined(seed=1)
-    rounding = NOISE * max(displacement(other, fine_value) for other in others) + 8 * EPSILON * abs(sigma)
-    return Budget(integration, far, flow, root, rounding)
+    # what Newton leaves is of second order in its step
+    root = CURVATURE * abs(fine_value.newton_step) ** 2 / abs(fine_value.sigma) if fine_value.sigma != 0.0 else abs(fine_value.newton_step)
+    flow = _flow(problem, coarse, coarse_value, integration)
+    return Budget(integration, far, flow, root, _rounding(problem, coarse, coarse_value, fine, fine_value, integration))
+
+
+def _flow(problem: Problem, coarse: Examinable, value: Value, integration: float) -> float:
+    """From flows that err about as much: both truncation and rounding of the flow, and the rounding of the system made of it."""
+    seen = 0.0
+    for factor in FLOWS:
+        other = problem.cruder(factor)
+        if other is not problem:
+            seen = max(seen, displacement(coarse.of(other), value))
+        if FLOW_NOISE * seen < NEGLIGIBLE * integration:
+            break
+    return FLOW_NOISE * seen
+
+
+def _rounding(problem: Problem, coarse: Examinable, coarse_value: Value, fine: Examinable, fine_value: Value, integration: float) -> float:
+    """From other bases of the far frame on the coarse mesh and, where that matters, on the fine one.
+
+    A problem without a flow of its own has its system computed anew at other points.
+    """
+    seen = [displacement(coarse.turned(seed), coarse_value) for seed in (1, 2)]
+    if NOISE * _rms(seen) > NEGLIGIBLE * integration:
+        seen += [displacement(fine.turned(seed), fine_value) for seed in (1, 2)]
+        if problem.cruder(FLOWS[0]) is problem:
+            seen.append(displacement(coarse.refined(seed=1), fine_value))
+    return NOISE * _rms(seen) + 8 * EPSILON * abs(fine_value.sigma)
+
+
+def _rms(samples: list[float]) -> float:
+    return math.sqrt(sum(x * x for x in samples) / len(samples))

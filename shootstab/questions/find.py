@@ -1,4 +1,4 @@
-"""All modes in a rectangle, without a guess, up to both sides of the continuous spectrum: count, divide, polish."""
+"""All modes in a region, without a guess, up to both sides of the continuous spectrum."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from shootstab.discriminants.atlas import Atlas, Undecidable
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.protocol import Method
 from shootstab.problems.protocol import Problem
-from shootstab.questions.refine import refine
+from shootstab.questions.multiple import multiple
+from shootstab.questions.refine import refine, tightened
 from shootstab.questions.resonances import find_resonances
-from shootstab.questions.survey import Survey, survey
-from shootstab.roots.iterations import newton
+from shootstab.questions.survey import Survey, end_discs, survey
+from shootstab.questions.zeros import accurate_count, polish
+from shootstab.roots import find as roots
+from shootstab.roots.find import Search, Zero
+from shootstab.roots.winding import Winding
 from shootstab.vocabulary.errors import ConvergenceError
 from shootstab.vocabulary.records import Mode
-from shootstab.vocabulary.regions import Disc, Rectangle
-
-SMALLEST = 1e-10  # of the first rectangle's diagonal: modes closer than this are one multiple mode
-CUTS = (0.5, 0.47, 0.55, 0.41, 0.62, 0.36)  # where a rectangle is divided; the next if a mode lies on the cut
-SAME = 1e-7  # relative distance below which two numbers mean one mode
+from shootstab.vocabulary.regions import Disc, Region
 
 
 @dataclass(frozen=True)
@@ -31,62 +31,59 @@ class Found:
     resonances: tuple[complex, ...] | None = None
 
 
-def find(problem: Problem, region: Rectangle, rtol: float = 1e-8, resonances: bool = False, method: Method | None = None) -> Found:
-    """All modes in a rectangle, a multiple one as often as its multiplicity.
+def find(problem: Problem, region: Region, rtol: float = 1e-8, resonances: bool = False, method: Method | None = None) -> Found:
+    """All modes in a region; a multiple one is one mode with its multiplicity, and the multiplicities add up to survey.count.
 
     What lies within survey.left_out, around ends of the continuous spectrum, is not looked for. Raises Undecidable or ConvergenceError
-    where the rectangle as a whole cannot be counted.
+    where the region as a whole cannot be counted.
     """
     atlas = Atlas(problem, method or Frame(rtol=1e-9))
-    modes, whole = find_modes(atlas, region)
-    refined = tuple(refine(problem, z, rtol) for z in modes)
-    return Found(refined, whole, tuple(find_resonances(atlas, region)) if resonances else None)
+    zeros, whole = find_modes(atlas, region)
+    modes = tuple(mode for zero in zeros for mode in modes_of(atlas, zero, rtol))
+    return Found(modes, whole, tuple(find_resonances(atlas, region)) if resonances else None)
 
 
-def find_modes(atlas: Atlas, region: Rectangle, known: Sequence[complex] = ()) -> tuple[list[complex], Survey]:
-    """The modes in the rectangle that are not known yet, each as often as its multiplicity, and the count of the whole.
+def find_modes(atlas: Atlas, region: Region, known: Sequence[Zero] = ()) -> tuple[list[Zero], Survey]:
+    """The modes in the region that are not known yet, and the count of the whole.
 
-    Raises Undecidable or ConvergenceError where the rectangle as a whole cannot be counted.
+    Raises Undecidable or ConvergenceError where the region as a whole cannot be counted.
     """
     whole = survey(atlas, region)
-    diagonal = abs(complex(region.upper_right) - complex(region.lower_left))
-    modes = _divide(atlas, region, whole, list(known), SMALLEST * diagonal)
-    return modes, whole
+    return roots.find(_everywhere(atlas), region, known, whole), whole
 
 
-def _divide(atlas: Atlas, region: Rectangle, counted: Survey, known: list[complex], smallest: float) -> list[complex]:
-    lacking = counted.count - sum(_counted(k, region, counted.left_out) for k in known)
-    if lacking <= 0:
-        return []
-    a, b = complex(region.lower_left), complex(region.upper_right)
-    if counted.count == 1 and lacking == 1:
+def modes_of(atlas: Atlas, zero: Zero, rtol: float) -> list[Mode]:
+    """A zero as a mode with its error bar; a multiple one, or those into which it falls where D is computed more accurately."""
+    if zero.radius == 0.0:
+        return [refine(atlas.problem, zero.sigma, rtol)]
+    tried: Method | None = tightened(atlas.method)
+    while tried is not None:
+        atlas, tried = Atlas(atlas.problem, tried), tightened(tried)
+    parts = roots.find(_everywhere(atlas), Disc(zero.sigma, zero.radius))
+    return [
+        refine(atlas.problem, z.sigma, rtol) if z.radius == 0.0 else multiple(atlas, z.sigma, z.multiplicity, z.radius, rtol) for z in parts
+    ]
+
+
+def _everywhere(atlas: Atlas) -> Search:
+    """A search for modes along whatever paths suit them."""
+    ends = [] if atlas.continuum is None else end_discs(atlas.continuum)
+
+    def arrive(start: complex) -> complex | None:
         try:
-            root = newton(atlas.at((a + b) / 2).discriminant, (a + b) / 2, 1e-10)
-            if root.converged and region.contains(root.sigma) and newton(atlas.at(root.sigma).discriminant, root.sigma, 1e-10).converged:
-                return [root.sigma]
+            near = polish(atlas.at(start).discriminant)(start)
+            # the path that suits the zero may be another one, on which this is no zero
+            return None if near is None else polish(atlas.at(near).discriminant)(near)
         except ConvergenceError:
-            pass  # divide on: nearer to the mode the iteration settles
-    if abs(b - a) < smallest:
-        return [(a + b) / 2] * lacking
-    for cut in CUTS:
-        halves = _halves(region, cut)
-        try:
-            counts = [survey(atlas, half) for half in halves]
-        except (Undecidable, ConvergenceError):
-            continue
-        return [z for half, count in zip(halves, counts, strict=True) for z in _divide(atlas, half, count, known, smallest)]
-    raise ConvergenceError(f"{lacking} modes lie between {a:.6g} and {b:.6g}, but no way was found to divide the rectangle")
+            return None
 
+    def closely(disc: Disc) -> Winding:
+        charts = atlas.charts(disc.centre, disc.radius)
+        if len(charts) > 1:
+            raise Undecidable(f"the continuous spectrum crosses the circle of {disc.radius:.1e}")
+        return accurate_count(charts[0], disc)
 
-def _counted(mode: complex, region: Rectangle, left_out: Sequence[Disc]) -> bool:
-    """Whether a known mode is one of those counted in the region."""
-    return region.contains(mode) and not any(disc.contains(mode) for disc in left_out)
+    def holds(region: Region, sigma: complex) -> bool:
+        return region.contains(sigma) and not any(disc.contains(sigma) and region.contains(disc.centre) for disc in ends)
 
-
-def _halves(region: Rectangle, cut: float) -> tuple[Rectangle, Rectangle]:
-    a, b = complex(region.lower_left), complex(region.upper_right)
-    if b.real - a.real > b.imag - a.imag:
-        x = a.real + cut * (b.real - a.real)
-        return Rectangle(a, complex(x, b.imag)), Rectangle(complex(x, a.imag), b)
-    y = a.imag + cut * (b.imag - a.imag)
-    return Rectangle(a, complex(b.real, y)), Rectangle(complex(a.real, y), b)
+    return Search(lambda region: survey(atlas, region), closely, arrive, holds)

@@ -7,7 +7,9 @@ otherwise once (working precision, order and step, far field, base flow), and wh
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -15,11 +17,13 @@ import mpmath
 
 from shootstab.discriminants.precise.arithmetic import Arithmetic, choose
 from shootstab.discriminants.precise.chute import PreciseChute
-from shootstab.discriminants.precise.closed import ClosedForm, ClosedFormulation
-from shootstab.discriminants.precise.protocol import Formulation
+from shootstab.discriminants.precise.closed import ClosedFormulation
+from shootstab.discriminants.precise.protocol import Base, Formulation
+from shootstab.discriminants.precise.secant import Secant, Values
 from shootstab.discriminants.precise.settings import Settings
 from shootstab.discriminants.precise.shooting import PreciseShooting
 from shootstab.problems.chute import ChuteProblem
+from shootstab.problems.closed import ClosedForm
 from shootstab.problems.protocol import Problem
 from shootstab.questions.clock import Clock, Progress
 from shootstab.questions.refine import UNKNOWN, refine
@@ -28,11 +32,14 @@ from shootstab.vocabulary.records import CONVERGED, Budget, Mode
 
 METHOD = "taylor"
 START = 1e-11  # relative accuracy of the double-precision mode
-PROBE = 24  # binary digits of the relative change of σ that shows the first slope
-LOWEST = 20  # digits of the first rung
-RISE = 2.2  # of digits from rung to rung
-SPARE = 1  # digits computed beyond those asked for
-SECANTS = 8
+NEAR = 0.5  # of the larger of the two, how far a mode may lie from the guess that means it
+DOUBLE = 12.5  # digits that it has
+LOWEST = 20.0  # digits of the first rung
+RISE = 2.3  # of digits from rung to rung: two secants double them and add those of the slope
+REACH = 2.7  # times the digits known are reached by three
+SPARE = 2  # digits computed beyond those asked for
+STAGE = 1.7  # time of a rung over that of a course
+VARIANTS = 4
 SAFETY = 2.0  # on the changes that make the bound
 WANDER = 100.0  # double-precision error bounds that the mode may move by
 ATTEMPTS = 2
@@ -41,7 +48,7 @@ ATTEMPTS = 2
 def refine_digits(problem: Problem, guess: Any, digits: int, progress: Progress | None = None, arithmetic: str | None = None) -> Mode:
     """The mode next to guess with |true − sigma| ≤ error and error ≤ 10^−digits |sigma| if its status is 'converged'.
 
-    sigma is an mpc. The problem is a chute or has a closed form (discriminants.precise.closed.ClosedForm); its parameters mean the
+    sigma is an mpc. The problem is a chute or has a closed form (problems.closed.ClosedForm); its parameters mean the
     shortest decimals that their floats stand for. arithmetic is 'flint' or 'mpmath', by default flint where it is installed.
     progress(done, total, seconds left) is told how far it is. Where no mode is near, or the base flow does not determine it, the
     status says so.
@@ -49,11 +56,17 @@ def refine_digits(problem: Problem, guess: Any, digits: int, progress: Progress 
     began = perf_counter()
     if not 1 <= digits <= 10_000:
         raise InputError(f"digits = {digits}: allowed is 1 to 10000")
-    ring, formulation = choose(arithmetic), formulation_of(problem)
+    guess, ring, formulation = complex(guess), choose(arithmetic), formulation_of(problem)
     seed = refine(problem, guess, rtol=START)
     if not seed.converged and not seed.error <= 1e-6 * abs(seed.sigma):
         return _failed(
             seed, f"not converged: double precision finds no mode to start from ({seed.status.removeprefix('not converged: ')})", began
+        )
+    if abs(seed.sigma - guess) > NEAR * max(abs(seed.sigma), abs(guess)):
+        return _failed(
+            seed,
+            f"not converged: no mode is near the guess {guess:.6g}; the iteration goes to {seed.sigma:.6g}: start there if that is meant",
+            began,
         )
     search = Search(formulation, ring, seed, Clock(progress))
     wanted = digits
@@ -75,7 +88,7 @@ def formulation_of(problem: Problem) -> Formulation:
     if isinstance(problem, ClosedForm):
         return ClosedFormulation(problem)
     raise InputError(
-        f"{type(problem).__name__}: more than 13 digits ask for a problem with exact_ends, exact_pencil, exact_far and exact_wall"
+        f"{type(problem).__name__}: more than 12 digits ask for a problem with exact_ends, exact_pencil, exact_far and exact_wall"
     )
 
 
@@ -86,118 +99,96 @@ class Search:
         self._formulation, self._ring, self._seed, self._clock = formulation, ring, seed, clock
         sigma = mpmath.mpmathify(seed.sigma)
         self._real = formulation.real and abs(sigma.imag) <= seed.error
-        self._sigma = sigma.real if self._real else mpmath.mpc(sigma)
-        self._slope: Any = None
+        self._secant = Secant(sigma.real if self._real else mpmath.mpc(sigma))
+        self._known = DOUBLE
         self.evaluations = seed.evaluations
 
     def mode(self, digits: int, rtol: Any) -> Mode:
         """The mode to about so many digits, with its error bound."""
-        top = digits + SPARE
-        rungs = _rungs(top)
-        self._clock.plan(
-            [_cost(d) * (2 if d == LOWEST else 1) for d in rungs] + [_cost(top)] * (4 if self._formulation.has_base_flow else 3)
-        )
+        rungs = _rungs(max(digits + SPARE, LOWEST), self._known)
+        self._clock.plan([STAGE * _cost(d) for d in rungs] + [_cost(rungs[-1])] * VARIANTS)
         for d in rungs:
             settings = Settings.of(d)
-            with self._ring.working(settings.digits):
-                shooting = self._climb(settings)
+            with self._ring.working(settings.digits), mpmath.workdps(settings.digits):
+                base = self._formulation.base(self._ring, settings, self._clock.tick)
+                shooting = self._shooting(settings, base)
+                self._secant.settle(partial(self._values, shooting), d, least=1 + (d == rungs[-1]))
+                self._require_near(self._secant.x)
+            self._known = d
             self._clock.done()
-        with self._ring.working(settings.digits):
-            parts = self._budget(settings, shooting)
-        return self._result(settings, parts, rtol)
+        return self._result(settings, self._budget(settings, base, shooting), rtol)
 
-    def _shooting(self, settings: Settings, base: Settings) -> PreciseShooting:
-        tick = self._clock.tick
-        course = self._formulation.course(self._ring, settings, base, tick)
+    def _shooting(self, settings: Settings, base: Base) -> PreciseShooting:
+        course = self._formulation.course(self._ring, settings, base)
+        return PreciseShooting(self._ring, self._formulation.size, settings, course, self._clock.tick)
+
+    def _values(self, shooting: PreciseShooting, sigma: Any) -> Values:
         self.evaluations += 1
-        return PreciseShooting(self._ring, self._formulation.size, settings, course, self._number(self._sigma), tick)
-
-    def _number(self, sigma: Any) -> Any:
-        return self._ring.number(sigma) if self._real else self._ring.complex(sigma)
-
-    def _value(self, shooting: PreciseShooting, sigma: Any) -> Any:
-        self.evaluations += 1
-        return shooting(sigma)
-
-    def _climb(self, settings: Settings) -> PreciseShooting:
-        """Secants from the σ and the slope known, until a step is as short as the settings allow."""
         ring = self._ring
-        shooting = self._shooting(settings, settings)
-        sigma = self._number(self._sigma)
-        if self._slope is None:
-            self._slope = self._first_slope(shooting, sigma)
-        slope = self._number(self._slope)
-        goal = ring.log2(sigma) - (settings.tolerance - 1) * math.log2(10)
-        before: tuple[Any, Any] | None = None
-        for _ in range(SECANTS):
-            value = self._value(shooting, sigma)
-            if before is not None and ring.log2(sigma - before[0]) > -math.inf:
-                slope = (value - before[1]) / (sigma - before[0])
-            step = ring.rounded(value / slope)
-            before = sigma, value
-            sigma = ring.rounded(sigma - step)
-            if ring.log2(step) < goal:
-                self._keep(sigma, slope, step, value)
-                return shooting
-            self._require_near(sigma)
-        raise ConvergenceError(f"the secants do not settle to {settings.tolerance:.0f} digits")
-
-    def _first_slope(self, shooting: PreciseShooting, sigma: Any) -> Any:
-        """D′ from a central difference: with steps of 2^−24 and 20 digits it holds to about 13."""
-        h = sigma * self._ring.number(2.0**-PROBE)
-        above, below = self._value(shooting, sigma + h), self._value(shooting, sigma - h)
-        return self._ring.to_mpmath(self._ring.rounded((above - below) / (2 * h)))
-
-    def _keep(self, sigma: Any, slope: Any, step: Any, value: Any) -> None:
-        to = self._ring.to_mpmath
-        self._sigma, self._slope, self._step = to(sigma), to(slope), abs(to(step))
+        return (ring.to_mpmath(shooting(ring.number(sigma) if self._real else ring.complex(sigma))),)
 
     def _require_near(self, sigma: Any) -> None:
-        found, seed = self._ring.to_mpmath(sigma), self._seed
-        moved = abs(found - mpmath.mpmathify(seed.sigma))
+        seed = self._seed
+        moved = abs(sigma - mpmath.mpmathify(seed.sigma))
         if not moved <= WANDER * seed.error + 1e-10 * abs(seed.sigma):
             raise ConvergenceError(
                 f"in high precision the iteration leaves the mode that double precision found, by {float(moved):.1e} with a bound of "
                 f"{float(seed.error):.1e}"
             )
 
-    def _budget(self, settings: Settings, shooting: PreciseShooting) -> Budget:
-        """What σ moves by when one thing is done better, each measured by the change of D at the same σ over D′."""
-        ring = self._ring
-        sigma = self._number(self._sigma)
-        here = self._value(shooting, sigma)
+    def _budget(self, settings: Settings, base: Base, shooting: PreciseShooting) -> Budget:
+        """What σ moves by when one thing is done better, each measured by the change of D at the same σ over D′.
 
-        def moved(better: Settings, base: Settings) -> Any:
-            with ring.working(better.digits):
-                other = self._shooting(better, base)(self._number(self._sigma))
-                change = ring.to_mpmath(ring.rounded((other - here) / self._number(self._slope)))
+        Better courses also say by how much the base flow is off: a last course is on one that is off by as much.
+        """
+        ring, secant = self._ring, self._secant
+        sigma, (here,) = secant.last
+
+        def moved(better: Settings, other: Base) -> tuple[Any, Base]:
+            with ring.working(better.digits), mpmath.workdps(better.digits):
+                changed = self._shooting(better, other)
+                change = abs((self._values(changed, sigma)[0] - here) / secant.slope)
+                self._clock.done()
+                return _plain(SAFETY * change), changed.asked()
+
+        varied = [moved(better, base) for better in (settings.finer(), settings.farther(), settings.more_precise())]
+        integration, far, rounding = (part for part, _ in varied)
+        with ring.working(settings.digits), mpmath.workdps(settings.digits):
+            other = _off(base, [shooting.asked(), *(asked for _, asked in varied)])
+            root, epsilon = SAFETY * secant.error, abs(secant.x) * mpmath.mpf(10) ** -settings.digits
+        steady = 0.0
+        if other == base:  # there is none, or nothing found it to be off
             self._clock.done()
-            return _plain(SAFETY * abs(change))
-
-        integration = moved(settings.finer(), settings)
-        far = moved(settings.farther(), settings)
-        rounding = moved(settings.more_precise(), settings.more_precise())
-        steady = moved(settings, settings.finer().farther()) if self._formulation.has_base_flow else 0.0
-        root = abs(ring.to_mpmath(ring.rounded(here / self._number(self._slope))))
-        epsilon = abs(self._sigma) * mpmath.mpf(10) ** -settings.digits
-        return Budget(integration, far, steady, _plain(SAFETY * root), _plain(rounding + epsilon))
+        else:
+            steady, _ = moved(settings, other)
+        return Budget(integration, far, steady, _plain(root), _plain(rounding + epsilon))
 
     def _result(self, settings: Settings, parts: Budget, rtol: Any) -> Mode:
         with mpmath.workdps(settings.digits):
             error = _plain(mpmath.fsum(parts.as_dict().values()))
-            self._require_near(self._number(self._sigma))
-            status = (
-                CONVERGED if error <= rtol * abs(self._sigma) else f"not converged: the error bound {mpmath.nstr(error, 2)} is too large"
-            )
-            return Mode(mpmath.mpc(self._sigma), error, parts, status, METHOD, self.evaluations, 0.0)
+            sigma = mpmath.mpc(self._secant.x)
+            status = CONVERGED if error <= rtol * abs(sigma) else f"not converged: the error bound {mpmath.nstr(error, 2)} is too large"
+            return Mode(sigma, error, parts, status, METHOD, self.evaluations, 0.0)
 
 
-def _rungs(top: float) -> list[float]:
-    """LOWEST, and from top down in steps of RISE what lies above it."""
+def _rungs(top: float, known: float) -> list[float]:
+    """From top down in steps of RISE to where the digits known lead up in a few secants."""
     rungs = [float(top)]
-    while rungs[0] / RISE > LOWEST:
-        rungs.insert(0, rungs[0] / RISE)
-    return [LOWEST, *rungs] if rungs[0] > LOWEST else rungs
+    while rungs[0] > REACH * known:
+        rungs.insert(0, max(rungs[0] / RISE, LOWEST))
+    return rungs
+
+
+def _off(base: Base, asked: Sequence[Base]) -> Base:
+    """A base flow that is off by as much as the ones asked for differ: from base to the first one, and from that to each of the others.
+
+    The largest of these differences, scaled to the sum of their sizes: what changes together stays together.
+    """
+    ours, *others = asked
+    shifts = [[x - y for x, y in zip(one, two, strict=True)] for one, two in ((ours, base), *((other, ours) for other in others))]
+    sizes = [max((abs(x / y) for x, y in zip(shift, base, strict=True)), default=0) for shift in shifts]
+    largest, size = max(zip(shifts, sizes, strict=True), key=lambda pair: pair[1])
+    return tuple(y + x * (mpmath.fsum(sizes) / size) for x, y in zip(largest, base, strict=True)) if size else base
 
 
 def _cost(digits: float) -> float:

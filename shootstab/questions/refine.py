@@ -14,6 +14,7 @@ from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.protocol import Examinable, Method
 from shootstab.problems.protocol import Problem
 from shootstab.questions.bounds import budget
+from shootstab.questions.multiple import multiple
 from shootstab.roots.iterations import Root, muller, newton
 from shootstab.roots.winding import wind
 from shootstab.vocabulary.errors import ConvergenceError, InputError
@@ -25,6 +26,9 @@ TIGHTEST = 1e-13  # the local error below which rounding takes over
 LOOSEST = 1e-5
 ATTEMPTS = 3
 PROOF = 32.0  # the circle of the proof, in error bounds: the noise of D must be small on it
+WIDEST_PROOF = 1e-2  # of |σ|
+SIXTHS = 6  # a zero in its middle turns D by 60° from one sixth of a circle to the next, which is short enough
+NEAR_ENOUGH = 1e-6  # relative step to the zero on the finer mesh, beyond which one step of Newton does not reach it
 UNKNOWN = Budget(math.inf, math.inf, math.inf, math.inf, math.inf)
 
 
@@ -121,24 +125,31 @@ def examine(atlas: Atlas, root: Root, rtol: float) -> tuple[Mode, int]:
     if not arrived.converged:
         raise ConvergenceError(f"the iteration does not settle at {root.sigma:.6g} along the path {chart.path}")
     fine = coarse.refined()
-    better = newton(fine, arrived.sigma, 1e-3 * rtol)
-    coarse_value, fine_value = coarse.with_slope(better.sigma), fine.with_slope(better.sigma)
-    parts = budget(atlas.problem, coarse, coarse_value, fine, fine_value, min(better.step, abs(fine_value.newton_step)))
-    status = _status(atlas, coarse, better.sigma, parts.total, rtol)
-    mode = Mode(better.sigma, parts.total, parts, status, atlas.method.name, 0, 0.0, atlas.distance(better.sigma), chart.path)
+    coarse_value, fine_value = coarse.with_slope(arrived.sigma), fine.with_slope(arrived.sigma)
+    if abs(fine_value.newton_step) > NEAR_ENOUGH * abs(arrived.sigma):
+        better = newton(fine, arrived.sigma, 1e-3 * rtol)
+        coarse_value, fine_value = coarse.with_slope(better.sigma), fine.with_slope(better.sigma)
+    sigma = fine_value.sigma + fine_value.newton_step
+    size = abs(sigma)
+    parts = budget(atlas.problem, coarse, coarse_value, fine, fine_value)
+    # next to a multiple zero the bound means nothing, but there is a circle that tells
+    radius = min(max(PROOF * parts.total, 1e-2 * rtol * size), WIDEST_PROOF * size)
+    count = wind(coarse, Disc(sigma, radius), SIXTHS).count
+    if count > 1:
+        mode = multiple(atlas, sigma, count, radius, rtol)
+    else:
+        distance = atlas.distance(sigma)
+        status = _status(count, radius, sigma, parts.total, distance, rtol)
+        mode = Mode(sigma, parts.total, parts, status, atlas.method.name, 0, 0.0, distance, chart.path)
     return mode, coarse.evaluations - before + fine.evaluations
 
 
-def _status(atlas: Atlas, discriminant: Examinable, sigma: complex, error: float, rtol: float) -> str:
-    radius = max(PROOF * error, 1e-2 * rtol * abs(sigma))
-    if not math.isfinite(radius) or radius > 0.5 * abs(sigma):
+def _status(count: int, radius: float, sigma: complex, error: float, distance: float, rtol: float) -> str:
+    """What is to be said where so many zeros, one at most, were counted within the radius."""
+    if not error < 0.5 * abs(sigma):
         return f"not converged: the error bound {error:.1e} is as large as the mode itself"
-    count = wind(discriminant, Disc(sigma, radius)).count
     if count == 0:
         return f"not converged: the iteration stopped at {sigma:.6g}, but no zero lies within {radius:.1e}"
-    if count > 1:
-        return f"not converged: {count} modes lie within {radius:.1e} of {sigma:.12g}"
-    distance = atlas.distance(sigma)
     if distance <= error:
         return f"not converged: the continuous spectrum passes at {distance:.1e}, inside the error bound {error:.1e}"
     if error > rtol * abs(sigma):

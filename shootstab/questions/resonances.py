@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from shootstab.discriminants.atlas import Atlas
-from shootstab.discriminants.protocol import Discriminant
+from shootstab.discriminants.atlas import Atlas, Chart
 from shootstab.questions.survey import ends_inside, outside_ends, parts_inside
+from shootstab.questions.zeros import accurate_count, polish
+from shootstab.roots.find import Search, find
 from shootstab.roots.iterations import newton
 from shootstab.roots.winding import wind
-from shootstab.vocabulary.errors import ConvergenceError
 from shootstab.vocabulary.regions import Polygon, Region
 
 DEPTH = 0.2  # how far beyond the real z-axis singular points are followed, in the scale of the curve
@@ -37,7 +37,7 @@ def find_resonances(atlas: Atlas, region: Region) -> list[complex]:
             for side in (1, -1):
                 strip = _image(atlas, z, width, -side * DEPTH * scale)
                 chart = atlas.beside(z + width / 2, curve.at(z + width / 2), side)
-                for zero in _zeros(chart.discriminant, strip):
+                for zero in _zeros(chart, strip):
                     # a part of the system that is not singular has its modes on both sides: they are modes, not resonances
                     own = newton(atlas.at(zero).discriminant, zero, 1e-10)
                     if all(abs(zero - other) > SAME * abs(zero) for other in [own.sigma, *found]):
@@ -53,17 +53,7 @@ def _image(atlas: Atlas, z: float, width: float, depth: float) -> Polygon:
     return Polygon(tuple(atlas.problem.continuum_at(rim.astype(np.complex128)).tolist()))
 
 
-def _zeros(discriminant: Discriminant, strip: Polygon) -> list[complex]:
-    winding = wind(discriminant, strip)
-    if winding.count == 0:
-        return []
-    # Newton may leave the strip for a zero nearby: it starts from other points inside then
-    starts = [winding.centre + winding.moment / winding.count, *(0.5 * (winding.centre + v.sigma) for v in winding.samples)]
-    found: list[complex] = []
-    for start in starts:
-        root = newton(discriminant, start, 1e-10)
-        if root.converged and strip.contains(root.sigma) and all(abs(root.sigma - f) > 1e-8 * abs(f) for f in found):
-            found.append(root.sigma)
-        if len(found) == winding.count:
-            return found
-    raise ConvergenceError(f"{winding.count} resonances were counted near {winding.centre:.6g}, and {len(found)} found")
+def _zeros(chart: Chart, strip: Polygon) -> list[complex]:
+    D = chart.discriminant
+    search = Search(lambda region: wind(D, region), lambda disc: accurate_count(chart, disc), polish(D))
+    return [zero.sigma for zero in find(search, strip)]

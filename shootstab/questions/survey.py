@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
@@ -21,7 +21,7 @@ import numpy as np
 from shootstab.discriminants.atlas import Atlas, Undecidable
 from shootstab.discriminants.continuum import Continuum
 from shootstab.discriminants.protocol import Value
-from shootstab.roots.winding import change, follow, whole_turns
+from shootstab.roots.winding import Pieces, change, follow, whole_turns
 from shootstab.vocabulary.regions import Disc, Region
 
 END = 1e-5  # radius of the circles around the ends, in the extent of the curve
@@ -33,13 +33,14 @@ SLACK = 1e-2  # of a turn: the pieces of the contour meet to OFF only
 class Survey:
     """count modes in the region outside the discs left_out, which surround ends of the continuous spectrum.
 
-    closure is how far from a whole number the turns of D's phase were; evaluations how often D was computed.
+    closure is how far from a whole number the turns of D's phase were; evaluations how often D was computed; pieces the contour.
     """
 
     count: int
     closure: float
     left_out: tuple[Disc, ...]
     evaluations: int
+    pieces: Pieces = field(default=(), repr=False)
 
 
 def survey(atlas: Atlas, region: Region) -> Survey:
@@ -48,6 +49,10 @@ def survey(atlas: Atlas, region: Region) -> Survey:
     Raises Undecidable where the continuous spectrum runs over itself, or an end of it lies on the boundary; ConvergenceError where a mode
     lies on the contour.
     """
+    if atlas.barrier is not None and atlas.barrier.enters(region):
+        raise Undecidable("the continuous spectrum of an end at infinity enters the region")
+    if atlas.barrier is not None and atlas.barrier.beyond(region.boundary(0.0)):
+        raise Undecidable("the region lies beyond the continuous spectrum of an end at infinity")
     curve = atlas.continuum
     samples: list[list[Value]] = []
     everywhere = _everywhere(atlas)
@@ -79,7 +84,8 @@ def survey(atlas: Atlas, region: Region) -> Survey:
 def _closed(samples: list[list[Value]], signs: list[int], left_out: tuple[Disc, ...]) -> Survey:
     phase = sum(sign * sum(change(a, b).imag for a, b in pairwise(values)) for values, sign in zip(samples, signs, strict=True))
     count = whole_turns(phase, SLACK)
-    return Survey(count, abs(phase / (2 * math.pi) - count), left_out, sum(len(v) for v in samples))
+    pieces = tuple((sign, tuple(values)) for values, sign in zip(samples, signs, strict=True))
+    return Survey(count, abs(phase / (2 * math.pi) - count), left_out, sum(len(v) for v in samples), pieces)
 
 
 def _everywhere(atlas: Atlas) -> Callable[[complex], Value]:
@@ -129,16 +135,20 @@ def _between_crossings(curve: Continuum, region: Region, inside: list[tuple[floa
 
 def ends_inside(curve: Continuum, region: Region) -> list[tuple[Disc, complex]]:
     """A circle around each end of the curve inside the region, and the point where the curve leaves it."""
-    radius = END * float(np.abs(curve.sigma - curve.sigma[-1]).max())
     found = []
-    for end, order in ((complex(curve.sigma[0]), 1), (complex(curve.sigma[-1]), -1)):
-        if not region.contains(end):
+    for disc, order in zip(end_discs(curve), (1, -1), strict=True):
+        if not region.contains(disc.centre):
             continue
-        disc = Disc(end, radius)
         if not all(region.contains(disc.boundary(k / 16)) for k in range(16)):
-            raise Undecidable(f"an end of the continuous spectrum, {end:.6g}, lies on the boundary of the region")
+            raise Undecidable(f"an end of the continuous spectrum, {disc.centre:.6g}, lies on the boundary of the region")
         found.append((disc, _leaves(curve, disc, order)))
     return found
+
+
+def end_discs(curve: Continuum) -> tuple[Disc, Disc]:
+    """The circles around the ends at the wall and at infinity, inside of which nothing is counted."""
+    radius = END * float(np.abs(curve.sigma - curve.sigma[-1]).max())
+    return Disc(complex(curve.sigma[0]), radius), Disc(complex(curve.sigma[-1]), radius)
 
 
 def _leaves(curve: Continuum, disc: Disc, order: int) -> complex:

@@ -20,6 +20,7 @@ from shootstab.discriminants.protocol import Discriminant, Method
 from shootstab.problems.protocol import Problem
 from shootstab.questions.survey import Survey, survey
 from shootstab.vocabulary.errors import ConvergenceError, InputError
+from shootstab.vocabulary.regions import Rectangle
 
 ANGLES = np.linspace(-0.5, 0.5, 9) * math.pi
 LAW = 0.05  # relative departure of q from its law that is allowed on every arc
@@ -41,6 +42,10 @@ class HalfDisc:
     @property
     def corners(self) -> tuple[float, ...]:
         return (0.0, 0.5, 1.0)
+
+    @property
+    def hull(self) -> tuple[complex, ...]:
+        return Rectangle(complex(self.floor, -self.radius), complex(self.radius, self.radius)).vertices
 
     def boundary(self, t: float) -> complex:
         """The arc from below for t < 1/2, then the straight side down; its points are dense towards the middle, where scales are short."""

@@ -1,35 +1,43 @@
-"""The modes in a disc or a rectangle, near the continuous spectrum too: zeros of D, each counted on its own side."""
+"""The modes in a disc, near the continuous spectrum too: zeros of D, each counted on its own side."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from shootstab.discriminants.atlas import Atlas, Chart
-from shootstab.roots.find import find
+from shootstab.discriminants.protocol import Discriminant
+from shootstab.roots.find import Search, Zero, find
 from shootstab.roots.iterations import newton
 from shootstab.roots.winding import Winding, wind
 from shootstab.vocabulary.errors import ConvergenceError
-from shootstab.vocabulary.regions import Disc, Rectangle
+from shootstab.vocabulary.regions import Disc
 
 AGREEMENT = 0.3  # of D on a mesh and D on the halved one, on the boundary of a disc: by Rouché's theorem 1 would do
 PROBES = 4
+POLISHED = 1e-10  # relative length of the last Newton step
+STEPS = 20  # of Newton: linear convergence to a double zero takes most of them
 
 
 class Inaccurate(ConvergenceError):  # noqa: N818 - it is a finding, not a fault
     """D on its mesh is not accurate enough for a count in so small a disc."""
 
 
-@dataclass(frozen=True)
-class Zeros:
-    """modes and resonances (complex numbers, as often as their multiplicity) in a disc; path tells along which path D was computed."""
-
-    modes: tuple[complex, ...]
-    resonances: tuple[complex, ...]
-    path: str
-
-
 class Crowded(ConvergenceError):  # noqa: N818 - it is a finding, not a fault
     """More zeros lie in the disc than were to be told apart."""
+
+    def __init__(self, count: int, radius: float) -> None:
+        super().__init__(f"{count} zeros lie within {radius:.1e}")
+        self.count = count
+
+
+@dataclass(frozen=True)
+class Zeros:
+    """modes and resonances in a disc; path tells along which path D was computed."""
+
+    modes: tuple[Zero, ...]
+    resonances: tuple[Zero, ...]
+    path: str
 
 
 def zeros_in(atlas: Atlas, disc: Disc, most: int | None = None) -> Zeros:
@@ -37,36 +45,53 @@ def zeros_in(atlas: Atlas, disc: Disc, most: int | None = None) -> Zeros:
 
     Raises ConvergenceError (Undecidable among them) when that cannot be decided, and Crowded when one chart has more zeros than most.
     """
-    modes: list[complex] = []
-    resonances: list[complex] = []
+    modes: list[Zero] = []
+    resonances: list[Zero] = []
     charts = atlas.charts(disc.centre, disc.radius)
     for chart in charts:
         winding = wind(chart.discriminant, disc)
         if most is not None and winding.count > most:
-            raise Crowded(f"{winding.count} zeros lie within {disc.radius:.1e}")
+            raise Crowded(winding.count, disc.radius)
         require_accurate(chart, winding)
         if winding.count == 0:
             continue
-        root = newton(chart.discriminant, winding.centre + winding.moment, 1e-10) if winding.count == 1 else None
-        if root is not None and root.converged and abs(root.sigma - disc.centre) < disc.radius + 2 * root.step:
-            found = [root.sigma]
-        else:
-            corner = complex(disc.radius, disc.radius)
-            found = [z for z in find(chart.discriminant, Rectangle(disc.centre - corner, disc.centre + corner)) if disc.contains(z)]
-            if len(found) != winding.count:
-                raise ConvergenceError(f"{winding.count} zeros were counted within {disc.radius:.1e}, but {len(found)} found")
-        for zero in found:
-            (modes if atlas.own_side(chart, zero) else resonances).append(zero)
+        for zero in find(_on(chart), disc, counted=winding):
+            (modes if atlas.own_side(chart, zero.sigma) else resonances).append(zero)
     return Zeros(tuple(modes), tuple(resonances), " and ".join(c.path for c in charts))
 
 
-def require_accurate(chart: Chart, winding: Winding) -> None:
-    """Raise Inaccurate unless D on the halved mesh is the same, at some of the samples, to what the count needs.
+def _on(chart: Chart) -> Search:
+    """A search for the zeros of one chart."""
+    return Search(lambda region: wind(chart.discriminant, region), lambda disc: accurate_count(chart, disc), polish(chart.discriminant))
 
-    Both are analytic; where |D_fine/D − 1| < 1 all along the boundary, Rouché's theorem says that they have as many zeros inside.
+
+def polish(discriminant: Discriminant) -> Callable[[complex], complex | None]:
+    """Newton's iteration, to a zero or to None."""
+
+    def arrive(start: complex) -> complex | None:
+        root = newton(discriminant, start, POLISHED, STEPS)
+        return root.sigma if root.converged else None
+
+    return arrive
+
+
+def accurate_count(chart: Chart, disc: Disc) -> Winding:
+    """The count of a disc. Raises Inaccurate where D is not accurate enough for it."""
+    winding = wind(chart.discriminant, disc)
+    require_accurate(chart, winding)
+    return winding
+
+
+def require_accurate(chart: Chart, winding: Winding) -> None:
+    """Raise Inaccurate unless D on the halved mesh is the same, but for a constant factor, to what the count needs.
+
+    Both are analytic; where |D_fine/(c D) − 1| < 1 all along the boundary, Rouché's theorem says that they have as many zeros inside.
+    It is looked at some of the samples; c is taken from the first.
     """
     fine = chart.discriminant.refined()
-    for value in winding.samples[:: max(1, len(winding.samples) // PROBES)]:
-        off = abs(fine(value.sigma).over(value.D) - 1)
-        if not off < AGREEMENT:
-            raise Inaccurate(f"D is not accurate enough to count in so small a circle: halving the steps changes it by {off:.1e} of itself")
+    # a circle that needed few samples is one on which D changes little
+    probes = min(PROBES, len(winding.samples) // 2)
+    ratios = [fine(v.sigma).over(v.D) for v in winding.samples[:: len(winding.samples) // probes]]
+    off = max(abs(ratio / ratios[0] - 1) for ratio in ratios)
+    if not off < AGREEMENT:
+        raise Inaccurate(f"D is not accurate enough to count in so small a circle: halving the steps changes it by {off:.1e} of itself")

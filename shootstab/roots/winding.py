@@ -13,6 +13,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+import numpy as np
+from numpy.typing import NDArray
+
 from shootstab.discriminants.protocol import Discriminant, Value
 from shootstab.vocabulary.errors import ConvergenceError
 from shootstab.vocabulary.regions import Region
@@ -20,14 +23,16 @@ from shootstab.vocabulary.regions import Region
 LONGEST = 1.2  # |Δ ln D| over one piece
 MISMATCH = 0.3  # between its two values
 DEEPEST = 40  # halvings of one piece
-FIRST_PIECES = 8
+FIRST_PIECES = 4
+
+Pieces = tuple[tuple[int, tuple[Value, ...]], ...]  # of a contour: samples, and the sign with which they count
 
 
 @dataclass(frozen=True)
 class Winding:
     """count zeros inside; closure is the distance of (1/2πi)∮ d ln D, taken from the derivatives alone, to it.
 
-    moment is (1/2πi)∮ (σ − centre) d ln D, the sum of the zeros' distances from centre, the mean of the samples.
+    moment is (1/2πi)∮ (σ − centre) d ln D, the sum of z − centre over the zeros; centre is the mean of the samples.
     """
 
     count: int
@@ -36,21 +41,44 @@ class Winding:
     moment: complex
     samples: tuple[Value, ...]
 
+    @property
+    def pieces(self) -> Pieces:
+        """The closed curve as one piece."""
+        return ((1, (*self.samples, self.samples[0])),)
 
-def wind(discriminant: Discriminant, region: Region) -> Winding:
-    """Count the zeros inside a region on whose closure D is analytic.
+
+def wind(discriminant: Discriminant, region: Region, pieces: int = FIRST_PIECES) -> Winding:
+    """Count the zeros inside a region on whose closure D is analytic; a smooth boundary is first cut into so many pieces.
 
     Raises ConvergenceError when a zero lies on the boundary, or so near to it that no sampling tells the side.
     """
-    values = follow(lambda t: discriminant.with_slope(region.boundary(t)), region.corners, closed=True)
+    values = follow(lambda t: discriminant.with_slope(region.boundary(t)), region.corners, True, pieces)
     count = whole_turns(sum(change(a, b).imag for a, b in pairwise(values)))
     centre = sum(v.sigma for v in values[:-1]) / (len(values) - 1)
-    total, moment = 0j, 0j
-    for a, b in pairwise(values):
-        total += _predicted(a, b)
-        moment += 0.5 * (a.sigma + b.sigma - 2 * centre) * change(a, b)
-    closure = abs(total / (2j * math.pi) - count)
-    return Winding(count, closure, centre, moment / (2j * math.pi), tuple(values[:-1]))
+    total = sum(_predicted(a, b) for a, b in pairwise(values))
+    moment = power_sums(((1, tuple(values)),), centre, 1.0, 1)[1]
+    return Winding(count, abs(total / (2j * math.pi) - count), centre, complex(moment), tuple(values[:-1]))
+
+
+def power_sums(pieces: Pieces, centre: complex, scale: float, most: int) -> NDArray[np.complex128]:
+    """s_k = Σ ((z − centre)/scale)^k over the zeros z inside, for k = 0 … most: (1/2πi)∮ ((σ − centre)/scale)^k d ln D.
+
+    Between two samples ln D is the cubic with its values and derivatives at both ends, and σ runs straight; that is integrated exactly.
+    """
+    sums = np.zeros(most + 1, dtype=np.complex128)
+    nodes, weights = np.polynomial.legendre.leggauss(2 + most // 2)
+    t = 0.5 + 0.5 * nodes
+    for sign, values in pieces:
+        sigma = np.array([v.sigma for v in values])
+        h = np.diff(sigma)
+        slope = np.array([v.slope for v in values])
+        gain = np.array([change(a, b) for a, b in pairwise(values)])
+        first, last = (slope[:-1] * h)[:, None], (slope[1:] * h)[:, None]
+        rate = first * (1 - 4 * t + 3 * t * t) + last * (3 * t * t - 2 * t) + gain[:, None] * (6 * t * (1 - t))
+        place = (sigma[:-1, None] + h[:, None] * t - centre) / scale
+        for k in range(most + 1):
+            sums[k] += sign * np.sum(rate * place**k @ (0.5 * weights))
+    return sums / (2j * math.pi)
 
 
 def whole_turns(phase: float, slack: float = 1e-6) -> int:
@@ -64,12 +92,14 @@ def whole_turns(phase: float, slack: float = 1e-6) -> int:
     return round(turns)
 
 
-def follow(evaluate: Callable[[float], Value], stops: Sequence[float], closed: bool = False) -> list[Value]:
+def follow(
+    evaluate: Callable[[float], Value], stops: Sequence[float], closed: bool = False, first_pieces: int = FIRST_PIECES
+) -> list[Value]:
     """Samples of D along a curve t ↦ σ(t), from the first stop to the last, so dense that no turn of the phase is missed.
 
     The stops are those t at which the curve is not smooth, its ends included. On a closed curve the first sample serves as the last.
     """
-    pieces = FIRST_PIECES if len(stops) == 2 else 2
+    pieces = first_pieces if len(stops) == 2 else 2
     ts = [a + (b - a) * i / pieces for a, b in pairwise(stops) for i in range(pieces)]
     samples = [(t, evaluate(t)) for t in ts]
     samples.append((stops[-1], samples[0][1] if closed else evaluate(stops[-1])))

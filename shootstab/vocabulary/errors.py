@@ -17,3 +17,7 @@ class NoFlowError(InputError):
 
 class ConvergenceError(ShootstabError):
     """A computation did not reach what was asked of it; the text says how far it came."""
+
+
+class Undecidable(ConvergenceError):  # noqa: N818 - it is a finding, not a fault
+    """D cannot be continued over a part of the σ-plane, for the reason given: a continuous spectrum is in the way."""

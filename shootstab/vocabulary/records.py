@@ -43,7 +43,8 @@ class Mode:
     """One eigenvalue: sigma (complex, or an mpmath number) with |true − sigma| ≤ error (a float, or an mpf where a float underflows).
 
     status is 'converged' or says in a sentence what went wrong; continuum_distance is the distance of sigma to the continuous
-    spectrum, infinite if the problem has none; path says along which path in z the system was integrated.
+    spectrum, infinite if the problem has none; path says along which path in z the system was integrated. Of multiplicity m > 1 are m
+    eigenvalues, equal or not told apart, all within error of sigma, their mean.
     """
 
     sigma: Any
@@ -55,6 +56,7 @@ class Mode:
     seconds: float
     continuum_distance: float = math.inf
     path: str = "real"
+    multiplicity: int = 1
 
     @property
     def digits(self) -> float:
@@ -84,7 +86,8 @@ def digits_between(difference: Any, size: Any) -> float:
 class Verdict:
     """What is to be said of one claimed eigenvalue, and why.
 
-    sigma is the mode that the claim means (None if there is none), error its bound, digits_agreed = −log10(|claimed − σ|/|σ|).
+    sigma is the mode that the claim means (None if there is none), error its bound, multiplicity its multiplicity,
+    digits_agreed = −log10(|claimed − σ|/|σ|).
     """
 
     claimed: complex
@@ -94,6 +97,7 @@ class Verdict:
     error: float | None = None
     digits_agreed: float | None = None
     continuum_distance: float = math.inf
+    multiplicity: int = 1
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,8 @@ from typing import Any, Protocol
 
 from shootstab.vocabulary.errors import InputError
 
+SIDES = 12  # of the polygon around a disc
+
 
 class Region(Protocol):
     """A bounded part of the σ-plane."""
@@ -16,6 +18,11 @@ class Region(Protocol):
     @property
     def corners(self) -> tuple[float, ...]:
         """The values of t, from 0 to 1, at which the boundary is not smooth."""
+        ...
+
+    @property
+    def hull(self) -> tuple[complex, ...]:
+        """The corners of a convex polygon that holds the region, counter-clockwise."""
         ...
 
     def boundary(self, t: float) -> complex:
@@ -49,6 +56,11 @@ class Disc:
     @property
     def corners(self) -> tuple[float, ...]:
         return (0.0, 1.0)
+
+    @property
+    def hull(self) -> tuple[complex, ...]:
+        reach = self.radius / math.cos(math.pi / SIDES)
+        return tuple(self.centre + cmath.rect(reach, 2 * math.pi * k / SIDES) for k in range(SIDES))
 
     def boundary(self, t: float) -> complex:
         return self.centre + self.radius * cmath.exp(2j * math.pi * t)
@@ -85,6 +97,10 @@ class Rectangle:
     def corners(self) -> tuple[float, ...]:
         return (0.0, 0.25, 0.5, 0.75, 1.0)
 
+    @property
+    def hull(self) -> tuple[complex, ...]:
+        return self.vertices
+
     def boundary(self, t: float) -> complex:
         return _along(self.vertices, t)
 
@@ -120,6 +136,10 @@ class Polygon:
     @property
     def corners(self) -> tuple[float, ...]:
         return tuple(i / len(self.points) for i in range(len(self.points) + 1))
+
+    @property
+    def hull(self) -> tuple[complex, ...]:
+        return _convex(self.points)
 
     def boundary(self, t: float) -> complex:
         return _along(self.points, t)
@@ -162,3 +182,51 @@ def _nearest(vertices: tuple[complex, ...], sigma: complex) -> float:
 def _area(points: tuple[complex, ...]) -> float:
     """Twice the signed area."""
     return sum((p.conjugate() * q).imag for p, q in zip(points, points[1:] + points[:1], strict=True))
+
+
+def halves(region: Region, cut: float) -> tuple[Polygon, Polygon]:
+    """The hull of a region cut in two across its longer side, at this fraction of it."""
+    vertices = region.hull
+    turn = 1.0 + 0j
+    re, im = [v.real for v in vertices], [v.imag for v in vertices]
+    if max(re) - min(re) < max(im) - min(im):
+        turn = -1j  # cut across the imaginary direction
+    turned = [turn * v for v in vertices]
+    low, high = min(v.real for v in turned), max(v.real for v in turned)
+    at = low + cut * (high - low)
+    sides = (_clipped(turned, at, 1.0), _clipped(turned, at, -1.0))
+    lower, upper = (Polygon(tuple(v / turn for v in side)) for side in sides)
+    return lower, upper
+
+
+def size(region: Region) -> float:
+    """The diameter of the hull."""
+    vertices = region.hull
+    return max(abs(p - q) for p in vertices for q in vertices)
+
+
+def _clipped(vertices: list[complex], at: float, sign: float) -> list[complex]:
+    """The part of a convex polygon with sign·(Re − at) ≤ 0."""
+    out: list[complex] = []
+    for p, q in zip(vertices, vertices[1:] + vertices[:1], strict=True):
+        inside, ahead = sign * (p.real - at) <= 0.0, sign * (q.real - at) <= 0.0
+        if inside:
+            out.append(p)
+        if inside != ahead and p.real != at and q.real != at:
+            out.append(complex(at, p.imag + (q.imag - p.imag) * (at - p.real) / (q.real - p.real)))
+    return out
+
+
+def _convex(points: tuple[complex, ...]) -> tuple[complex, ...]:
+    """The convex hull, counter-clockwise, by Andrew's monotone chain."""
+
+    def chain(ordered: list[complex]) -> list[complex]:
+        out: list[complex] = []
+        for p in ordered:
+            while len(out) > 1 and ((out[-1] - out[-2]).conjugate() * (p - out[-2])).imag <= 0.0:
+                out.pop()
+            out.append(p)
+        return out[:-1]
+
+    ordered = sorted(set(points), key=lambda p: (p.real, p.imag))
+    return tuple(chain(ordered) + chain(ordered[::-1]))

@@ -7,7 +7,7 @@ there, and each is the other's test.
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from fractions import Fraction
 from typing import Any, Protocol
@@ -15,17 +15,19 @@ from typing import Any, Protocol
 from shootstab.vocabulary.errors import InputError
 
 Matrix = list[list[Any]]  # of numbers
+Payloads = Sequence[Sequence[tuple[Any, Any]]]  # a matrix of series, each as its real and its imaginary part, None for zero
+ASKED = 4  # last terms of a series that show where it holds
 
 
 class Convolution(Protocol):
-    """Σ_j A_j Y_{m−j} for m = 0, 1, …, with Y given one term at a time."""
+    """Σ_j A_j Y_{m−j} for m = 0, 1, …, with Y given one term at a time; where A and Y_0 are real, all of Y is."""
 
     def push(self, term: Matrix) -> None:
         """The next term of Y, (n, k)."""
         ...
 
     def value(self) -> Matrix:
-        """Σ_j A_j Y_{m−j} with m the last term given."""
+        """Σ_j A_j Y_{m−j}, (r, k), with m the last term given."""
         ...
 
 
@@ -96,8 +98,23 @@ class Arithmetic(Protocol):
 
     def power(self, a: Any, exponent: Any) -> Any: ...
 
-    def convolution(self, A: Sequence[Sequence[Any]], terms: int) -> Convolution:
-        """Of a matrix whose entries are pairs of payloads (Re, Im), None for zero."""
+    def convolution(self, A: Payloads) -> Convolution:
+        """Of a matrix (r, n) of series."""
+        ...
+
+    def carried(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> tuple[Matrix, list[Matrix]]:
+        """Σ Y_m, and the last ASKED of so many terms, of Y_m = left (Σ_j E_j Y_{m−1−j}/m − Σ_j F_j Y_{m−1−j}), Y_0 = Y (n, k).
+
+        A is E (n, n) above F.
+        """
+        ...
+
+    def multiplier(self, A: Matrix) -> Callable[[Matrix], Matrix]:
+        """B ↦ A B, rounded."""
+        ...
+
+    def inverse(self, A: Matrix) -> Matrix:
+        """A⁻¹. Raises ZeroDivisionError where A is singular as far as the precision can tell."""
         ...
 
 

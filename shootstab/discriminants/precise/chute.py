@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import Any
 
-from shootstab.discriminants.precise import matrices
-from shootstab.discriminants.precise.arithmetic import Arithmetic, Matrix, exact, simplified
-from shootstab.discriminants.precise.protocol import Expansion, Tick
-from shootstab.discriminants.precise.reduction import affine, explicit
+import mpmath
+
+from shootstab.discriminants.precise.arithmetic import ASKED, Arithmetic, Matrix, exact, simplified
+from shootstab.discriminants.precise.linear import affine
+from shootstab.discriminants.precise.protocol import Base, Expansion, Tick
 from shootstab.discriminants.precise.regular_singular import decaying_series
+from shootstab.discriminants.precise.secant import Secant, Values
 from shootstab.discriminants.precise.settings import Settings, step_limit
+from shootstab.discriminants.precise.steady import Base as FlowBase
 from shootstab.discriminants.precise.steady import Descent, descend, evaluate, far_series, start_of
 from shootstab.discriminants.precise.taylor import Taylor, real_series
 from shootstab.problems.chute import constitutive as law
@@ -23,22 +27,19 @@ from shootstab.vocabulary.errors import ConvergenceError
 from shootstab.vocabulary.series import Series
 
 SPANWISE = (2, 6)  # v̂ and v̂′, which k_x = 0 makes imaginary
-NEWTONS = 8
-PROBE = 20  # binary digits of the relative change of T_∞ from which its influence is found
+ROUGH = 0.72  # of the digits of a flow, those at which its response to T_∞ is found first
 WANDER = 1e-6  # relative change of T_∞ beyond which the double-precision flow was another one
+FLATTEST = 1e-5  # |d ln Q0/d ln T_∞| below which a flow lies at a fold of the family: doubles cannot tell there which one is meant
 
 
 class PreciseChute:
-    """A chute problem; T_∞ of a given mass flux improves from one course to the next."""
+    """A chute problem; what is known of T_∞ improves from one precision to the next."""
 
     size = system.SIZE
-    has_base_flow = True
 
     def __init__(self, problem: ChuteProblem) -> None:
         self.problem = problem
-        self._rate: Any = None  # d ln Q0/d ln T_∞
-        self._temperature: Any = None  # the best T_∞ so far
-        self._solved: dict[Any, tuple[Any, ...]] = {}
+        self._secant: Secant | None = None
 
     @property
     def real(self) -> bool:
@@ -51,67 +52,70 @@ class PreciseChute:
         e, e_w, r, tan_theta, nu_max = (ring.number(exact(x)) for x in (c.e, c.e_w, c.r, c.tan_theta, c.nu_max))
         return Chute(e, e_w, r, tan_theta, nu_max, c.radial, c.wall)
 
-    def course(self, ring: Arithmetic, settings: Settings, base_settings: Settings, tick: Tick) -> ChuteCourse:
+    def course(self, ring: Arithmetic, settings: Settings, base: Base) -> ChuteCourse:
         """See protocol.Formulation."""
-        chute = self.chute(ring)
-        key = ring.name, base_settings
-        if key not in self._solved:
-            self._solved[key] = tuple(map(ring.to_mpmath, self._far_values(ring, chute, base_settings, tick)))
-        T, u = map(ring.number, self._solved[key])
-        return ChuteCourse(ring, chute, settings, self.problem, T, u)
+        return ChuteCourse(self, ring, settings, base)
 
-    def _far_values(self, ring: Arithmetic, chute: Chute, settings: Settings, tick: Tick) -> tuple[Any, Any]:
-        """(T_∞, u_∞): for a given mass flux by Newton on ln Q0(ln T_∞), the derivative from a difference in low precision."""
+    def base(self, ring: Arithmetic, settings: Settings, tick: Tick) -> Base:
+        """(T_∞, u_∞): for a given mass flux by secants on Q0(T_∞), from a rougher precision on; u_∞ comes along."""
         flow = self.problem.flow
 
-        def solve(T: Any) -> Any:
-            return descend(ring, chute, T, settings, flow.height, tick)
+        def end(at: Settings, T: Any) -> FlowBase:
+            return descend(ring, self.chute(ring), ring.number(T), at, flow.height, tick)
+
+        def found(at: Settings, T: Any) -> Values:
+            base = end(at, T)
+            return self.misfit(ring, base.mass_flux), ring.to_mpmath(base.far_velocity)
 
         if flow.asked_flux is None:
-            T = ring.number(exact(flow.far_temperature))
-            return T, solve(T).far_velocity
-        first = ring.number(flow.far_temperature)
-        T = first if self._temperature is None else ring.number(self._temperature)
-        flux = ring.number(exact(flow.asked_flux))
-        goal = -settings.tolerance * math.log2(10)
-        if self._rate is None:
-            step = ring.number(2.0**-PROBE)
-            above, below = (solve(T * (1 + s)).mass_flux for s in (step, -step))
-            self._rate = ring.to_mpmath((above - below) / (flux * 2 * step))
-        rate = ring.number(self._rate)
-        before: tuple[Any, Any] | None = None
-        for _ in range(NEWTONS):
-            base = solve(T)
-            misfit = (base.mass_flux - flux) / flux
-            if before is not None and before[0] != T and before[1] != misfit:
-                rate = (misfit - before[1]) / ((T - before[0]) / T)
-            if matrices.vanishes(rate):
-                break
-            step = ring.rounded(misfit / rate)
-            size = ring.log2(step)
-            if size < goal:
-                self._rate, self._temperature = ring.to_mpmath(rate), ring.to_mpmath(T)
-                return T, base.far_velocity
-            before = T, misfit
-            T = ring.rounded(T * (1 - step))
-            if ring.log2((T - first) / first) > math.log2(WANDER):
-                break
-        raise ConvergenceError(
-            "the base flow is not determined to this many digits: it lies at a fold of the family of flows, where the mass flux "
-            f"hardly changes with far_temperature (d ln Q0/d ln T = {float(ring.to_mpmath(rate)):.1e})"
+            T = ring.to_mpmath(ring.number(exact(flow.far_temperature)))
+            return T, ring.to_mpmath(end(settings, T).far_velocity)
+        secant = self._secant or Secant(mpmath.mpf(flow.far_temperature))
+        try:
+            for at in (settings,) if self._secant else (Settings.of(ROUGH * settings.tolerance + 1.0), settings):
+                with ring.working(at.digits), mpmath.workdps(at.digits):
+                    secant.settle(partial(found, at), at.tolerance)
+        except ConvergenceError:
+            raise self._undetermined(secant) from None
+        if not abs(secant.slope * secant.x) > FLATTEST or not abs(secant.x / flow.far_temperature - 1) < WANDER:
+            raise self._undetermined(secant)
+        self._secant = secant
+        return secant.x, *secant.others
+
+    def misfit(self, ring: Arithmetic, mass_flux: Any) -> Any:
+        """Q0 relative to what was asked for, minus one."""
+        assert self.problem.flow.asked_flux is not None
+        asked = ring.number(exact(self.problem.flow.asked_flux))
+        return ring.to_mpmath(ring.rounded((mass_flux - asked) / asked))
+
+    def asked(self, ring: Arithmetic, end: FlowBase, base: Base) -> Base:
+        """(T_∞, u_∞) after one secant step from those of a flow that ended so."""
+        T, _ = base
+        u = ring.to_mpmath(end.far_velocity)
+        if self._secant is None:
+            return T, u
+        rate, drift = self._secant.slopes
+        step = self.misfit(ring, end.mass_flux) / rate
+        return T - step, u - drift * step
+
+    def _undetermined(self, secant: Secant) -> ConvergenceError:
+        rate = float(secant.slope * secant.x)
+        return ConvergenceError(
+            "the mass flux does not determine the base flow to this many digits: the flow lies at a fold of the family, "
+            f"where the mass flux hardly changes with far_temperature (d ln Q0/d ln T = {rate:.1e})"
         )
 
 
 class ChuteCourse:
     """One way down a chute flow of known T_∞ and u_∞. See protocol.Course."""
 
-    def __init__(self, ring: Arithmetic, chute: Chute, settings: Settings, problem: ChuteProblem, T: Any, u: Any) -> None:
-        self.ring, self.chute, self.settings = ring, chute, settings
-        self._kx, self._ky = (ring.complex(exact(k)) for k in (problem.kx, problem.ky))
-        self._rotated = problem.kx == 0.0
-        self._far_temperature, self._far_velocity = T, u
-        self._problem = problem
-        self._series = far_series(ring, chute, T, settings.far_terms)
+    def __init__(self, formulation: PreciseChute, ring: Arithmetic, settings: Settings, base: Base) -> None:
+        self.ring, self.chute, self.settings = ring, formulation.chute(ring), settings
+        self._formulation, self._base, self._problem = formulation, base, formulation.problem
+        self._kx, self._ky = (ring.complex(exact(k)) for k in (self._problem.kx, self._problem.ky))
+        self._rotated = formulation.real
+        self._far_temperature, self._far_velocity = map(ring.number, base)
+        self._series = far_series(ring, self.chute, self._far_temperature, settings.far_terms)
         self._frames: dict[str, list[Matrix]] = {}
         self._place: list[list[Any]] | None = None
 
@@ -137,8 +141,12 @@ class ChuteCourse:
 
     def _limit(self, terms: list[Matrix]) -> float:
         """log2 of the fraction of the start at which the terms left out are small, row by row."""
-        sizes = [[max(self.ring.log2(x) for x in P[i]) for P in terms] for i in range(system.SIZE)]
-        limits = [step_limit(s, max(s[:2]), self.settings.far_tolerance) for s in sizes if max(s[:2]) > -math.inf]
+        limits = []
+        for i in range(system.SIZE):
+            first, last = ([max(map(self.ring.log2, P[i])) for P in part] for part in (terms[:2], terms[-ASKED:]))
+            scale = max(first)
+            if scale > -math.inf:
+                limits.append(step_limit(last, len(terms), scale, self.settings.far_tolerance))
         return min(limits)
 
     def far_frame(self, sigma: Any) -> tuple[Matrix, Any]:
@@ -170,6 +178,9 @@ class ChuteCourse:
         W0, W1 = ([[self._turned(row[j], 2 if i == 2 else 0, j) for j in range(system.SIZE)] for i, row in enumerate(W)] for W in rows)
         return W0, W1
 
+    def asked(self) -> Base:
+        return self._formulation.asked(self.ring, self._descent.at_base(), self._base)
+
     @property
     def _wavenumber(self) -> Any:
         return simplified(self.ring, (self._kx * self._kx + self._ky * self._ky) ** 0.5)
@@ -199,13 +210,13 @@ class ChuteCourse:
         if key not in self._frames:
             C0, C1, D0, D1, decay = self._far_pencil
             C0, C1 = ({at: e * decay for at, e in part.items()} for part in (C0, C1))
-            A = explicit(self.ring, system.SIZE, affine(C0, C1, sigma), affine(D0, D1, sigma))
+            C, D = affine(C0, C1, sigma), affine(D0, D1, sigma)
             K = self._wavenumber
             s = [1j * self._kx, 1j * self._ky, -self.ring.complex(K)]
             B = [[-s[i] * s[j] / (7 * K) + (K if i == j else 0) for j in range(3)] for i in range(3)]
             leading, exponents = self._leading(sigma, B, K)
             rate = K * self._far_temperature
-            self._frames = {key: decaying_series(self.ring, A, leading, rate, exponents, self.settings.far_terms)}
+            self._frames = {key: decaying_series(self.ring, C, D, leading, rate, exponents, self.settings.far_terms)}
         return self._frames[key]
 
     def _leading(self, sigma: Any, B: Matrix, K: Any) -> tuple[Matrix, Matrix]:

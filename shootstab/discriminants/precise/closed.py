@@ -1,63 +1,30 @@
-"""Problems in closed form: those that can write down their pencil for any number z, and so for a power series too.
-
-A problem of the user's own gains any number of digits by four methods (see `ClosedForm`); plane Poiseuille flow is one.
-"""
+"""Problems in closed form to any number of digits: the formulas of problems.closed.ClosedForm, evaluated on power series."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Protocol, runtime_checkable
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from shootstab.discriminants.precise.arithmetic import Arithmetic, Matrix, exact, simplified
-from shootstab.discriminants.precise.protocol import Entries, Expansion, Tick
+from shootstab.discriminants.precise.protocol import Base, Entries, Expansion, Tick
 from shootstab.discriminants.precise.settings import Settings
 from shootstab.discriminants.precise.taylor import Taylor, real_series
-
-FIRST = 1 / 64  # of the path, the first step that is tried
-Exact = Callable[[float], Any]  # a parameter as the decimal it stands for, in the arithmetic at work
-
-
-@runtime_checkable
-class ClosedForm(Protocol):
-    """What makes a problem of the protocol ready for any number of digits: formulas with +, −, ·, / and ** for numbers of any kind.
-
-    Every float that enters a formula goes through `exact`, which takes 0.8 for 8/10; integers and 1j may stand as they are.
-    """
-
-    @property
-    def size(self) -> int: ...
-
-    @property
-    def decaying(self) -> int: ...
-
-    def exact_ends(self, exact: Exact) -> tuple[Any, Any]:
-        """z of the far end and of the wall, real."""
-        ...
-
-    def exact_pencil(self, z: Any, exact: Exact) -> Sequence[Mapping[tuple[int, int], Any]]:
-        """C0, C1, D0, D1 at z by their non-zero entries; z is a power series."""
-        ...
-
-    def exact_far(self, sigma: Any, exact: Exact) -> Sequence[Sequence[Any]]:
-        """The decaying space (n, k) at the far end, analytic in σ."""
-        ...
-
-    def exact_wall(self, exact: Exact) -> tuple[Sequence[Sequence[Any]], Sequence[Sequence[Any]]]:
-        """W0, W1 (k, n): (W0 + σ W1) ψ = 0 at the wall."""
-        ...
+from shootstab.problems.closed import ClosedForm
 
 
 class ClosedFormulation:
     """See protocol.Formulation."""
 
     real = False
-    has_base_flow = False
 
     def __init__(self, problem: ClosedForm) -> None:
         self._problem = problem
         self.size = problem.size
 
-    def course(self, ring: Arithmetic, settings: Settings, base_settings: Settings, tick: Tick) -> ClosedCourse:
+    def base(self, ring: Arithmetic, settings: Settings, tick: Tick) -> Base:
+        return ()
+
+    def course(self, ring: Arithmetic, settings: Settings, base: Base) -> ClosedCourse:
         return ClosedCourse(ring, self._problem, settings)
 
 
@@ -67,7 +34,7 @@ class ClosedCourse:
     def __init__(self, ring: Arithmetic, problem: ClosedForm, settings: Settings) -> None:
         self._ring, self._problem, self._settings = ring, problem, settings
         self._z, self._wall = (self._real(end) for end in problem.exact_ends(self._exact))
-        self._step = (self._wall - self._z) * ring.number(FIRST)
+        self._step = (self._wall - self._z) / settings.order  # a first trial; steps double from there
 
     def _exact(self, x: float) -> Any:
         return self._ring.complex(exact(x))
@@ -100,6 +67,9 @@ class ClosedCourse:
     def wall_rows(self) -> tuple[Matrix, Matrix]:
         W0, W1 = self._problem.exact_wall(self._exact)
         return self._matrix(W0), self._matrix(W1)
+
+    def asked(self) -> Base:
+        return ()
 
     def _entries(self, part: Mapping[tuple[int, int], Any], z: Taylor) -> Entries:
         return {at: e if isinstance(e, Taylor) else 0 * z + e for at, e in part.items()}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 from operator import mul
@@ -11,7 +11,8 @@ from typing import Any
 
 from mpmath import libmp, mp
 
-from shootstab.discriminants.precise.arithmetic import Matrix
+from shootstab.discriminants.precise import matrices
+from shootstab.discriminants.precise.arithmetic import ASKED, Matrix, Payloads
 from shootstab.discriminants.precise.blocks import Block, conv, fixed, inverse_conv, power_conv, shifted, trimmed
 
 GUARD = 40  # bits of the integers beyond the working precision: one exponent serves a whole series
@@ -111,14 +112,31 @@ class Floats:
         first = mp.make_mpf(libmp.from_man_exp(a[0][0], a[1])) ** exponent
         return trimmed(power_conv(a, first, mp.mpf(exponent), self._bits), self._bits)
 
-    def convolution(self, A: Sequence[Sequence[Any]], terms: int) -> Dots:
+    def convolution(self, A: Payloads) -> Dots:
         return Dots(self._bits, A)
+
+    def carried(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> tuple[Matrix, list[Matrix]]:
+        n = len(Y)
+        convolution, solved = self.convolution(A), self.multiplier(left)
+        found = [Y]
+        for m in range(1, terms):
+            convolution.push(found[-1])
+            both = convolution.value()
+            found.append(solved([[e / m - f for e, f in zip(x, y, strict=True)] for x, y in zip(both[:n], both[n:], strict=True)]))
+        return [[mp.fsum(x) for x in zip(*rows, strict=True)] for rows in zip(*found, strict=True)], found[-ASKED:]
+
+    def multiplier(self, A: Matrix) -> Callable[[Matrix], Matrix]:
+        rows = [[(j, a) for j, a in enumerate(row) if a] for row in A]
+        return lambda B: [[sum((a * B[j][q] for j, a in row if B[j][q]), mp.zero) for q in range(len(B[0]))] for row in rows]
+
+    def inverse(self, A: Matrix) -> Matrix:
+        return matrices.eliminated(self, A)
 
 
 class Dots:
     """Σ_j A_j Y_{m−j} as dot products of integers; Y has one exponent, chosen by its first term."""
 
-    def __init__(self, bits: int, A: Sequence[Sequence[Any]]) -> None:
+    def __init__(self, bits: int, A: Payloads) -> None:
         self._bits = bits
         self._rows = [[(b, self._backwards(re), self._backwards(im)) for b, (re, im) in enumerate(row) if re or im] for row in A]
         self._Y: list[list[tuple[list[int], list[int]]]] = []

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from shootstab.discriminants.precise.arithmetic import Arithmetic, Matrix
+from shootstab.vocabulary.errors import ConvergenceError
 
 
 def product(ring: Arithmetic, A: Matrix, B: Matrix) -> Matrix:
     """A B."""
-    columns = range(len(B[0]))
-    return [[ring.rounded(sum((a * B[j][q] for j, a in enumerate(row) if not vanishes(a)), ring.number(0))) for q in columns] for row in A]
+    return ring.multiplier(A)(B)
 
 
 def combined(A: Matrix, B: Matrix, factor: Any) -> Matrix:
@@ -18,9 +19,41 @@ def combined(A: Matrix, B: Matrix, factor: Any) -> Matrix:
     return [[a + factor * b for a, b in zip(x, y, strict=True)] for x, y in zip(A, B, strict=True)]
 
 
+def scaled(A: Matrix, factor: Any) -> Matrix:
+    """factor A."""
+    return [[factor * a for a in row] for row in A]
+
+
 def vanishes(x: Any) -> bool:
     """Whether x is exactly zero."""
     return bool(x == 0)
+
+
+def inverse(ring: Arithmetic, A: Matrix) -> Matrix:
+    """A⁻¹, after the rows and columns of A were scaled to size one.
+
+    Raises ConvergenceError where A is singular.
+    """
+    n = range(len(A))
+    rows = [_unit(ring, row) for row in A]
+    columns = [_unit(ring, [rows[i] * A[i][j] for i in n]) for j in n]
+    try:
+        inverse = ring.inverse([[rows[i] * A[i][j] * columns[j] for j in n] for i in n])
+    except ZeroDivisionError:
+        raise ConvergenceError("the pencil's C is singular: sigma lies on the continuous spectrum") from None
+    return [[columns[j] * inverse[j][i] * rows[i] for i in n] for j in n]
+
+
+def _unit(ring: Arithmetic, numbers: Sequence[Any]) -> Any:
+    """The power of two that brings the largest of the numbers to about one."""
+    size = max(map(ring.log2, numbers))
+    return ring.number(2.0 ** -round(size)) if -1000.0 < size < 1000.0 else ring.number(1)
+
+
+def eliminated(ring: Arithmetic, A: Matrix) -> Matrix:
+    """A⁻¹ by elimination. Raises ZeroDivisionError where a pivot vanishes."""
+    n = len(A)
+    return solve(ring, A, [[ring.number(int(i == j)) for j in range(n)] for i in range(n)])
 
 
 def solve(ring: Arithmetic, A: Matrix, B: Matrix) -> Matrix:

@@ -16,6 +16,7 @@ from shootstab.discriminants.precise.taylor import Taylor
 
 Entries = Mapping[tuple[int, int], Taylor]
 Tick = Callable[[], None]
+Base = tuple[Any, ...]  # what a base flow had to be solved for, as mpmath numbers; empty if nothing
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,10 @@ class Course(Protocol):
         """W0, W1 (k, n), asked for at the wall."""
         ...
 
+    def asked(self) -> Base:
+        """The base flow that should have been taken, going by what this course found at the wall."""
+        ...
+
 
 class Formulation(Protocol):
     """A problem that can be set up in any precision."""
@@ -70,14 +75,13 @@ class Formulation(Protocol):
         """Whether D is real for real σ."""
         ...
 
-    @property
-    def has_base_flow(self) -> bool:
-        """Whether there is a base flow that base_settings bear on."""
+    def base(self, ring: Arithmetic, settings: Settings, tick: Tick) -> Base:
+        """The base flow, found with these settings; to be called inside the working precision.
+
+        Raises ConvergenceError where the parameters do not determine it.
+        """
         ...
 
-    def course(self, ring: Arithmetic, settings: Settings, base_settings: Settings, tick: Tick) -> Course:
-        """A course with these settings, on a base flow found with base_settings; to be called inside the working precision.
-
-        Raises ConvergenceError where the parameters do not determine a base flow.
-        """
+    def course(self, ring: Arithmetic, settings: Settings, base: Base) -> Course:
+        """A course with these settings on this base flow; to be called inside the working precision."""
         ...

@@ -1,4 +1,7 @@
-"""The decaying space at a regular singular point, x dψ/dx = A(x) ψ, ψ = P(x) x^Λ: m P_m + P_m Λ − A_0 P_m = Σ_{j≥1} A_j P_{m−j}."""
+"""The decaying space at a regular singular point, C x dψ/dx = D ψ, ψ = P(x) x^Λ, without C⁻¹ and without logarithms.
+
+With E = D + x dC/dx the coefficients of x^m give (m C_0 − D_0) P_m + C_0 P_m Λ = Σ_{j≥1} [E_j P_{m−j} − C_j P_{m−j} (m + Λ)].
+"""
 
 from __future__ import annotations
 
@@ -6,30 +9,36 @@ from typing import Any
 
 from shootstab.discriminants.precise import matrices
 from shootstab.discriminants.precise.arithmetic import Arithmetic, Matrix
-from shootstab.discriminants.precise.reduction import Row
-from shootstab.discriminants.precise.taylor import Taylor
+from shootstab.discriminants.precise.linear import Entries, leading, parts, stacked
 
 
-def decaying_series(ring: Arithmetic, A: list[Row], leading: Matrix, rate: Any, nilpotent: Matrix, terms: int) -> list[Matrix]:
-    """P_m (n, k) for m below terms, from P_0 and Λ = rate I + N with N² = 0: P_m = E (R − E R N), E = (m + rate − A_0)⁻¹."""
-    n = len(A)
-    first = [[row[j].coefficients(1)[0] if j in row else ring.number(0) for j in range(n)] for row in A]
-    later = [[_tail(ring, row[j], terms) if j in row else (None, None) for j in range(n)] for row in A]
-    convolution = ring.convolution(later, terms - 1)
-    P = [leading]
-    for m in range(1, terms):
-        convolution.push(P[-1])
-        R = convolution.value()
-        left = [[(m + rate if i == j else 0) - first[i][j] for j in range(n)] for i in range(n)]
-        RN = matrices.product(ring, R, nilpotent)
-        both = matrices.solve(ring, left, [a + b for a, b in zip(R, RN, strict=True)])
-        k = len(leading[0])
-        ER, ERN = [row[:k] for row in both], [row[k:] for row in both]
-        P.append(matrices.combined(ER, matrices.solve(ring, left, ERN), -1))
+def decaying_series(ring: Arithmetic, C: Entries, D: Entries, P0: Matrix, rate: Any, nilpotent: Matrix, terms: int) -> list[Matrix]:
+    """P_m (n, k) for m below terms, from P_0 and Λ = rate I + N with N² = 0: P_m = G (R − C_0 G R N), G = ((m + rate) C_0 − D_0)⁻¹."""
+    n, k = len(P0), len(P0[0])
+    nothing = ring.number(0)
+    P = [P0, *([[nothing] * k for _ in range(n)] for _ in range(terms - 1))]
+    for rows, unknowns in parts(n, C, D):
+        columns = [q for q in range(k) if not all(matrices.vanishes(P0[i][q]) for i in unknowns)]
+        if not columns:
+            continue
+        size = len(rows)
+        N = [[nilpotent[p][q] for q in columns] for p in columns]
+
+        def times_N(A: Matrix, N: Matrix = N) -> Matrix:
+            return matrices.product(ring, A, N)
+
+        C0, D0 = leading(ring, C, rows, unknowns), leading(ring, D, rows, unknowns)
+        times_C0 = ring.multiplier(C0)
+        convolution = ring.convolution(stacked(ring, C, D, rows, unknowns, terms, shift=0))
+        part = [[P0[i][q] for q in columns] for i in unknowns]
+        for m in range(1, terms):
+            convolution.push(part)
+            both = convolution.value()
+            E, CP = both[:size], both[size:]
+            R = matrices.combined(matrices.combined(E, CP, -(m + rate)), times_N(CP), -1)
+            G = ring.multiplier(matrices.inverse(ring, matrices.combined(matrices.scaled(C0, m + rate), D0, -1)))
+            part = G(matrices.combined(R, times_C0(times_N(G(R))), -1))
+            for i, row in zip(unknowns, part, strict=True):
+                for q, x in zip(columns, row, strict=True):
+                    P[m][i][q] = x
     return P
-
-
-def _tail(ring: Arithmetic, entry: Taylor, terms: int) -> tuple[Any, Any]:
-    """(A − A_0)/x of one entry, as payloads."""
-    re, im = (None if part is None else ring.series(ring.coefficients(part, terms)[1:]) for part in (entry.re, entry.im))
-    return re, im

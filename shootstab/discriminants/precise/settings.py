@@ -26,7 +26,7 @@ class Settings:
     def of(digits: float) -> Settings:
         """For so many digits of D."""
         order = math.ceil(digits * math.log(10) / SHRINK) + 6
-        return Settings(math.ceil(digits) + GUARD, digits, order, digits, 2 * order)
+        return Settings(math.ceil(digits) + GUARD, digits, order, digits, 5 * order // 4)
 
     def more_precise(self) -> Settings:
         """With a higher working precision and nothing else."""
@@ -41,13 +41,12 @@ class Settings:
         return replace(self, far_tolerance=self.far_tolerance + 3, far_terms=self.far_terms + max(8, self.far_terms // 12), far_shift=1.0)
 
 
-def step_limit(logs: list[float], scale: float, tolerance: float) -> float:
-    """log2 of the x at which the last of the terms c_m x^m have shrunk to 10^−tolerance of the scale.
+def step_limit(last: list[float], terms: int, scale: float, tolerance: float) -> float:
+    """log2 of the x at which the last of so many terms c_m x^m have shrunk to 10^−tolerance of the scale.
 
-    logs are log2 |c_m| of the whole series, scale the log2 of what they are compared with. The last terms of a series may vanish by
-    parity, so four of them are asked.
+    last are log2 |c_m| of the last ASKED terms, scale the log2 of what they are compared with. The very last terms of a series may vanish
+    by parity, therefore several are asked.
     """
-    n = len(logs)
     aim = scale - tolerance * math.log2(10)
-    bounds = [(aim - logs[m]) / m for m in range(max(1, n - 4), n) if logs[m] > -math.inf]
-    return min(bounds, default=math.inf)
+    orders = range(max(1, terms - len(last)), terms)
+    return min(((aim - log) / m for m, log in zip(orders, last[-len(orders) :], strict=True) if log > -math.inf), default=math.inf)

@@ -11,8 +11,8 @@ from typing import Any
 
 from shootstab.discriminants.precise import matrices
 from shootstab.discriminants.precise.arithmetic import Arithmetic, Matrix
-from shootstab.discriminants.precise.protocol import Course, Expansion, Tick
-from shootstab.discriminants.precise.reduction import affine, block, components, explicit
+from shootstab.discriminants.precise.linear import affine, carried
+from shootstab.discriminants.precise.protocol import Base, Course, Expansion, Tick
 from shootstab.discriminants.precise.settings import Settings, step_limit
 from shootstab.vocabulary.errors import ConvergenceError
 
@@ -25,35 +25,38 @@ SLACK = 4.0  # bits by which the last terms may exceed the tolerance
 class PreciseShooting:
     """D(σ) on one course; the steps are chosen at the first σ and kept, with the pencil's series, for the others."""
 
-    def __init__(self, ring: Arithmetic, n: int, settings: Settings, course: Course, sigma: Any, tick: Tick) -> None:
+    def __init__(self, ring: Arithmetic, n: int, settings: Settings, course: Course, tick: Tick) -> None:
         self.ring, self.settings, self._n, self._tick = ring, settings, n, tick
         self._course = course
         self._steps: list[Expansion] = []
-        course.launch(sigma)
-        self._first = sigma, self._march(sigma)
 
     @property
     def steps(self) -> int:
         """How many there are."""
         return len(self._steps)
 
+    def asked(self) -> Base:
+        """See protocol.Course."""
+        return self._course.asked()
+
     def __call__(self, sigma: Any) -> Any:
         """D(σ)."""
-        if str(sigma) == str(self._first[0]):
-            return self._first[1]
+        if not self._steps:
+            self._course.launch(sigma)
+            return self._march(sigma)
         Y, det = self._course.far_frame(sigma)
         for step in self._steps:
             self._tick()
-            Y, det = self._normalized(self._sum(self._columns(step, sigma, Y)), det)
+            Y, det = self._normalized(self._carried(step, sigma, Y)[0], det)
         return self._at_wall(sigma, Y, det)
 
     def _march(self, sigma: Any) -> Any:
         Y, det = self._course.far_frame(sigma)
         longest = float("inf")
         while not (self._steps and self._steps[-1].at_wall):
-            step, terms = self._step(sigma, Y, longest)
+            step, Y = self._step(sigma, Y, longest)
             self._steps.append(step)
-            Y, det = self._normalized(self._sum(terms), det)
+            Y, det = self._normalized(Y, det)
             self._course.advance()
             longest = self._next
             if len(self._steps) > MOST_STEPS:
@@ -61,17 +64,17 @@ class PreciseShooting:
         self._rows = self._course.wall_rows()
         return self._at_wall(sigma, Y, det)
 
-    def _step(self, sigma: Any, Y: Matrix, longest: float) -> tuple[Expansion, list[Matrix]]:
-        """A step as long as the flow's series and the frame's own hold."""
+    def _step(self, sigma: Any, Y: Matrix, longest: float) -> tuple[Expansion, Matrix]:
+        """A step as long as the flow's series and the frame's own hold, and the frame after it."""
         for _ in range(TRIALS):
             self._tick()
             step = self._course.expand(longest)
-            terms = self._columns(step, sigma, Y)
-            limit = self._limit(terms)
+            end, last = self._carried(step, sigma, Y)
+            limit = self._limit(Y, last)
             here = self.ring.log2(step.h)
             if limit * self.settings.order >= -SLACK:
                 self._next = 2.0 ** (here + min(limit, GROWTH) - 0.02)
-                return step, terms
+                return step, end
             longest = 2.0 ** (here + limit - 0.02)
         raise ConvergenceError("no Taylor step is short enough: sigma lies on the continuous spectrum")
 
@@ -79,37 +82,15 @@ class PreciseShooting:
         rows = matrices.combined(*self._rows, sigma)
         return self.ring.rounded(det * matrices.determinant(self.ring, matrices.product(self.ring, rows, Y)))
 
-    def _columns(self, step: Expansion, sigma: Any, Y: Matrix) -> list[Matrix]:
-        """Taylor coefficients of the frame over a step, from (m + 1) Y_{m+1} = Σ_j A_j Y_{m−j}, A = h C⁻¹ D."""
-        ring, order = self.ring, self.settings.order
-        A = explicit(ring, self._n, affine(step.C0, step.C1, sigma), affine(step.D0, step.D1, sigma))
-        A = [{j: e * step.h for j, e in row.items()} for row in A]
-        terms = [Y, *([[ring.number(0)] * len(Y[0]) for _ in Y] for _ in range(order - 1))]
-        for members in components(A):
-            columns = [q for q in range(len(Y[0])) if not all(matrices.vanishes(Y[i][q]) for i in members)]
-            if not columns:
-                continue
-            convolution = ring.convolution(block(A, members), order)
-            part = [[Y[i][q] for q in columns] for i in members]
-            for m in range(1, order):
-                convolution.push(part)
-                part = [[x / m for x in row] for row in convolution.value()]
-                for i, row in zip(members, part, strict=True):
-                    for q, x in zip(columns, row, strict=True):
-                        terms[m][i][q] = x
-        return terms
+    def _carried(self, step: Expansion, sigma: Any, Y: Matrix) -> tuple[Matrix, list[Matrix]]:
+        """The frame at the end of the step, and the last terms of its series."""
+        C, D = affine(step.C0, step.C1, sigma), affine(step.D0, step.D1, sigma)
+        return carried(self.ring, self._n, C, {at: e * step.h for at, e in D.items()}, Y, self.settings.order)
 
-    def _limit(self, terms: list[Matrix]) -> float:
+    def _limit(self, Y: Matrix, last: list[Matrix]) -> float:
         """log2 of the fraction of the step at which the frame's own series holds."""
-        logs = [max(self.ring.log2(x) for row in term for x in row) for term in terms]
-        return step_limit(logs, logs[0], self.settings.tolerance)
-
-    def _sum(self, terms: list[Matrix]) -> Matrix:
-        """Σ Y_m, from the smallest on."""
-        total = terms[-1]
-        for term in terms[-2::-1]:
-            total = [[y + x for x, y in zip(a, b, strict=True)] for a, b in zip(term, total, strict=True)]
-        return [[self.ring.rounded(x) for x in row] for row in total]
+        first, *sizes = (max(self.ring.log2(x) for row in term for x in row) for term in (Y, *last))
+        return step_limit(sizes, self.settings.order, first, self.settings.tolerance)
 
     def _normalized(self, Y: Matrix, det: Any) -> tuple[Matrix, Any]:
         ring = self.ring

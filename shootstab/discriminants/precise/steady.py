@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from shootstab.discriminants.precise.arithmetic import Arithmetic
+from shootstab.discriminants.precise.arithmetic import ASKED, Arithmetic
 from shootstab.discriminants.precise.online import Graph, Node
 from shootstab.discriminants.precise.settings import Settings, step_limit
 from shootstab.problems.chute import constitutive as law
@@ -21,6 +21,7 @@ from shootstab.vocabulary.errors import ConvergenceError
 from shootstab.vocabulary.series import Series
 
 NEWTONS = 60
+HIGHEST = -7.0  # log2 of the ν0 at which the way down begins, at most
 FLUX = 4  # the place of Φ in a state (ν, T, u, Q, Φ)
 State = list[Any]
 
@@ -102,10 +103,9 @@ class Descent:
         return series, 2.0 ** min(self._limits(series))
 
     def _limits(self, series: list[list[Any]]) -> list[float]:
-        log2 = self.ring.log2
-        nu, T, u, Q = (log2(c[0]) for c in series[:4])
+        nu, T, u, Q = (self.ring.log2(c[0]) for c in series[:4])
         scales = nu, T, max(u, T / 2), max(Q, nu + T / 2)
-        return [step_limit([log2(x) for x in c], s, self.settings.tolerance) for c, s in zip(series[:4], scales, strict=True)]
+        return [_limit(self.ring, c, s, self.settings.tolerance) for c, s in zip(series[:4], scales, strict=True)]
 
     def advance(self, series: list[list[Any]], step: Any) -> None:
         """Go to the end of a step (negative, downwards)."""
@@ -155,8 +155,12 @@ def start_of(ring: Arithmetic, series: list[list[Any]], settings: Settings) -> f
     T = series[1][0]
     log_T = ring.log2(T)
     scales = (log_T, log_T / 2, 1.5 * log_T)
-    limits = [step_limit([ring.log2(x) for x in c], s, settings.far_tolerance) for c, s in zip(series[1:4], scales, strict=True)]
-    return min(*limits, -7.0) - settings.far_shift
+    limits = [_limit(ring, c, s, settings.far_tolerance) for c, s in zip(series[1:4], scales, strict=True)]
+    return min(*limits, HIGHEST) - settings.far_shift
+
+
+def _limit(ring: Arithmetic, series: list[Any], scale: float, tolerance: float) -> float:
+    return step_limit([ring.log2(x) for x in series[-ASKED:]], len(series), scale, tolerance)
 
 
 def descend(

@@ -126,13 +126,31 @@ def _solve(chute: Chute, mass_flux: float, low: float, high: float) -> Flow:
 
 
 def cruder(flow: Flow, factor: float) -> Flow:
-    """The same flow, of the same T_∞ or the same mass flux, integrated with a tolerance larger by this factor."""
+    """The same flow, of the same T_∞ or the same mass flux, integrated with a tolerance larger by this factor.
+
+    The inputs are as good as the given ones: some of them, chosen at random, are one unit smaller in their last bit, for a decimal is
+    rounded when it becomes a double.
+    """
     tolerance = factor * flow.tolerance
-    other = descend(flow.chute, flow.far_temperature, tolerance)
+    rng = np.random.default_rng(round(8 * factor))
+    given = flow.chute
+    e, e_w, r, tan_theta, nu_max = (_last_bit(x, rng) for x in (given.e, given.e_w, given.r, given.tan_theta, given.nu_max))
+    chute = replace(given, e=e, e_w=e_w, r=r, tan_theta=tan_theta, nu_max=nu_max)
+    other = descend(chute, _last_bit(flow.far_temperature, rng), tolerance)
     if flow.asked_flux is None:
         return other
     # one Newton step in ln T_∞ brings the flux back
+    shift = (flow.asked_flux - other.mass_flux) / _flux_rate(flow)
+    return replace(descend(chute, other.far_temperature * (1 + shift), tolerance), asked_flux=flow.asked_flux)
+
+
+def _last_bit(x: float, rng: np.random.Generator) -> float:
+    return float(np.nextafter(x, 0.0)) if rng.random() < 0.5 else x
+
+
+@lru_cache(maxsize=8)
+def _flux_rate(flow: Flow) -> float:
+    """dQ0/d ln T_∞."""
     step = 1e-5
-    rate = (descend(flow.chute, flow.far_temperature * (1 + step)).mass_flux - flow.mass_flux) / step
-    shift = (flow.asked_flux - other.mass_flux) / rate
-    return replace(descend(flow.chute, flow.far_temperature * (1 + shift), tolerance), asked_flux=flow.asked_flux)
+    ahead = descend(flow.chute, flow.far_temperature * (1 + step))
+    return (ahead.mass_flux - flow.mass_flux) / step

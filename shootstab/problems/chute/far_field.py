@@ -12,20 +12,21 @@ defective. The leading order P_0 x^Λ is (2.20)–(2.22); this form is regular a
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shootstab.kernels.regular_singular import series_terms
-from shootstab.problems.chute.background import background
+from shootstab.kernels.regular_singular import row_sizes, series_terms, series_value, sparse
+from shootstab.problems.chute.background import Background, background
 from shootstab.problems.chute.balance import slopes
 from shootstab.problems.chute.parameters import Chute
 from shootstab.problems.chute.system import DECAYING, SIZE, pencil_entries
 from shootstab.vocabulary.series import Series, constant
 
 ComplexArray = NDArray[np.complex128]
-TERMS = 20
+TERMS = 12  # more cost more than the steps they save
 
 
 def flow_series(chute: Chute, far_temperature: Any, far_velocity: Any, terms: int, pi: Any) -> tuple[Series, Series, Series, Series]:
@@ -45,59 +46,77 @@ def flow_series(chute: Chute, far_temperature: Any, far_velocity: Any, terms: in
     return nu, T, u, Q
 
 
+@lru_cache(maxsize=16)
+def _far_background(chute: Chute, far_temperature: float, far_velocity: float) -> Background:
+    """The steady flow far up, in doubles: the same for all waves on it."""
+    return background(chute, *flow_series(chute, far_temperature, far_velocity, TERMS, math.pi), math.pi)
+
+
 class FarField:
     """The series of one flow and one wave; P_m for a σ on demand."""
 
     def __init__(self, chute: Chute, far_temperature: float, far_velocity: float, kx: float, ky: float) -> None:
-        nu, T, u, Q = flow_series(chute, far_temperature, far_velocity, TERMS, math.pi)
-        bg = background(chute, nu, T, u, Q, math.pi)
+        bg = _far_background(chute, far_temperature, far_velocity)
         decay = bg.decay[0]
         C0, C1, D0, D1 = pencil_entries(bg, chute.tan_theta, kx, ky)
-        self._C = np.stack([_matrices({k: v * decay for k, v in part.items()}) for part in (C0, C1)])
-        self._D = np.stack([_matrices(part) for part in (D0, D1)])
+        self._C = sparse(np.stack([_matrices({k: v * decay for k, v in part.items()}) for part in (C0, C1)]))
+        self._D = sparse(np.stack([_matrices(part) for part in (D0, D1)]))
         self._conductivity = float(bg.K[0][0])
         self._far_temperature, self._far_velocity = far_temperature, far_velocity
         self._kx, self._ky = kx, ky
         self.exponents = far_temperature * decay_matrix(kx, ky)
+        self.trace = float(np.trace(self.exponents).real)
+        # Λ = rate·I + left rightᵀ
+        self._rate = self.exponents[3, 3].real
+        left = np.array([1j * kx, 1j * ky, -math.hypot(kx, ky), 0.0])
+        constant, pole = self._first()
+        # a basis of which only the third column has the pole at Ω = 0: else the columns are parallel where Ω is small
+        basis = np.eye(DECAYING, dtype=np.complex128)
+        basis[2, :2] = -pole[0, :2] / pole[0, 2]
+        self._left = 2 * left - basis @ left  # the inverse of basis, applied
+        self._right = -far_temperature / (7 * math.hypot(kx, ky)) * (left @ basis)
+        self._constant = constant @ basis
+        self._pole = np.zeros_like(pole)
+        self._pole[0, 2] = pole[0, 2]
 
-    def leading(self, sigma: complex) -> tuple[ComplexArray, ComplexArray]:
-        """P_0 (8, 4) and dP_0/dσ: columns û, v̂, ŵ, T̂ at infinity."""
+    def _first(self) -> tuple[ComplexArray, ComplexArray]:
+        """P_0 = constant + pole/Ω, Ω = σ + i k_x u_∞, each (8, 4): columns û, v̂, ŵ, T̂ at infinity."""
         B = self.exponents / self._far_temperature
-        P = np.zeros((SIZE, DECAYING), dtype=np.complex128)
+        P, pole = np.zeros((SIZE, DECAYING), dtype=np.complex128), np.zeros((SIZE, DECAYING), dtype=np.complex128)
         P[1:5, :] = np.eye(4)
         P[5, :3], P[6, :3] = -B[0, :3], -B[1, :3]
         P[7, 3] = self._conductivity * B[3, 3]
         # conservation of mass gives ν̂/ν0
-        omega = sigma + 1j * self._kx * self._far_velocity
-        divergence = -B[2, :3] + np.array([1j * self._kx, 1j * self._ky, -1 / self._far_temperature])
-        P[0, :3] = -divergence / omega
-        dP = np.zeros_like(P)
-        dP[0, :3] = -P[0, :3] / omega
-        return P, dP
+        pole[0, :3] = B[2, :3] - np.array([1j * self._kx, 1j * self._ky, -1 / self._far_temperature])
+        return P, pole
 
-    def terms(self, sigma: complex) -> tuple[ComplexArray, ComplexArray]:
-        """P_m and dP_m/dσ, each (TERMS, 8, 4)."""
-        rate = self.exponents[3, 3].real
+    def leading(self, sigma: complex) -> tuple[ComplexArray, ComplexArray]:
+        """P_0 (8, 4) and dP_0/dσ, in a basis of determinant 1."""
+        inverse = 1 / (sigma + 1j * self._kx * self._far_velocity)
+        first = self._pole * inverse
+        return self._constant + first, -inverse * first
+
+    def terms(self, sigma: complex, tangent: bool = True) -> tuple[ComplexArray, ComplexArray]:
+        """P_m and, if tangent, dP_m/dσ, each (TERMS, 8, 4)."""
         P = np.zeros((TERMS, SIZE, DECAYING), dtype=np.complex128)
         dP = np.zeros_like(P)
         P[0], dP[0] = self.leading(sigma)
-        series_terms(self._C, self._D, complex(sigma), rate, self.exponents - rate * np.eye(DECAYING), P, dP)
+        series_terms(self._C, self._D, complex(sigma), self._rate, self._left, self._right, P, dP, tangent)
         return P, dP
 
     def reach(self, sigma: complex, tolerance: float) -> float:
         """The largest ν0 at which the terms left out stay below the tolerance, row by row."""
-        sizes = _row_sizes(self.terms(sigma)[0])
+        sizes = _row_sizes(self.terms(sigma, False)[0])
         m = np.arange(TERMS - 4, TERMS)
         with np.errstate(divide="ignore"):
             bounds = np.where(sizes[m] > 0.0, (tolerance / sizes[m]) ** (1.0 / m), np.inf)
         return float(min(bounds.min(), 1e-2))
 
-    def at(self, nu: complex, sigma: complex) -> tuple[ComplexArray, ComplexArray, float]:
+    def at(self, nu: float, sigma: complex) -> tuple[ComplexArray, ComplexArray, float]:
         """Σ P_m ν0^m, its σ-derivative, and a bound on its relative error from the last terms."""
         P, dP = self.terms(sigma)
-        powers: ComplexArray = np.asarray(nu, dtype=np.complex128) ** np.arange(TERMS)
-        tail = (_row_sizes(P) * np.abs(powers))[-4:].max()
-        return np.tensordot(powers, P, 1), np.tensordot(powers, dP, 1), float(tail)
+        tail = max(size * nu**m for m, size in list(enumerate(_row_sizes(P)))[-4:])
+        return series_value(P, nu), series_value(dP, nu), float(tail)
 
 
 def decay_matrix(kx: float, ky: float) -> ComplexArray:
@@ -108,9 +127,10 @@ def decay_matrix(kx: float, ky: float) -> ComplexArray:
 
 
 def _row_sizes(P: ComplexArray) -> NDArray[np.float64]:
-    """The size of each term (m,): the largest entry of each row against that row's largest entry in any order up to 0 or 1."""
-    rows = np.abs(P).max(axis=2)
-    return np.asarray((rows / np.maximum(np.abs(P[0]).max(axis=1), 1e-300)).max(axis=1))
+    """The size of each term (m,): the largest entry of each row against that row's largest entry in the first."""
+    sizes = np.empty(len(P))
+    row_sizes(P, sizes)
+    return sizes
 
 
 def _matrices(entries: dict[tuple[int, int], Any]) -> ComplexArray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,7 @@ class ChuteProblem:
     kx: float
     ky: float
     _crude: dict[float, ChuteProblem] = field(default_factory=dict, repr=False)
+    _nu: dict[float, float] = field(default_factory=dict, repr=False)  # ν0 at the heights where a far frame was asked for
 
     def __post_init__(self) -> None:
         for name, value in (("kx", self.kx), ("ky", self.ky)):
@@ -55,9 +56,11 @@ class ChuteProblem:
         return self.flow.height(self._far.reach(sigma, tolerance))
 
     def far_frame(self, z: float, sigma: complex) -> FarFrame:
-        nu = np.exp(self.flow.at(z)[0])
-        frame, tangent, error = self._far.at(complex(nu), sigma)
-        log_scale = np.trace(self._far.exponents).real * math.log(nu.real)
+        if z not in self._nu:
+            self._nu[z] = math.exp(self.flow.at(z)[0].real)
+        nu = self._nu[z]
+        frame, tangent, error = self._far.at(nu, sigma)
+        log_scale = self._far.trace * math.log(nu)
         return FarFrame(frame, tangent, log_scale, error)
 
     def mesh(self, start: float) -> NDArray[np.float64]:
@@ -86,11 +89,17 @@ class ChuteProblem:
         return np.asarray(system.continuum(bg, self.kx), dtype=np.complex128)
 
     def _background(self, z: ComplexArray) -> Background:
-        return _background_of(self.flow, self.flow.at(z, order="path"))
+        return _along_path(self.flow, np.ascontiguousarray(z, dtype=np.complex128).tobytes())
 
     @cached_property
     def _far(self) -> FarField:
         return FarField(self.flow.chute, self.flow.far_temperature, self.flow.far_velocity, self.kx, self.ky)
+
+
+@lru_cache(maxsize=8)
+def _along_path(flow: Flow, points: bytes) -> Background:
+    """The background at points of a path: for all waves that share a mesh it is the same."""
+    return _background_of(flow, flow.at(np.frombuffer(points, dtype=np.complex128), order="path"))
 
 
 def _background_of(flow: Flow, states: ComplexArray) -> Background:

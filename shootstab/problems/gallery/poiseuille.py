@@ -7,17 +7,17 @@ Source: S. A. Orszag, J. Fluid Mech. 50 (1971) 689: R = 10000, α = 1, c = 0.237
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from shootstab.problems.closed import Exact
+from shootstab.problems.gallery.orr_sommerfeld import CLAMPED, orr_sommerfeld, require_positive
+from shootstab.problems.linear import LinearProblem, Wall, problem
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
 from shootstab.vocabulary.errors import InputError
-
-Exact = Callable[[float], Any]  # see discriminants.precise.closed
 
 
 @dataclass(frozen=True)
@@ -100,3 +100,14 @@ class PlanePoiseuille:
 
     def continuum_at(self, z: ComplexArray) -> ComplexArray:
         return np.empty(0, dtype=np.complex128)
+
+
+def plane_poiseuille(reynolds: complex = 10000.0, alpha: complex = 1.0) -> LinearProblem:
+    """The even modes in half the channel, for complex R and α too: the same equation, written down with `problem`."""
+    require_positive(reynolds=reynolds, alpha=alpha)
+
+    def profile(y: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+        return 1 - y * y, np.full_like(y, -2)
+
+    even = np.eye(4)[[1, 3]]  # φ′ = φ‴ = 0
+    return problem(4, orr_sommerfeld(profile, reynolds, alpha), Wall(0.0, even), Wall(1.0, CLAMPED), vectorized=True)

@@ -6,16 +6,17 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from shootstab.discriminants.atlas import Atlas, Chart
+from shootstab.discriminants.atlas import Atlas
 from shootstab.discriminants.frame import Frame
+from shootstab.discriminants.protocol import Examinable
 from shootstab.problems.protocol import Problem
 from shootstab.questions.find import find_modes
 from shootstab.questions.reference import spectrum
 from shootstab.questions.survey import survey
 from shootstab.questions.sweep.branches import land
 from shootstab.questions.unstable import LAW, OUTWARDS, HalfDisc, bound, departure_from_law
+from shootstab.roots.find import Zero
 from shootstab.vocabulary.errors import ConvergenceError, InputError
-from shootstab.vocabulary.regions import Rectangle
 
 FLOOR = 1e-8
 CLEAR = 1e-7  # of the frequencies of the continuous spectrum: growth rates below it are not told from decay
@@ -35,13 +36,9 @@ class HandedOn(Atlas):
         super().__init__(problem, COUNTING)
         self._begin = {} if before is None else dict(before._straight)
 
-    def _on_the_axis(self, sigma: complex) -> Chart:
-        known = set(self._straight)
-        chart = super()._on_the_axis(sigma)
-        for new in set(self._straight) - known:
-            if new in self._begin:
-                chart.discriminant.begin_with(self._begin.pop(new))
-        return chart
+    def _on_the_real_axis(self, bucket: int) -> Examinable:
+        before = self._begin.pop(bucket, None)
+        return super()._on_the_real_axis(bucket) if before is None else before.moved_to(self.problem)
 
 
 @dataclass(frozen=True)
@@ -78,8 +75,8 @@ def census(problem: Problem, known: Sequence[complex], floor: float, before: Cen
         if attempt < len(TRUNCATIONS):
             modes = _distinct([*modes, *_suggested(atlas, TRUNCATIONS[attempt])])
         else:
-            region = Rectangle(complex(level, -radius), complex(radius, radius))
-            modes = _distinct([*modes, *find_modes(atlas, region, growing)[0]])
+            zeros, _ = find_modes(atlas, HalfDisc(radius, level), [Zero(m) for m in growing])
+            modes = _distinct([*modes, *(z.sigma for z in zeros)])
     raise ConvergenceError(f"{count} modes are counted with Re sigma > {level:.2g}, but only {len(growing)} found")
 
 

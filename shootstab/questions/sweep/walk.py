@@ -172,8 +172,8 @@ class _Walk:
     def _at(self, place: float) -> Examinable:
         """D at a place on the line, which begins with the mesh of the last one."""
         if place not in self._kept:
-            new = self._method.on(self._problem(place))
-            new.begin_with(self._mesh)
+            problem = self._problem(place)
+            new = self._method.on(problem) if self._mesh is None else self._mesh.moved_to(problem)
             self._kept[place] = self._mesh = new
         return self._kept[place]
 

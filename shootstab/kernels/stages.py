@@ -1,0 +1,24 @@
+"""What the stages of a Runge–Kutta step have in common: they are combined with real weights."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def combine(y, K, weights, row, count, out):  # type: ignore[no-untyped-def]
+    """out = y + Σ_j weights[row, j] K_j over the first count stages, all as real numbers: y, out (p,), K (12, p)."""
+    for p in range(len(out)):
+        out[p] = y[p]
+    for j in range(count):
+        w = weights[row, j]
+        if w != 0.0:
+            for p in range(len(out)):
+                out[p] += w * K[j, p]
+
+
+@njit(cache=True, error_model="numpy")
+def reals(a):  # type: ignore[no-untyped-def]
+    """The real numbers in a contiguous array, real and imaginary parts in turn: a view (p,)."""
+    return a.reshape(-1).view(np.float64)

@@ -1,0 +1,71 @@
+"""A problem in another eigenvalue: σ = unit·v with a complex unit, so that every answer, circle and table is in v."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.problems.barrier import Barrier, barrier_of
+from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil, Problem
+
+GENERIC = 0.35  # a σ without any property, for problems whose decaying space exists at every one
+
+
+@dataclass(frozen=True, eq=False)
+class Rescaled:
+    """The pencil (C0 + v unit C1) ψ′ = (D0 + v unit D1) ψ. What is analytic in σ is so in v; what is left of a curve stays left."""
+
+    problem: Problem
+    unit: complex
+    _crude: dict[float, Rescaled] = field(default_factory=dict, repr=False)
+
+    @property
+    def size(self) -> int:
+        return self.problem.size
+
+    @property
+    def decaying(self) -> int:
+        return self.problem.decaying
+
+    def pencil(self, z: ComplexArray) -> Pencil:
+        p = self.problem.pencil(z)
+        return Pencil(p.C0, self.unit * p.C1, p.D0, self.unit * p.D1)
+
+    def start(self, sigma: complex, tolerance: float) -> float:
+        return self.problem.start(self.unit * sigma, tolerance)
+
+    def far_frame(self, z: float, sigma: complex) -> FarFrame:
+        far = self.problem.far_frame(z, self.unit * sigma)
+        return FarFrame(far.frame, self.unit * far.tangent, far.log_scale, far.error)
+
+    def mesh(self, start: float) -> NDArray[np.float64]:
+        return self.problem.mesh(start)
+
+    def wall_rows(self) -> tuple[ComplexArray, ComplexArray]:
+        W0, W1 = self.problem.wall_rows()
+        return W0, self.unit * W1
+
+    def cruder(self, factor: float) -> Rescaled:
+        crude = self.problem.cruder(factor)
+        if crude is self.problem:
+            return self
+        if factor not in self._crude:
+            self._crude[factor] = Rescaled(crude, self.unit)
+        return self._crude[factor]
+
+    def heights(self, points: int) -> NDArray[np.float64] | None:
+        return self.problem.heights(points)
+
+    def continuum_at(self, z: ComplexArray) -> ComplexArray:
+        return np.asarray(self.problem.continuum_at(z) / self.unit)
+
+    @property
+    def generic_sigma(self) -> complex:
+        return complex(getattr(self.problem, "generic_sigma", GENERIC)) / self.unit
+
+    @property
+    def barrier(self) -> Barrier | None:
+        found = barrier_of(self.problem)
+        return None if found is None else found.rescaled(self.unit)
