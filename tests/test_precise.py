@@ -325,7 +325,7 @@ def test_no_mode_near_the_guess(scenes: dict[str, ChuteProblem], guess: complex)
     lost = st.refine(scenes["high"], guess=guess, digits=20)
     assert lost.status.startswith("not converged: ")
     assert "mode" in lost.status
-    assert lost.digits < 16
+    assert lost.digits == 0
 
 
 def test_a_base_flow_at_a_fold() -> None:
@@ -339,7 +339,7 @@ def test_a_base_flow_at_a_fold() -> None:
     mode = st.refine(st.chute.problem(flow, 0.0, 0.0125), guess=0.0032279, digits=20)
     assert "fold" in mode.status
     assert "d ln Q0/d ln T" in mode.status
-    assert mode.digits < 16
+    assert mode.digits == 0
 
 
 def test_without_python_flint_mpmath_does_it(monkeypatch: pytest.MonkeyPatch) -> None:

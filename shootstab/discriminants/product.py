@@ -59,6 +59,13 @@ class Product:
     def far_error(self) -> float:
         return max(member.far_error for member in self.members)
 
+    def system_at(self, sigma: complex) -> str:
+        """What is integrated at this σ, in words."""
+        if len(self.members) == 1:
+            return self.members[0].system_at(sigma)
+        orders = " + ".join(str(member.problem.size) for member in self.members)
+        return f"orders {orders} in {'real' if all(m.real_at(sigma) for m in self.members) else 'complex'} numbers"
+
     def refined(self, seed: int | None = None) -> Product:
         return self._each(lambda member: member.refined(seed))
 

@@ -65,6 +65,10 @@ class Examinable(Discriminant, Protocol):
         """How many steps the mesh has."""
         ...
 
+    def system_at(self, sigma: complex) -> str:
+        """What is integrated at this σ, in words: the orders of the parts, in real or complex numbers."""
+        ...
+
     def refined(self, seed: int | None = None) -> Examinable:
         """On a mesh with every step halved; with a seed, cut a little off the middle, so that only rounding differs."""
         ...

@@ -133,6 +133,14 @@ class Shooting:
         """How many steps the mesh has."""
         return 0 if self._table is None else len(self._table.nodes) - 1
 
+    def system_at(self, sigma: complex) -> str:
+        """What is integrated at this σ, in words."""
+        return f"order {self.problem.size} in {'real' if self.real_at(sigma) else 'complex'} numbers"
+
+    def real_at(self, sigma: complex) -> bool:
+        """Whether the system is real at this σ."""
+        return complex(sigma).imag == 0.0 and self._table is not None and self._table.real is not None
+
     @property
     def _mesh(self) -> ComplexArray:
         if self._table is None:

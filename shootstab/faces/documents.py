@@ -32,6 +32,7 @@ def mode(found: Mode) -> dict[str, Any]:
         "seconds": found.seconds,
         "continuum_distance": found.continuum_distance,
         "path": found.path,
+        "system": found.system,
         "multiplicity": found.multiplicity,
     }
 

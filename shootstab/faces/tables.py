@@ -90,6 +90,8 @@ def mode(found: Mode, scene: Scene) -> Parts:
         "status": found.status,
         "method": f"{found.method}, {found.evaluations} evaluations, {found.seconds:.2g} s, {found.path} path in z",
     }
+    if found.system:
+        rows["system"] = found.system
     if found.multiplicity > 1:
         rows["multiplicity"] = f"{found.multiplicity}: so many eigenvalues, equal or not told apart, lie within the error"
     if math.isfinite(found.continuum_distance):

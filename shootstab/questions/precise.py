@@ -202,7 +202,7 @@ def _plain(x: Any) -> Any:
 
 
 def _failed(seed: Mode, status: str, began: float) -> Mode:
-    error = seed.error if math.isfinite(seed.error) else math.inf
+    """A reason in place of digits; sigma is where double precision was."""
     return replace(
-        seed, sigma=mpmath.mpc(seed.sigma), error=error, budget=UNKNOWN, status=status, method=METHOD, seconds=perf_counter() - began
+        seed, sigma=mpmath.mpc(seed.sigma), error=math.inf, budget=UNKNOWN, status=status, method=METHOD, seconds=perf_counter() - began
     )

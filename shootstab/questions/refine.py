@@ -141,7 +141,7 @@ def examine(atlas: Atlas, root: Root, rtol: float) -> tuple[Mode, int]:
         distance = atlas.distance(sigma)
         status = _status(count, radius, sigma, parts.total, distance, rtol)
         mode = Mode(sigma, parts.total, parts, status, atlas.method.name, 0, 0.0, distance, chart.path)
-    return mode, coarse.evaluations - before + fine.evaluations
+    return replace(mode, system=coarse.system_at(sigma)), coarse.evaluations - before + fine.evaluations
 
 
 def _status(count: int, radius: float, sigma: complex, error: float, distance: float, rtol: float) -> str:

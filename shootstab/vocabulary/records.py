@@ -43,7 +43,8 @@ class Mode:
     """One eigenvalue: sigma (complex, or an mpmath number) with |true − sigma| ≤ error (a float, or an mpf where a float underflows).
 
     status is 'converged' or says in a sentence what went wrong; continuum_distance is the distance of sigma to the continuous
-    spectrum, infinite if the problem has none; path says along which path in z the system was integrated. Of multiplicity m > 1 are m
+    spectrum, infinite if the problem has none; path says along which path in z the system was integrated, and
+    system of which orders it was and in which numbers. Of multiplicity m > 1 are m
     eigenvalues, equal or not told apart, all within error of sigma, their mean.
     """
 
@@ -57,6 +58,7 @@ class Mode:
     continuum_distance: float = math.inf
     path: str = "real"
     multiplicity: int = 1
+    system: str = ""
 
     @property
     def digits(self) -> float:

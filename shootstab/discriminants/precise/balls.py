@@ -16,6 +16,7 @@ from shootstab.discriminants.precise.arithmetic import ASKED, Matrix, Payloads
 
 LONGEST = 10**6  # terms, more than any series has
 GROUP = 6  # terms of a convolution that one matrix product takes
+ZERO = arb(0)
 
 
 class Balls:
@@ -67,7 +68,7 @@ class Balls:
         return arb.pi().mid()
 
     def dot(self, a: Sequence[Any], b: Sequence[Any]) -> Any:
-        return sum(map(mul, a, b), arb(0)).mid()
+        return sum(map(mul, a, b), ZERO).mid()
 
     def series(self, coefficients: Sequence[Any]) -> Any:
         return arb_series([*coefficients], prec=len(coefficients))

@@ -22,21 +22,21 @@ class Graph:
         self.ring = ring
         self._inputs: list[Node] = []
         self._nodes: list[Node] = []
+        self._turn: list[tuple[list[Any], Term]] = []  # coefficients and term of each node
         self._known: dict[tuple[Any, ...], Node] = {}
 
     def unknown(self) -> Node:
         """A series whose coefficients are set from outside, before each turn."""
-        node = Node(self, None)
+        node = Node(self)
         self._inputs.append(node)
         return node
 
     def extend(self, m: int) -> None:
         """Compute (or compute anew) the m-th coefficient of every node; those below m are known."""
-        for node in self._nodes:
-            c = node.coefficients
-            del c[m:]
-            assert node.term is not None
-            c.append(node.term(m, c))
+        for c, term in self._turn:
+            if len(c) > m:
+                del c[m:]
+            c.append(term(m, c))
 
     def clear(self) -> None:
         """Forget all coefficients."""
@@ -46,18 +46,19 @@ class Graph:
     def node(self, key: tuple[Any, ...], term: Term, *kept: Any) -> Node:
         """The node of this expression. Operands in the key stand by their identity, and kept keeps them alive."""
         if key not in self._known:
-            self._known[key] = Node(self, term, kept)
-            self._nodes.append(self._known[key])
+            self._known[key] = node = Node(self, kept)
+            self._nodes.append(node)
+            self._turn.append((node.coefficients, term))
         return self._known[key]
 
 
 class Node:
     """One series of the graph, real."""
 
-    __slots__ = ("coefficients", "graph", "kept", "term")
+    __slots__ = ("coefficients", "graph", "kept")
 
-    def __init__(self, graph: Graph, term: Term | None, kept: Any = ()) -> None:
-        self.graph, self.term, self.kept = graph, term, kept
+    def __init__(self, graph: Graph, kept: Any = ()) -> None:
+        self.graph, self.kept = graph, kept
         self.coefficients: list[Any] = []
 
     def __neg__(self) -> Node:

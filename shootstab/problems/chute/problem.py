@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.problems.chute import system
-from shootstab.problems.chute.background import Background, background
+from shootstab.problems.chute.background import Background, background, fields
 from shootstab.problems.chute.family import cruder
 from shootstab.problems.chute.far_field import FarField
 from shootstab.problems.chute.steady import Flow
@@ -84,9 +84,9 @@ class ChuteProblem:
 
     def continuum_at(self, z: ComplexArray) -> ComplexArray:
         """σ_c of (2.13) at the points z."""
-        states = self.flow.at(z)
-        bg = _background_of(self.flow, states)
-        return np.asarray(system.continuum(bg, self.kx), dtype=np.complex128)
+        log_nu, T, u, Q = self.flow.at(z)[:, :4].T
+        values = fields(self.flow.chute, np.exp(log_nu), T, u, Q, math.pi)
+        return np.asarray(system.continuum(values, self.kx), dtype=np.complex128)
 
     def _background(self, z: ComplexArray) -> Background:
         return _along_path(self.flow, np.ascontiguousarray(z, dtype=np.complex128).tobytes())
@@ -108,11 +108,11 @@ def _background_of(flow: Flow, states: ComplexArray) -> Background:
 
 def _scalars(bg: Background) -> Background:
     """The background at its first point, as numbers."""
-    from dataclasses import fields
+    from dataclasses import fields as fields_of
 
     from shootstab.vocabulary.series import Series
 
-    return Background(**{f.name: Series(complex(c[0]) for c in getattr(bg, f.name).coefficients) for f in fields(bg)})
+    return Background(**{f.name: Series(complex(c[0]) for c in getattr(bg, f.name).coefficients) for f in fields_of(bg)})
 
 
 def _dense(entries: system.Entries, points: int) -> ComplexArray:

@@ -107,6 +107,6 @@ def one(like: Any) -> Any:
 
 
 def continuum(bg: Background, kx: Any) -> Any:
-    """σ_c of (2.13), where det C = 0."""
-    viscous = bg.xi[0] + 4 * bg.eta[0] / 3
-    return -bg.nu[0] * (bg.a[0] * bg.K[0] + bg.b[0] * bg.K_star[0]) / (bg.K[0] * viscous) - 1j * kx * bg.u[0]
+    """σ_c of (2.13), where det C = 0, of fields in any ring: derivatives are not needed."""
+    viscous = bg.xi + 4 * bg.eta / 3
+    return -bg.nu * (bg.a * bg.K + bg.b * bg.K_star) / (bg.K * viscous) - 1j * kx * bg.u

@@ -15,7 +15,7 @@ from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.protocol import Examinable
 from shootstab.problems.chute import ChuteProblem
 from shootstab.questions.refine import refine
-from shootstab.questions.sweep.branches import ARRIVED, LOST, Branch, follow
+from shootstab.questions.sweep.branches import ARRIVED, LOST, Branch, follow, land
 from shootstab.questions.sweep.dominance import Census, census
 from shootstab.questions.sweep.grid import Line
 from shootstab.questions.sweep.members import Members
@@ -26,7 +26,7 @@ HALVING = 12.0  # of the 2^8 that halving the steps gains, what is counted on
 SPREAD = 10.0  # on the parts of the error that are measured at two points of a line only
 AUDITS, TRIES = 2, 8  # points of a line at which all parts of the error are to be measured, and how many are tried
 MESH = 1e-8  # local errors on the meshes, unless the digits ask for smaller ones
-SAME = 1e-6  # relative distance below which two numbers mean one mode
+SAME = 1e-5  # relative distance below which two numbers mean one mode
 
 
 @dataclass(frozen=True)
@@ -136,8 +136,9 @@ class _Walk:
         self._census = here
         place.counted, place.growing, place.floor, place.evaluations = True, bool(here.modes), here.floor, here.evaluations
         new = []
-        for mode in here.modes:
-            if not _among(mode, place.modes.values()):
+        for counted in here.modes:
+            if not _among(counted, place.modes.values()):
+                mode = land(self._at(float(i)), counted) or counted  # the count's mesh is coarse
                 self._made += 1
                 self._branches[self._made] = Branch([float(i)], [mode])
                 place.modes[self._made] = mode
