@@ -274,3 +274,40 @@ def test_conjugate_waves_answer_in_their_own_numbers() -> None:
     assert shown.verdicts[0].verdict == "confirmed"
     assert shown.verdicts[0].claimed == c
     assert abs(complex(shown.verdicts[0].sigma) - c) < 1e-10
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["verify", "poiseuille", "FILE", "--alpha", "1"], "--as"),
+        (["verify", "poiseuille", "FILE", "--as", "phase-speed"], "--alpha"),
+        (["verify", "poiseuille", "FILE", "--as", "frequency", "--unstable"], "growth rates only"),
+        (["verify", "poiseuille", "--dataset", "x"], "EIGENVALUES"),
+        (["verify", "poiseuille", "FILE", "--as", "lambda x: x"], "invalid choice"),
+        (["refine", "poiseuille", "--guess", "1", "--as", "growth", "--conjugate"], "conjugate guess"),
+        (["refine", "poiseuille", "--guess", "1", "--as", "growth", "--length", "0"], "--length 0"),
+        (["verify", "poeschl-teller"], "no bundled"),
+        (["refine", "module_that_is_not:problem", "--guess", "1"], "cannot be loaded"),
+    ],
+)
+def test_the_command_line_refuses_in_one_line(words: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    from shootstab.faces.cli import main
+
+    path = stored(tmp_path, b"0.2375,0.0037\n", "c.csv")
+    assert main([str(path) if word == "FILE" else word for word in words]) == 2
+    refusal = capsys.readouterr().err
+    assert said in refusal
+    assert refusal.count("\n") == 1
+
+
+def test_the_command_line_answers_in_the_convention_of_the_question(capsys: pytest.CaptureFixture[str]) -> None:
+    """Length in whole channels and velocity in the mean one (2/3): c = 0.2375…/(2/3); a minus sign may stand alone."""
+    import json
+
+    from shootstab.faces.cli import main
+
+    words = ["refine", "poiseuille", "--as", "phase-speed", "--alpha", "2", "--length", "2", "--velocity", "0.6666666666666666"]
+    assert main([*words, "--sign", "-", "--guess", "0.3563,0.0056", "--json", "-"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert float(answer["sigma"]["re"]) == pytest.approx(1.5 * 0.23752648882047, rel=1e-11)
+    assert answer["convention"] == "exp(iα(x - ct))"
