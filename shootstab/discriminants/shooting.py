@@ -68,7 +68,7 @@ class Shooting:
         self.evaluations = 0
         self._table: Table | None = None
         self._far_error = 0.0
-        self._tables: dict[tuple[int, bool, int | None], tuple[Table | None, Table]] = {}
+        self._tables: dict[tuple[Problem, bool, int | None], tuple[Table | None, Table]] = {}
         self._rows = problem.wall_rows()
 
     def __call__(self, sigma: complex) -> Scaled:
@@ -157,7 +157,7 @@ class Shooting:
         """A table of its own mesh, of the halved one, or of another problem's on its own: each is made once for each mesh."""
         if problem is self.problem and nodes is self._mesh:
             return self._table
-        key = (id(problem), nodes is self._mesh, seed)
+        key = (problem, nodes is self._mesh, seed)
         known = self._tables.get(key)
         if known is None or known[0] is not self._table:
             # the mesh may have grown since: most of its steps are the same
