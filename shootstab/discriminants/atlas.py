@@ -127,8 +127,11 @@ class Atlas:
         return Chart(self._straight[bucket], 0, "real")
 
     def _on_the_real_axis(self, bucket: int) -> Examinable:
-        """A discriminant for |σ| of this size."""
-        return self.method.on(self.problem)
+        """A discriminant for |σ| of this size, which begins with the mesh of the nearest size there is."""
+        if not self._straight:
+            return self.method.on(self.problem)
+        nearest = min(self._straight, key=lambda known: abs(known - bucket))
+        return self._straight[nearest].moved_to(self.problem)
 
     def beside(self, z: float, sigma: complex, side: int) -> Chart:
         """The chart whose path leaves singular points near z on this side: side +1, above the path; sigma tells the size of |σ|."""

@@ -88,7 +88,7 @@ class Product:
 
     def moved_to(self, problem: Problem) -> Shooting | Product:
         """Of another problem, from the same mesh on; in the same parts if they are apart there too."""
-        others = self._parts.of(problem)
+        others = self._parts.members if problem is self._parts.members[0].whole else self._parts.of(problem)
         try:
             members = tuple(member.moved_to(other, self._method()) for member, other in zip(self.members, others, strict=True))
         except Coupled:

@@ -108,7 +108,7 @@ class Shooting:
         """Of another problem, from the same mesh on, which grows where it must; method carries it, if not the same object."""
         other = Shooting(problem, method or self.method, self.bend)
         if self._table is not None:
-            other._table = tabulate(problem, self._mesh)
+            other._table = self._table if problem is self.problem else tabulate(problem, self._mesh)
         return other
 
     def adopt(self, other: Shooting) -> None:

@@ -9,6 +9,8 @@ from shootstab.problems.protocol import Problem
 from shootstab.questions.survey import Survey, survey
 from shootstab.vocabulary.regions import Region
 
+COUNTING = Frame(rtol=1e-7)  # a phase needs few digits
+
 
 def count(problem: Problem, region: Region, method: Method | None = None) -> int:
     """The number of modes in the region, by the argument principle; see `counted` for the evidence and for what is left out."""
@@ -20,4 +22,4 @@ def counted(problem: Problem, region: Region, method: Method | None = None) -> S
 
     Raises Undecidable (a ConvergenceError) where the region cannot be cut, ConvergenceError when a mode lies on its boundary.
     """
-    return survey(Atlas(problem, method or Frame(rtol=1e-9)), region)
+    return survey(Atlas(problem, method or COUNTING), region)

@@ -9,12 +9,14 @@ from dataclasses import dataclass
 from shootstab.discriminants.protocol import Discriminant
 from shootstab.vocabulary.scaled import Scaled
 
+SHRINKS = 0.1  # from step to step, where Newton is taken to be quadratic
+FORESIGHT = 0.1  # of the tolerance, what the step foreseen may be
 NOISE = 1e-6  # relative steps below this that stop shrinking have reached the noise of D
 
 
 @dataclass(frozen=True)
 class Root:
-    """Where an iteration stopped: sigma, the length of its last step, and whether that met the tolerance."""
+    """Where an iteration stopped: sigma, the length of its last step (or of the next one, foreseen), and whether that met the tolerance."""
 
     sigma: complex
     step: float
@@ -23,8 +25,11 @@ class Root:
 
 
 def newton(discriminant: Discriminant, guess: complex, tolerance: float, most: int = 40) -> Root:
-    """Newton's iteration σ ← σ − 1/(d ln D/dσ), with the exact derivative, until a step is below tolerance·|σ|."""
-    return _run(_newton_steps(discriminant, complex(guess)), tolerance, most)
+    """Newton's iteration σ ← σ − 1/(d ln D/dσ), with the exact derivative, until the next step would be below tolerance·|σ|.
+
+    Next to a simple zero steps δ shrink as δ_{k+1} = c δ_k², so the next one is foreseen from the last two.
+    """
+    return _run(_newton_steps(discriminant, complex(guess)), tolerance, most, quadratic=True)
 
 
 def muller(discriminant: Discriminant, guess: complex, tolerance: float, most: int = 60) -> Root:
@@ -32,12 +37,12 @@ def muller(discriminant: Discriminant, guess: complex, tolerance: float, most: i
     return _run(_muller_steps(discriminant, complex(guess)), tolerance, most)
 
 
-def _run(steps: Iterator[tuple[complex, complex]], tolerance: float, most: int) -> Root:
+def _run(steps: Iterator[tuple[complex, complex]], tolerance: float, most: int, quadratic: bool = False) -> Root:
     """Follow (iterate, step) pairs until a step is short enough, no longer a number, or there were too many.
 
     Steps that are short and no longer shrink are the noise of D: the iteration has arrived, and the step says how exactly.
     """
-    best = float("inf")
+    best = before = float("inf")
     for count in range(1, most + 1):
         sigma, step = next(steps)
         length = abs(step)
@@ -45,7 +50,10 @@ def _run(steps: Iterator[tuple[complex, complex]], tolerance: float, most: int) 
             return Root(sigma, float("inf"), count, False)
         if length <= tolerance * abs(sigma) or (best <= NOISE * abs(sigma) and length >= 0.5 * best):
             return Root(sigma, length, count, True)
-        best = min(best, length)
+        ahead = length * (length / before) ** 2
+        if quadratic and length < SHRINKS * before < float("inf") and ahead <= FORESIGHT * tolerance * abs(sigma):
+            return Root(sigma, ahead, count, True)
+        best, before = min(best, length), length
     return Root(sigma, length, most, False)
 
 
