@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -29,31 +30,66 @@ def test_the_two_commands_are_what_ci_runs() -> None:
     assert setup.split(" && ")[2] == ".venv/bin/shootstab verify high"
 
 
+def run(tmp_path: Path, words: list[str], cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    """A command of the README; pictures go elsewhere."""
+    exe = Path(sys.executable).with_name("shootstab")
+    placed = [str(tmp_path / w) if w.endswith(".png") else w for w in words]
+    return subprocess.run([str(exe), *placed], cwd=cwd, capture_output=True, text=True, timeout=300)
+
+
 @pytest.mark.parametrize("command", COMMANDS)
 def test_commands_of_the_readme(command: str, tmp_path: Path) -> None:
     words = command.split()
-    exe = Path(sys.executable).with_name("shootstab")
-    words = [str(exe), *(str(tmp_path / w) if w == "fig2.png" else w for w in words[1:])]
-    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=300)
+    done = run(tmp_path, words[1:])
     bad_news = "fig2-qz-60.csv" in command  # the balloon
     assert done.returncode == int(bad_news), done.stderr
     assert done.stdout.strip()
+    for picture in (w for w in words if w.endswith(".png")):
+        assert (tmp_path / picture).stat().st_size > 10_000
     if bad_news:
         assert "14 of 75 eigenvalues confirmed to 5 digits, 50 spurious, 11 continuum" in done.stdout
-        assert (tmp_path / "fig2.png").stat().st_size > 10_000
 
 
-def test_the_scene_of_the_readme_loads(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("block", "size"), [(0, 8), (1, 8)])
+def test_the_scenes_of_the_readme_load(block: int, size: int, tmp_path: Path) -> None:
     from shootstab.faces.scenes import load
 
-    (text,) = blocks("toml")
-    (tmp_path / "scene.toml").write_text(text)
-    assert load(str(tmp_path / "scene.toml")).problem.size == 8
+    (tmp_path / "scene.toml").write_text(blocks("toml")[block])
+    assert load(str(tmp_path / "scene.toml")).problem.size == size
+
+
+def program(block: int) -> dict[str, Any]:
+    names: dict[str, Any] = {}
+    exec(compile(blocks("python")[block], "README.md", "exec"), names)
+    return names
 
 
 def test_the_program_of_the_readme_runs() -> None:
-    (text,) = blocks("python")
-    names: dict[str, object] = {}
-    exec(compile(text, "README.md", "exec"), names)
+    names = program(0)
     assert names["n"] == 1
-    assert [v.verdict for v in names["report"].verdicts] == ["confirmed", "spurious"]  # type: ignore[attr-defined]
+    assert len(names["modes"]) == 1
+    assert [v.verdict for v in names["report"].verdicts] == ["confirmed", "spurious"]
+
+
+def test_a_problem_of_ones_own_in_python_and_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    program(1)
+    assert capsys.readouterr().out == "confirmed\n"
+    (tmp_path / "channel.py").write_text(blocks("python")[1])
+    (tmp_path / "modes.csv").write_text("0.23752649+0.00373967j\n")
+    done = run(tmp_path, ["verify", "channel:problem", "--as", "phase-speed", "--alpha", "1", "modes.csv"], cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "1 of 1 eigenvalue confirmed" in done.stdout
+
+
+def test_sixty_digits_of_a_rod_in_python_and_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    import mpmath
+
+    program(2)
+    said = capsys.readouterr().out.strip()
+    with mpmath.workdps(70):
+        x = mpmath.findroot(lambda x: x * mpmath.tan(x) - mpmath.mpf(3) / 10, 0.5)
+        assert abs(mpmath.mpf(said) + x * x) < mpmath.mpf(10) ** -59
+    (tmp_path / "rod.py").write_text(blocks("python")[2])
+    done = run(tmp_path, ["refine", "rod:rod", "--guess=-0.28", "--digits", "60"], cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert said[:58] in done.stdout.replace(" ", "")

@@ -21,6 +21,9 @@ from shootstab.vocabulary.errors import ConvergenceError
 from shootstab.vocabulary.records import Mode
 from shootstab.vocabulary.regions import Disc, Region
 
+WIDER = 4.0  # from one circle around a multiple zero to the next
+WIDEST = 1e-3  # of |σ|
+
 
 @dataclass(frozen=True)
 class Found:
@@ -59,10 +62,28 @@ def modes_of(atlas: Atlas, zero: Zero, rtol: float) -> list[Mode]:
     tried: Method | None = tightened(atlas.method)
     while tried is not None:
         atlas, tried = Atlas(atlas.problem, tried), tightened(tried)
-    parts = roots.find(_everywhere(atlas), Disc(zero.sigma, zero.radius))
+    parts = _in_a_circle(_everywhere(atlas), zero)
     return [
         refine(atlas.problem, z.sigma, rtol) if z.radius == 0.0 else multiple(atlas, z.sigma, z.multiplicity, z.radius, rtol) for z in parts
     ]
+
+
+def _in_a_circle(search: Search, zero: Zero) -> list[Zero]:
+    """The zeros into which a multiple one falls: a more accurate D may have them a little outside the circle that was counted.
+
+    Raises ConvergenceError where no circle about it holds as many.
+    """
+    radius = zero.radius
+    while radius <= WIDEST * abs(zero.sigma):
+        disc = Disc(zero.sigma, radius)
+        try:
+            counted = search.closely(disc)
+        except ConvergenceError:
+            counted = None  # a zero lies on the circle, or D is not accurate enough for so small a one
+        if counted is not None and counted.count >= zero.multiplicity:  # some of them may be known
+            return roots.find(search, disc, counted=counted)
+        radius *= WIDER
+    raise ConvergenceError(f"{zero.multiplicity} zeros were counted at {zero.sigma:.12g}, but no circle is found in which they stay")
 
 
 def _everywhere(atlas: Atlas) -> Search:

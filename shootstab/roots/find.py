@@ -22,6 +22,7 @@ HANDFUL = 5  # zeros taken from the moments of one contour
 CLOSE = 1e-5  # relative distance of two zeros that an iteration may confuse: such are counted one by one
 SAME = 1e-7  # relative distance below which two numbers mean one zero
 SMALLEST = 1e-9  # of the first region's size: what is left in so small a part is one multiple zero
+RESOLVED = 1e-12  # of |σ|: nothing is divided further
 CUTS = (0.5, 0.47, 0.55, 0.41, 0.62, 0.36)  # where a region is divided; the next if a zero lies on the cut
 
 
@@ -64,7 +65,8 @@ def find(search: Search, region: Region, known: Sequence[Zero] = (), counted: Co
     Raises ConvergenceError when a zero lies on the boundary of the region, or more are known than there are.
     """
     whole = search.count(region) if counted is None else counted
-    return _search(search, region, whole, list(known), SMALLEST * size(region))
+    smallest = max(SMALLEST * size(region), RESOLVED * max(map(abs, region.hull)))
+    return _search(search, region, whole, list(known), smallest)
 
 
 def _search(search: Search, region: Region, counted: Counted, known: list[Zero], smallest: float) -> list[Zero]:

@@ -180,8 +180,9 @@ def _nearest(vertices: tuple[complex, ...], sigma: complex) -> float:
 
 
 def _area(points: tuple[complex, ...]) -> float:
-    """Twice the signed area."""
-    return sum((p.conjugate() * q).imag for p, q in zip(points, points[1:] + points[:1], strict=True))
+    """Twice the signed area, from the first corner: far from the origin a small one must not vanish."""
+    sides = [p - points[0] for p in points]
+    return sum((p.conjugate() * q).imag for p, q in zip(sides, sides[1:] + sides[:1], strict=True))
 
 
 def halves(region: Region, cut: float) -> tuple[Polygon, Polygon]:
