@@ -9,7 +9,7 @@ from shootstab.discriminants.protocol import Discriminant, Examinable, Value
 from shootstab.problems.protocol import Problem
 from shootstab.vocabulary.records import Budget
 
-HALVING = 12.0  # of the 2^8 that halving the steps gains, what is counted on
+HALVING = 14.0  # of the 2^8 that halving the steps gains, what is counted on
 FLOWS = (4.0, 2.0)  # by which the base flow is computed less accurately, for another one that errs about as much
 PROBE = 1e-7  # relative change of the far frame by which its influence is measured
 SAFETY = 3.0  # on what a random sample of the far frame shows
