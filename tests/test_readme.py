@@ -71,16 +71,6 @@ def test_the_program_of_the_readme_runs() -> None:
     assert [v.verdict for v in names["report"].verdicts] == ["confirmed", "spurious"]
 
 
-def test_a_problem_of_ones_own_in_python_and_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    program(1)
-    assert capsys.readouterr().out == "confirmed\n"
-    (tmp_path / "channel.py").write_text(blocks("python")[1])
-    (tmp_path / "modes.csv").write_text("0.23752649+0.00373967j\n")
-    done = run(tmp_path, ["verify", "channel:problem", "--as", "phase-speed", "--alpha", "1", "modes.csv"], cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert "1 of 1 eigenvalue confirmed" in done.stdout
-
-
 def test_sixty_digits_of_a_rod_in_python_and_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     import mpmath
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.protocol import Examinable
 from shootstab.problems.chute import ChuteProblem
+from shootstab.questions.bounds import HALVING
 from shootstab.questions.refine import refine
 from shootstab.questions.sweep.branches import ARRIVED, LOST, Branch, follow, land
 from shootstab.questions.sweep.dominance import Census, census
@@ -22,7 +23,6 @@ from shootstab.questions.sweep.members import Members
 from shootstab.questions.sweep.points import FOLLOWED, NO_FLOW, NO_WAVE, NONE_GROWS, PROVED, UNRESOLVED, Outcome
 from shootstab.vocabulary.errors import ConvergenceError, InputError
 
-HALVING = 12.0  # of the 2^8 that halving the steps gains, what is counted on
 SPREAD = 10.0  # on the parts of the error that are measured at two points of a line only
 AUDITS, TRIES = 2, 8  # points of a line at which all parts of the error are to be measured, and how many are tried
 MESH = 1e-8  # local errors on the meshes, unless the digits ask for smaller ones
