@@ -17,7 +17,7 @@ from shootstab.problems.linear.reach import distance_to_limit, limit_at, tails
 from shootstab.problems.linear.section import Section, reference_points
 from shootstab.problems.linear.split import Limit, decaying_count, gap
 from shootstab.problems.protocol import ComplexArray
-from shootstab.vocabulary.errors import InputError
+from shootstab.vocabulary.errors import InputError, ShootstabError
 
 SAMPLES = 2001  # of a line on which a continuum is sampled
 SIDES = {-1: "left", 1: "right"}
@@ -192,7 +192,7 @@ def _counts(
     for sigma in reference_points().tolist() if near is None else [complex(near)]:
         try:
             rates = {side: limit.rates(sigma) for side, limit in limits.items()}
-        except Exception as error:  # C is singular at this σ: not one to begin at
+        except (np.linalg.LinAlgError, ShootstabError) as error:  # C is singular at this σ: not one to begin at
             seen = seen or str(error)
             continue
         counts = {**fixed, **{side: decaying_count(r) for side, r in rates.items()}}
