@@ -128,7 +128,8 @@ def test_a_discriminant_moves_to_a_neighbouring_problem_with_its_mesh(scenes: di
     for kx, ky in ((0.0, 0.0103), (1e-4, 0.0103)):
         there = ChuteProblem(flow, kx, ky)
         moved, fresh = here.moved_to(there), Frame(rtol=1e-10).on(there)
-        for sigma in (0.004, 0.004 - 0.001j):
+        assert moved.steps == here.steps > fresh.steps == 0
+        for sigma in (0.004, 0.004 - 0.001j, 1e-6 - 1e-3j, 0.3 + 0.2j):
             assert moved(sigma).over(fresh(sigma)) == pytest.approx(1.0, abs=1e-8)
     # without spanwise wave it is in parts, with one it is not: the parts do not serve
     apart = Frame(rtol=1e-10).on(ChuteProblem(flow, 5e-4, 0.0))
