@@ -33,5 +33,5 @@ def between(system: tuple[np.ndarray, np.ndarray, np.ndarray], start: complex, e
 def spoilt(system: Sampled) -> Sampled:
     """With a NaN in the second step."""
     P = system.P.copy()
-    P[1, 4, 0, 4] = np.nan
+    P[1, 4, 4] = np.nan
     return system._replace(P=P)

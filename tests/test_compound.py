@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from sampled import between, constant, spoilt
 
 from shootstab.kernels import compound, exterior
-from shootstab.kernels.exterior import induced, minors, minors_with_slope
+from shootstab.kernels.exterior import induced, minors_with_slope
 from shootstab.kernels.system import Sampled
 
 RNG = np.random.default_rng(17)
@@ -24,13 +24,17 @@ def random_complex(*shape: int, rng: np.random.Generator = RNG) -> np.ndarray:
     return rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
 
 
+def minors(Y: np.ndarray, subsets: np.ndarray) -> np.ndarray:
+    return np.linalg.det(Y[subsets])
+
+
 def dense(A: np.ndarray, k: int) -> np.ndarray:
     """A^(k), column by column."""
     lists = induced(len(A), k)
     out = np.zeros((len(lists.subsets),) * 2, complex)
     for c in range(len(out)):
-        exterior.apply(A, *lists[1:], np.eye(len(out), dtype=complex)[c], out[:, c])
-    return out
+        exterior.apply(A, *lists[1:], np.eye(len(out), dtype=complex)[c], out, c)
+    return out.T
 
 
 def power(M: np.ndarray, k: int) -> np.ndarray:
@@ -110,10 +114,12 @@ def test_minors_move_as_their_frame_does(sizes: tuple[int, int, int]) -> None:
     A, Y = random_complex(n, n, rng=rng), random_complex(n, k, rng=rng)
     lists = induced(n, k)
     y, slope = minors_with_slope(Y, A @ Y, lists.subsets)
+    np.testing.assert_allclose(y, minors(Y, lists.subsets), atol=1e-12)
+    np.testing.assert_allclose((y, slope), minors_with_slope.py_func(Y, A @ Y, lists.subsets), atol=1e-12)
     for kernel in (exterior.apply, exterior.apply.py_func):
-        out = np.zeros_like(y)
-        kernel(A, *lists[1:], y, out)
-        np.testing.assert_allclose(out, slope, atol=1e-10)
+        out = np.zeros((1, len(y)), complex)
+        kernel(A, *lists[1:], y, out, 0)
+        np.testing.assert_allclose(out[0], slope, atol=1e-10)
 
 
 @proved
@@ -215,7 +221,9 @@ def test_errors_of_graded_rows_are_relative_to_their_grade() -> None:
     """A change of units of the state changes no error estimate by more than a small factor."""
     table, Y, units = random_table(4, 6, 0.6), random_complex(4, 2), np.array([1.0, 1e-4, 1e3, 1e-2])
     row = np.searchsorted(table.start, np.arange(16), side="right") - 1
-    scaled = table._replace(P=table.P * (units[row] / units[table.column]))
+    scaled = table._replace(
+        P=table.P * np.concatenate([(units[row] / units[table.column])[at] for at in (np.arange(16), table.linear, table.quadratic)])
+    )
     plain, graded = carry(table, 0j, Y)[3], carry(scaled, 0j, units[:, None] * Y)[3]
     assert (np.abs(np.log10(graded / plain)) < 1.5).all()
 

@@ -127,6 +127,18 @@ def test_far_frame_is_carried_by_the_system(scenes: dict[str, ChuteProblem]) -> 
         assert v.slope == pytest.approx(values[0].slope, rel=2e-10)
 
 
+def test_the_far_field_in_real_numbers_is_that_in_complex_ones(scenes: dict[str, ChuteProblem]) -> None:
+    """For kx = 0 and real sigma the series runs in float64; with the least imaginary part of sigma in complex128, to the same frame."""
+    problem, sigma = scenes["high"], 0.004
+    z = problem.start(sigma, 1e-12)
+    real, other = problem.far_frame(z, sigma), problem.far_frame(z, sigma + 1e-30j)
+    assert problem._far._real is not None
+    for a, b in ((real.frame, other.frame), (real.tangent, other.tangent)):
+        np.testing.assert_allclose(a, b, rtol=1e-12, atol=1e-14 * np.abs(b).max())
+    assert real.error == pytest.approx(other.error, rel=1e-3)
+    assert scenes["low"]._far._real is None
+
+
 @pytest.mark.parametrize("name", list(GUESS))
 def test_sigma_does_not_move_with_the_far_field_start(scenes: dict[str, ChuteProblem], name: str) -> None:
     """A factor of 100 in ν moves σ by less than 1e−11."""

@@ -82,14 +82,13 @@ def test_the_riccati_equation_is_that_of_the_chart(sizes: tuple[int, int, int]) 
         return Y[k:] @ np.linalg.inv(Y[:k]), complex(np.log(np.linalg.det(Y[:k])))
 
     for multiply, tangent in ((riccati.riccati, riccati.riccati_tangent), (riccati.riccati.py_func, riccati.riccati_tangent.py_func)):
-        out, slope, M = np.empty_like(S), np.empty_like(S), np.empty((2, k, k), complex)
-        trace = multiply(A, S, M[0], out)
+        (out, slope, one, two), M = np.empty((4, 1, rest, k), complex), np.empty((2, k, k), complex)
+        trace = multiply(A, S, M, out, 0)
         (ahead, log_ahead), (behind, log_behind) = moved(eps), moved(-eps)
-        np.testing.assert_allclose(out, (ahead - behind) / (2 * eps), rtol=1e-4, atol=1e-4 * np.abs(out).max())
+        np.testing.assert_allclose(out[0], (ahead - behind) / (2 * eps), rtol=1e-4, atol=1e-4 * np.abs(out).max())
         assert trace == pytest.approx((log_ahead - log_behind) / (2 * eps), rel=1e-4, abs=1e-4)
-        dtrace = tangent(A, dA, S, dS, M, slope)
-        one, two = np.empty_like(S), np.empty_like(S)
-        difference = multiply(A + eps * dA, S + eps * dS, M[0].copy(), one) - multiply(A - eps * dA, S - eps * dS, M[0].copy(), two)
+        dtrace = tangent(A, dA, S, dS, M, slope, 0)
+        difference = multiply(A + eps * dA, S + eps * dS, M, one, 0) - multiply(A - eps * dA, S - eps * dS, M, two, 0)
         np.testing.assert_allclose(slope, (one - two) / (2 * eps), rtol=1e-5, atol=1e-5 * np.abs(slope).max())
         assert dtrace == pytest.approx(difference / (2 * eps), rel=1e-5, abs=1e-5)
 
@@ -198,7 +197,19 @@ def test_riccati_remembers_its_charts_and_leaves_the_method_alone() -> None:
     assert shooting.refined()(-0.2375j).over(shooting(-0.2375j)) == pytest.approx(1.0, abs=1e-6)
 
 
-NESTED = "gather", "riccati", "riccati_tangent", "multiply_add", "exchange", "farthest", "local_error", "combined"
+NESTED = (
+    "gather",
+    "riccati",
+    "riccati_tangent",
+    "set_block",
+    "add_product",
+    "subtract_product",
+    "trace",
+    "exchange",
+    "farthest",
+    "local_error",
+    "combined",
+)
 
 
 def test_compiled_equals_uncompiled(monkeypatch: pytest.MonkeyPatch) -> None:

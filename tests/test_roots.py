@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 
 import pytest
@@ -10,7 +11,7 @@ from hypothesis import strategies as st
 
 from shootstab.discriminants.protocol import Value
 from shootstab.roots.find import Search, Zero, find
-from shootstab.roots.iterations import muller, newton
+from shootstab.roots.iterations import _newton_steps, muller, newton
 from shootstab.roots.winding import power_sums, wind
 from shootstab.vocabulary.errors import ConvergenceError
 from shootstab.vocabulary.regions import Disc, Polygon, Rectangle, Region, halves, size
@@ -52,6 +53,17 @@ def test_iterations_find_a_zero_to_rounding(iteration) -> None:
 
 def test_newton_converges_quadratically() -> None:
     assert newton(Known([1.0, -1.0]), 1.1, 1e-14).iterations <= 5
+
+
+def test_newton_learns_the_curvature_from_two_points() -> None:
+    """With e the error, e₂ is of size e₀² e₁² and no longer e₁²; it is foreseen, and evaluations are saved."""
+    zeros, guess = [0.3 + 0.4j, -1.0, 2j], 0.305 + 0.402j
+    steps = itertools.islice(_newton_steps(Known(zeros, exponent=3 - 1j), guess), 2)
+    e = [abs(guess - zeros[0]), *(abs(sigma - zeros[0]) for sigma, _, _ in steps)]
+    assert e[2] < 300 * (e[0] * e[1]) ** 2 < 1e-2 * e[1] ** 2
+    foreseen = list(itertools.islice(_newton_steps(Known(zeros, exponent=3 - 1j), guess), 2))[1][2]
+    assert 0.1 * e[2] < foreseen < 10 * e[2]
+    assert newton(Known(zeros, exponent=3 - 1j), guess, 1e-9).iterations == 2
 
 
 def test_an_exact_hit_is_a_root() -> None:

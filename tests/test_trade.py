@@ -103,9 +103,7 @@ def test_all_spectral_ladders_of_the_chute(scenes: dict[str, ChuteProblem]) -> N
         assert work >= 1
 
 
-def test_table_json_and_picture(
-    few: Trade, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_table_json_and_picture(few: Trade, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(trade, "trade", lambda problem, guess, told: few)
     file = tmp_path / "a.png"
     assert cli.main(["trade", "poiseuille", "--json", "-", "--plot", str(file)]) == 0

@@ -43,12 +43,11 @@ def seconds(call: Callable[[complex], object], sigma: complex) -> float:
 
 def operations(system: Sampled, k: int) -> float:
     """Of one transport without σ-derivative: system, stages, error estimates and orthonormalization."""
-    steps, _, powers, entries = system.P.shape
+    steps, entries = len(system.P), len(system.column)
     m = system.G.shape[3]
     n = len(system.start) - 1 - m
     kind = 8 if np.iscomplexobj(system.P) else 2
-    quadratic = (powers - 2) * (entries - int(system.start[n]))
-    stage = kind * (entries * (1 + k) + quadratic) + kind * k * m * (m + len(system.carries))
+    stage = kind * (entries * k + len(system.linear) + 2 * len(system.quadratic)) + kind * k * m * (m + len(system.carries))
     numbers = n * k * (2 if kind == 8 else 1)
     step = STAGES * stage + 2 * COMBINED * numbers + kind * n * k * (k + 1)
     return float(steps * step)

@@ -11,7 +11,7 @@ from shootstab.discriminants.product import Product, shoot
 from shootstab.discriminants.protocol import Value
 from shootstab.discriminants.shooting import Shooting
 from shootstab.discriminants.table import Table
-from shootstab.kernels.elimination import det_with_slope
+from shootstab.kernels.elimination import wall_determinant
 from shootstab.kernels.transport import transport
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
 from shootstab.vocabulary.scaled import Scaled
@@ -33,8 +33,7 @@ class Frame:
     ) -> tuple[Value, np.ndarray]:
         """D = det[(W0 + σW1) Y]; the R factors of the orthonormalizations are carried along, so that D is analytic."""
         errors = np.empty(len(table.nodes) - 1)
-        system, at, Y, dY = table.numbers(sigma, far.frame, far.tangent)
+        system, at, Y, dY, W0, W1 = table.numbers(sigma, far.frame, far.tangent, *rows)
         log_det, trace = transport(system, at, Y, dY, tangent, errors)
-        W = rows[0] + sigma * rows[1]
-        det, slope = det_with_slope(W @ Y, rows[1] @ Y + W @ dY)
+        det, slope = wall_determinant(W0, W1, at, Y, dY)
         return Value(sigma, Scaled(det, log_det + far.log_scale), slope + complex(trace) * det), errors

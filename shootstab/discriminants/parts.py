@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,11 +72,17 @@ class Part:
     def far_frame(self, z: float, sigma: complex) -> FarFrame:
         """The scale goes with the parts' number of solutions: only its sum over the parts counts."""
         far = _far_frame(self.whole, z, sigma)
-        turn = I_POWERS[self.phases[0]].conj()[:, None] * I_POWERS[self.phases[2]]
-        pick = self.states[:, None], self.solutions
-        _require_apart("far frame", far.frame[None], self.states, self.solutions)
         share = far.log_scale * len(self.solutions) / self.whole.decaying
-        return replace(far, frame=far.frame[pick] * turn, tangent=far.tangent[pick] * turn, log_scale=share)
+        turn, frame, tangent = self._turn_of_frame, far.frame, far.tangent
+        if frame.shape != turn.shape:
+            _require_apart("far frame", frame[None], self.states, self.solutions)
+            frame, tangent = (Y[self.states[:, None], self.solutions] for Y in (frame, tangent))
+        return FarFrame(frame * turn, tangent * turn, share, far.error)
+
+    @cached_property
+    def _turn_of_frame(self) -> ComplexArray:
+        """The phases (n, k) that make of the whole's frame that of the part."""
+        return np.asarray(I_POWERS[self.phases[0]].conj()[:, None] * I_POWERS[self.phases[2]])
 
     def mesh(self, start: float) -> NDArray[np.float64]:
         return self.whole.mesh(start)

@@ -16,8 +16,8 @@ from shootstab.discriminants.product import Product, shoot
 from shootstab.discriminants.protocol import Value
 from shootstab.discriminants.shooting import Shooting
 from shootstab.discriminants.table import Table
-from shootstab.kernels.elimination import det_with_slope
-from shootstab.kernels.riccati import transport_chart
+from shootstab.kernels.elimination import wall_determinant
+from shootstab.kernels.riccati import enter_chart, leave_chart, transport_chart
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
 from shootstab.vocabulary.scaled import Scaled
 
@@ -96,23 +96,15 @@ def _carry(
     swaps: NDArray[np.int64] | None,
 ) -> tuple[Value, np.ndarray, float, NDArray[np.int64]]:
     """D and local errors in the charts given or, with None, in those chosen for this σ; the largest |S_ij|; the exchanges made."""
-    k = far.frame.shape[1]
-    order = first.copy()
-    units = _units(far.frame)
-    Y, dY = far.frame / units[:, None], far.tangent / units[:, None]
-    p, q = order[:k], order[k:]
-    U, dU = Y[p], dY[p]
-    S: ComplexArray = np.linalg.solve(U.T, Y[q].T).T.astype(np.complex128)
-    dS: ComplexArray = np.linalg.solve(U.T, (dY[q] - S @ dU).T).T.astype(np.complex128)
+    order, units = first.copy(), _units(far.frame)
+    S, dS, start, start_slope = enter_chart(far.frame, far.tangent, units, order)
     errors = np.full(len(table.nodes) - 1, np.nan)
     given = np.empty((0, 3), dtype=np.int64) if swaps is None else swaps
     system, at, S, dS = table.numbers(sigma, S, dS)
     log_det, dlog_det, largest, made = transport_chart(system, at, units, order, S, dS, tangent, errors, given, swaps is None)
-    p, q = order[:k], order[k:]
-    W, dW = (rows[0] + sigma * rows[1]) * units, rows[1] * units
-    start, start_slope = det_with_slope(U, dU)
-    with np.errstate(invalid="ignore", over="ignore"):  # a mesh too coarse for S: the errors tell
-        det, slope = det_with_slope(W[:, p] + W[:, q] @ S, dW[:, p] + dW[:, q] @ S + W[:, q] @ dS)
+    det, slope = wall_determinant(*rows, sigma, *leave_chart(S, dS, units, order))
+    # a mesh too coarse for S gives no numbers: the errors tell
+    with np.errstate(invalid="ignore", over="ignore"):
         factor = start * np.exp(1j * log_det.imag)
         D, dD = det * factor, (slope + det * (dlog_det + start_slope / start)) * factor
     return Value(sigma, Scaled(complex(D), log_det.real + far.log_scale), complex(dD)), errors, largest, made

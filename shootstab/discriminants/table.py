@@ -36,10 +36,7 @@ class Table:
     @cached_property
     def real(self) -> Sampled | None:
         """The system in real numbers, None if it is not real."""
-        parts = self.system[3:]
-        if any(part.imag.any() for part in parts):
-            return None
-        return Sampled(*self.system[:3], *(np.ascontiguousarray(part.real) for part in parts))
+        return self.system.in_real_numbers()
 
     def numbers(self, sigma: complex, *arrays: ComplexArray) -> tuple[Any, ...]:
         """The system, σ and copies of arrays for a kernel: as real numbers where all of them are, and complex ones otherwise."""
@@ -65,13 +62,13 @@ def retabulate(problem: Problem, nodes: NDArray[np.complexfloating], known: Tabl
     fresh = np.flatnonzero(old < 0)
     if 2 * len(fresh) > len(old):
         return tabulate(problem, at)
-    P, V, G = (a[old] for a in known.system[3:])
+    P, V, G = (a[old] for a in known.system.numbers)
     if len(fresh):
         new = _sampled(problem, at[:-1][fresh], np.diff(at)[fresh])
-        if new.P.shape[2:] != P.shape[2:] or not all(map(np.array_equal, new[:3], known.system[:3])):
+        if not all(map(np.array_equal, new.structure, known.system.structure)):
             return tabulate(problem, at)  # an entry vanishes on one of the two
-        P[fresh], V[fresh], G[fresh] = new[3:]
-    return Table(at, Sampled(*known.system[:3], P, V, G))
+        P[fresh], V[fresh], G[fresh] = new.numbers
+    return Table(at, known.system._replace(P=P, V=V, G=G))
 
 
 def _sampled(problem: Problem, starts: ComplexArray, h: ComplexArray) -> Sampled:
@@ -90,16 +87,18 @@ def sample(h: ComplexArray, X: ComplexArray, V: ComplexArray, G: ComplexArray, T
     """
     n, m = V.shape[2:]
     lengths = h[:, None, None, None]
-    degree = 2 if T[:, :, 2].any() else 1
-    stacked = np.zeros((len(h), STAGES, degree + 1, n + m, n), dtype=np.complex128)
+    stacked = np.zeros((len(h), STAGES, 3, n + m, n), dtype=np.complex128)
     stacked[:, :, :2, :n] = X * lengths[..., None]
-    stacked[:, :, :, n:] = T[:, :, : degree + 1]
-    row, column = np.nonzero(stacked.any(axis=(0, 1, 2)))
+    stacked[:, :, :, n:] = T
+    present = (stacked != 0.0).any(axis=(0, 1))
+    row, column = np.nonzero(present.any(axis=0))
     start = np.searchsorted(row, np.arange(n + m + 1))
+    linear, quadratic = (np.flatnonzero(present[power, row, column]) for power in (1, 2))
     carries = np.flatnonzero(V.any(axis=(0, 1, 3)))
-    parts = stacked[:, :, :, row, column], V[:, :, carries] * lengths, G
-    P, V, G = (np.ascontiguousarray(part) for part in parts)
-    return Sampled(start.astype(np.uint64), column.astype(np.uint64), carries.astype(np.uint64), P, V, G)
+    entries = stacked[:, :, :, row, column]
+    P = np.concatenate((entries[:, :, 0], entries[:, :, 1, linear], entries[:, :, 2, quadratic]), axis=2)
+    numbers = map(np.ascontiguousarray, (P, V[:, :, carries] * lengths, G))
+    return Sampled(*(a.astype(np.uint64) for a in (start, column, linear, quadratic, carries)), *numbers)  # type: ignore[arg-type]
 
 
 def reduce_pencil(pencil: Pencil, n: int) -> tuple[ComplexArray, ComplexArray, ComplexArray, ComplexArray]:

@@ -22,7 +22,7 @@ LOG_2 = float(np.log(2.0))
 FLOOR = 1e-9  # of the largest row: rows smaller than this count as so large
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def transport_minors(system, sigma, subsets, row, column, sign, start, y, dy, tangent, errors):  # type: ignore[no-untyped-def]
     """Carry y (N,), and dy if tangent, through all steps; both are overwritten.
 
@@ -40,24 +40,26 @@ def transport_minors(system, sigma, subsets, row, column, sign, start, y, dy, ta
     W = np.empty(size, dtype=y.dtype)
     before = np.empty(size, dtype=y.dtype)
     scales = np.empty((2, n))
+    # the same memory as real numbers, for what is real-linear
+    reals_of_y, reals_of_dy, z, w = reals(y), reals(dy), reals(Z), reals(W)
     stages, slopes = reals(K).reshape(STAGES, -1), reals(L).reshape(STAGES, -1)
     exponent = halve(y, dy)
     for s in range(len(errors)):
         for i in range(STAGES):
-            combine(reals(y), stages, RK_A, i, i, reals(Z))
-            if tangent:
-                combine(reals(dy), slopes, RK_A, i, i, reals(W))
+            combine(reals_of_y, stages, RK_A, i, i, z)
             system_matrix(system, s, i, sigma, A, dA, work, tangent)
-            K[i] = 0.0
-            apply(A, row, column, sign, start, Z, K[i])
+            for c in range(size):
+                K[i, c] = 0.0
+                L[i, c] = 0.0
+            apply(A, row, column, sign, start, Z, K, i)
             if tangent:
-                L[i] = 0.0
-                apply(A, row, column, sign, start, W, L[i])
-                apply(dA, row, column, sign, start, Z, L[i])
+                combine(reals_of_dy, slopes, RK_A, i, i, w)
+                apply(A, row, column, sign, start, W, L, i)
+                apply(dA, row, column, sign, start, Z, L, i)
         before[:] = y
-        combine(reals(y), stages, WEIGHTS, 0, STAGES, reals(y))
+        combine(reals_of_y, stages, WEIGHTS, 0, STAGES, reals_of_y)
         if tangent:
-            combine(reals(dy), slopes, WEIGHTS, 0, STAGES, reals(dy))
+            combine(reals_of_dy, slopes, WEIGHTS, 0, STAGES, reals_of_dy)
         errors[s] = local_error(K, before, y, subsets, scales)
         exponent += halve(y, dy)
     return LOG_2 * exponent

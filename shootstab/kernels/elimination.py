@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def solve_small(G, T):  # type: ignore[no-untyped-def]
     """T ← G⁻¹ T for m×m G, by elimination with partial pivoting; G is destroyed, and a singular one gives NaN."""
     m, n = T.shape
@@ -56,7 +56,7 @@ def factorize(F, pivots):  # type: ignore[no-untyped-def]
         inverse = F[p, p].conjugate() * (1.0 / square(F[p, p]))
         F[p, p] = inverse
         for i in range(p + 1, n):
-            if F[i, p] != 0j:
+            if F[i, p] != 0.0:
                 factor = F[i, p] * inverse
                 F[i, p] = factor
                 for c in range(p + 1, n):
@@ -74,7 +74,7 @@ def substitute(F, pivots, R):  # type: ignore[no-untyped-def]
     for p in range(n):
         for i in range(p + 1, n):
             factor = F[i, p]
-            if factor != 0j:
+            if factor != 0.0:
                 for q in range(columns):
                     R[i, q] -= factor * R[p, q]
     for i in range(n):
@@ -83,7 +83,7 @@ def substitute(F, pivots, R):  # type: ignore[no-untyped-def]
             R[p, q] *= F[p, p]
         for above in range(p):
             factor = F[above, p]
-            if factor != 0j:
+            if factor != 0.0:
                 for q in range(columns):
                     R[above, q] -= factor * R[p, q]
 
@@ -95,6 +95,21 @@ def solve_each(F, R):  # type: ignore[no-untyped-def]
     for p in range(len(F)):
         factorize(F[p], pivots)
         substitute(F[p], pivots, R[p])
+
+
+@njit(cache=True, error_model="numpy")
+def wall_determinant(W0, W1, sigma, Y, dY):  # type: ignore[no-untyped-def]
+    """det[(W0 + σ W1) Y] and its σ-derivative; W0, W1 (k, n), Y, dY (n, k), real or complex."""
+    k, n = W0.shape
+    M, dM = np.zeros((k, k), dtype=np.complex128), np.zeros((k, k), dtype=np.complex128)
+    for a in range(k):
+        for c in range(n):
+            w = W0[a, c] + sigma * W1[a, c]
+            if W0[a, c] != 0.0 or W1[a, c] != 0.0:
+                for b in range(k):
+                    M[a, b] += w * Y[c, b]
+                    dM[a, b] += w * dY[c, b] + W1[a, c] * Y[c, b]
+    return det_with_slope(M, dM)
 
 
 @njit(cache=True, error_model="numpy")

@@ -19,6 +19,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from shootstab.kernels.elimination import det_with_slope
+
 ComplexArray = NDArray[np.complex128]
 
 
@@ -61,34 +63,33 @@ def induced(n: int, k: int) -> Induced:
     return lists
 
 
-def minors(Y: ComplexArray, subsets: NDArray[np.int64]) -> ComplexArray:
-    """The minors (N,) of n×k Y: the coordinates of its columns' span; of a k×n W give Wᵀ.
-
-    Cauchy–Binet: minors(Wᵀ) · minors(Y) = det(W Y).
-    """
-    return np.asarray(np.linalg.det(Y[subsets]), dtype=np.complex128)
-
-
-def minors_with_slope(Y: ComplexArray, dY: ComplexArray, subsets: NDArray[np.int64]) -> tuple[ComplexArray, ComplexArray]:
-    """The minors and their derivative, the sum over the columns of the minors with that column differentiated."""
-    slope = np.zeros(len(subsets), dtype=np.complex128)
-    for c in range(Y.shape[1]):
-        changed = Y.copy()
-        changed[:, c] = dY[:, c]
-        slope += minors(changed, subsets)
-    return minors(Y, subsets), slope
-
-
 @njit(cache=True, error_model="numpy")
-def apply(A, row, column, sign, start, y, out):  # type: ignore[no-untyped-def]
-    """out ← out + A^(k) y, a loop over the entries of A that are not zero."""
+def minors_with_slope(Y, dY, subsets):  # type: ignore[no-untyped-def]
+    """The minors (N,) of complex n×k Y, the coordinates of its columns' span, and their derivatives; of a k×n W give Wᵀ.
+
+    Cauchy–Binet: minors of Wᵀ · minors of Y = det(W Y).
+    """
+    count, k = subsets.shape
+    y, dy = np.empty(count, dtype=np.complex128), np.empty(count, dtype=np.complex128)
+    M, dM = np.empty((k, k), dtype=np.complex128), np.empty((k, k), dtype=np.complex128)
+    for place in range(count):
+        for a in range(k):
+            for b in range(k):
+                M[a, b], dM[a, b] = Y[subsets[place, a], b], dY[subsets[place, a], b]
+        y[place], dy[place] = det_with_slope(M, dM)
+    return y, dy
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")
+def apply(A, row, column, sign, start, y, out, place):  # type: ignore[no-untyped-def]
+    """out[place] ← out[place] + A^(k) y, a loop over the entries of A that are not zero."""
     n = A.shape[0]
     for i in range(n):
         for j in range(n):
             a = A[i, j]
             if a != 0.0:
                 for p in range(start[i, j], start[i, j + 1]):
-                    out[row[p]] += (sign[p] * a) * y[column[p]]
+                    out[place, row[p]] += (sign[p] * a) * y[column[p]]
 
 
 @njit(cache=True, error_model="numpy")

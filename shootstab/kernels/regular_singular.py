@@ -12,17 +12,25 @@ from shootstab.kernels.elimination import factorize, substitute
 
 
 class Sparse(NamedTuple):
-    """Matrices A_m + σ B_m, m < M, without what is zero in all of them: entry e stands at (row[e], column[e]); values (2, M, E)."""
+    """Matrices A_m + σ B_m, m < M, without what is zero in all of them: entry e stands at (row[e], column[e]).
+
+    values (E, M) are those of A_m; slopes (E1, M) those of B_m, which has no entry but the first E1. Real or complex.
+    """
 
     row: NDArray[np.uint64]
     column: NDArray[np.uint64]
-    values: NDArray[np.complex128]
+    values: NDArray[np.inexact]
+    slopes: NDArray[np.inexact]
 
 
-def sparse(matrices: NDArray[np.complex128]) -> Sparse:
+def sparse(matrices: NDArray[np.inexact]) -> Sparse:
     """From (2, M, n, n)."""
-    row, column = np.nonzero((matrices != 0).any(axis=(0, 1)))
-    return Sparse(row.astype(np.uint64), column.astype(np.uint64), np.ascontiguousarray(matrices[:, :, row, column]))
+    present = (matrices != 0).any(axis=1)
+    row, column = (
+        np.concatenate(at).astype(np.uint64) for at in zip(np.nonzero(present[1]), np.nonzero(present[0] & ~present[1]), strict=True)
+    )
+    values, slopes = np.ascontiguousarray(matrices[:, :, row, column].swapaxes(1, 2))
+    return Sparse(row, column, values, slopes[: np.count_nonzero(present[1])])
 
 
 @njit(cache=True, error_model="numpy")
@@ -35,60 +43,80 @@ def series_terms(C, D, sigma, rate, left, right, P, dP, tangent):  # type: ignor
     P_m = F⁻¹ (R − C_0 F⁻¹ R N). dP is the derivative with respect to σ.
     """
     terms, n, k = P.shape
-    c, d = C.values[0] + sigma * C.values[1], D.values[0] + sigma * D.values[1]
-    dc, dd = C.values[1], D.values[1]
+    c, d = _at(C, sigma), _at(D, sigma)
     S, dS = np.zeros_like(P), np.zeros_like(P)
-    R, dR = np.empty((n, k), dtype=np.complex128), np.empty((n, k), dtype=np.complex128)
-    F, pivots = np.empty((n, n), dtype=np.complex128), np.empty(n, dtype=np.int64)
-    f = np.empty((n, 1), dtype=np.complex128)
+    R, dR = np.empty((n, k), P.dtype), np.empty((n, k), P.dtype)
+    F, pivots = np.empty((n, n), P.dtype), np.empty(n, dtype=np.int64)
+    f = np.empty((n, 1), P.dtype)
     for m in range(terms):
         if m > 0:
-            R[:] = 0j
-            dR[:] = 0j
-            for j in range(1, m + 1):
-                add_product(D.row, D.column, d, j, 1.0, P, m - j, R)
-                add_product(C.row, C.column, c, j, -1.0, S, m - j, R)
-                if tangent:
-                    add_product(D.row, D.column, d, j, 1.0, dP, m - j, dR)
-                    add_product(C.row, C.column, c, j, -1.0, dS, m - j, dR)
-                    add_product(D.row, D.column, dd, j, 1.0, P, m - j, dR)
-                    add_product(C.row, C.column, dc, j, -1.0, S, m - j, dR)
-            F[:] = 0j
+            R[:] = 0.0
+            convolve(D, d, 1.0, P, m, 1, R)
+            convolve(C, c, -1.0, S, m, 1, R)
+            F[:] = 0.0
             for e in range(len(C.row)):
-                F[C.row[e], C.column[e]] += (m + rate) * c[0, e]
+                F[C.row[e], C.column[e]] += (m + rate) * c[e, 0]
             for e in range(len(D.row)):
-                F[D.row[e], D.column[e]] -= d[0, e]
+                F[D.row[e], D.column[e]] -= d[e, 0]
             factorize(F, pivots)
             _solve_order(C, c, left, right, F, pivots, f, R)
             P[m] = R
         _shifted(P, S, m, m + rate, left, right)
         if m > 0 and tangent:
             # the derivative of the equation, its left side's dependence on σ moved to the right
-            add_product(D.row, D.column, dd, 0, 1.0, P, m, dR)
-            add_product(C.row, C.column, dc, 0, -1.0, S, m, dR)
+            dR[:] = 0.0
+            convolve(D, d, 1.0, dP, m, 1, dR)
+            convolve(C, c, -1.0, dS, m, 1, dR)
+            convolve(D, D.slopes, 1.0, P, m, 0, dR)
+            convolve(C, C.slopes, -1.0, S, m, 0, dR)
             _solve_order(C, c, left, right, F, pivots, f, dR)
             dP[m] = dR
         if tangent:
             _shifted(dP, dS, m, m + rate, left, right)
 
 
+@njit(cache=True, error_model="numpy")
+def _at(M, sigma):  # type: ignore[no-untyped-def]
+    """The entries (E, terms) at a σ."""
+    out = M.values.copy()
+    for e in range(len(M.slopes)):
+        for m in range(out.shape[1]):
+            out[e, m] += sigma * M.slopes[e, m]
+    return out
+
+
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
-def add_product(row, column, values, j, factor, P, m, out):  # type: ignore[no-untyped-def]
-    """out ← out + factor·M P[m], with M the entries values[j]; out (n, k)."""
+def convolve(matrices, values, factor, P, m, first, out):  # type: ignore[no-untyped-def]
+    """out ← out + factor Σ_j M_j P[m−j] over first ≤ j ≤ m, M_j the entries values[:, j]; P (M, n, k), up to four columns at a time."""
     k = P.shape[2]
-    for e in range(len(row)):
-        v = factor * values[j, e]
-        if v != 0j:
-            r, b = row[e], column[e]
-            for q in range(k):
-                out[r, q] += v * P[m, b, q]
+    for q in range(0, k, 4):
+        width = min(4, k - q)
+        for e in range(len(values)):
+            r, s = matrices.row[e], matrices.column[e]
+            w, x, y, z = 0 * P[0, 0, 0], 0 * P[0, 0, 0], 0 * P[0, 0, 0], 0 * P[0, 0, 0]
+            for j in range(first, m + 1):
+                v = values[e, j]
+                w += v * P[m - j, s, q]
+                if width > 1:
+                    x += v * P[m - j, s, q + 1]
+                if width > 2:
+                    y += v * P[m - j, s, q + 2]
+                if width > 3:
+                    z += v * P[m - j, s, q + 3]
+            out[r, q] += factor * w
+            if width > 1:
+                out[r, q + 1] += factor * x
+            if width > 2:
+                out[r, q + 2] += factor * y
+            if width > 3:
+                out[r, q + 3] += factor * z
 
 
 @njit(cache=True, error_model="numpy")
 def _shifted(P, S, m, exponent, left, right):  # type: ignore[no-untyped-def]
     """S[m] = exponent·P[m] + P[m] N."""
     for a in range(P.shape[1]):
-        along = 0j
+        along = 0 * left[0]
         for q in range(P.shape[2]):
             along += P[m, a, q] * left[q]
         for q in range(P.shape[2]):
@@ -100,13 +128,13 @@ def _solve_order(C, c, left, right, F, pivots, f, R):  # type: ignore[no-untyped
     """R ← F⁻¹ (R − C_0 F⁻¹ R N), F factorized; f (n, 1) is work."""
     n, k = R.shape
     for a in range(n):
-        f[a, 0] = 0j
+        f[a, 0] = 0.0
         for q in range(k):
             f[a, 0] += R[a, q] * left[q]
     substitute(F, pivots, f)
     for e in range(len(C.row)):
         for q in range(k):
-            R[C.row[e], q] -= c[0, e] * f[C.column[e], 0] * right[q]
+            R[C.row[e], q] -= c[e, 0] * f[C.column[e], 0] * right[q]
     substitute(F, pivots, R)
 
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from shootstab.kernels.elimination import det_with_slope, factorize, substitute
 from shootstab.kernels.stages import combine, reals
 from shootstab.kernels.system import system_matrix, workspace
 from shootstab.kernels.tableau import E3, E5, STAGES, WEIGHTS
@@ -24,7 +25,7 @@ SMALL = 1.1  # the charts chosen have no |S_ij| beyond this at a node; rounding 
 FLOOR = 1e-9  # of the largest row: rows smaller than this count as so large
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def transport_chart(system, sigma, units, order, S, dS, tangent, errors, swaps, choose):  # type: ignore[no-untyped-def]
     """Carry S (n−k, k), and dS if tangent, through all steps; both are overwritten, and so is order.
 
@@ -46,6 +47,9 @@ def transport_chart(system, sigma, units, order, S, dS, tangent, errors, swaps, 
     W = np.empty((rest, k), dtype=S.dtype)
     M = np.empty((2, k, k), dtype=S.dtype)
     traces = np.empty(STAGES, dtype=S.dtype)
+    ratios = units / units.reshape(n, 1)
+    # the same memory as real numbers, for what is real-linear
+    reals_of_S, reals_of_dS, z, w = reals(S), reals(dS), reals(Z), reals(W)
     stages, slopes = reals(K).reshape(STAGES, -1), reals(L).reshape(STAGES, -1)
     log_det, dlog_det, largest, made = 0j, 0j, 0.0, 0
     for s in range(steps + 1):
@@ -76,79 +80,139 @@ def transport_chart(system, sigma, units, order, S, dS, tangent, errors, swaps, 
         if s == steps:
             break
         for stage in range(STAGES):
-            combine(reals(S), stages, RK_A, stage, stage, reals(Z))
-            if tangent:
-                combine(reals(dS), slopes, RK_A, stage, stage, reals(W))
+            combine(reals_of_S, stages, RK_A, stage, stage, z)
             system_matrix(system, s, stage, sigma, A, dA, work, tangent)
-            gather(A, order, units, B)
-            traces[stage] = riccati(B, Z, M[0], K[stage])
+            gather(A, order, ratios, B)
+            traces[stage] = riccati(B, Z, M, K, stage)
             log_det += RK_B[stage] * traces[stage]
             if tangent:
-                gather(dA, order, units, dB)
-                dlog_det += RK_B[stage] * riccati_tangent(B, dB, Z, W, M, L[stage])
+                combine(reals_of_dS, slopes, RK_A, stage, stage, w)
+                gather(dA, order, ratios, dB)
+                dlog_det += RK_B[stage] * riccati_tangent(B, dB, Z, W, M, L, stage)
         errors[s] = local_error(K, traces, S)
-        combine(reals(S), stages, WEIGHTS, 0, STAGES, reals(S))
+        combine(reals_of_S, stages, WEIGHTS, 0, STAGES, reals_of_S)
         if tangent:
-            combine(reals(dS), slopes, WEIGHTS, 0, STAGES, reals(dS))
+            combine(reals_of_dS, slopes, WEIGHTS, 0, STAGES, reals_of_dS)
     return log_det, dlog_det, largest, swaps[:made]
 
 
-@njit(cache=True, error_model="numpy")
-def gather(A, order, units, B):  # type: ignore[no-untyped-def]
-    """B ← A in the units and in the order of the chart."""
+@njit(cache=True, error_model="numpy", inline="always")
+def gather(A, order, ratios, B):  # type: ignore[no-untyped-def]
+    """B ← A in the units, ratios[i, j] = units_j/units_i, and in the order of the chart."""
     for a in range(len(order)):
         for b in range(len(order)):
-            B[a, b] = A[order[a], order[b]] * (units[order[b]] / units[order[a]])
+            B[a, b] = A[order[a], order[b]] * ratios[order[a], order[b]]
 
 
-@njit(cache=True, error_model="numpy")
-def riccati(B, S, M, out):  # type: ignore[no-untyped-def]
-    """out = B_qp + B_qq S − S M with M = B_pp + B_pq S, B in the order of the chart; returns tr M."""
-    rest, k = S.shape
-    multiply_add(B[:k, k:], S, B[:k, :k], M)
-    multiply_add(B[k:, k:], S, B[k:, :k], out)
-    trace = 0 * S[0, 0]
-    for d in range(k):
-        trace += M[d, d]
-    for c in range(rest):
-        for e in range(k):
-            s = S[c, e]
-            if s != 0.0:
-                for d in range(k):
-                    out[c, d] -= s * M[e, d]
-    return trace
+@njit(cache=True, error_model="numpy", inline="always")
+def riccati(B, S, M, out, place):  # type: ignore[no-untyped-def]
+    """out[place] = B_qp + B_qq S − S M[0] with M[0] = B_pp + B_pq S, B in the order of the chart; returns tr M[0]."""
+    k = S.shape[1]
+    set_block(B, 0, 0, M, 0)
+    add_product(B, 0, k, S, M, 0)
+    set_block(B, k, 0, out, place)
+    add_product(B, k, k, S, out, place)
+    subtract_product(S, M, 0, out, place)
+    return trace(M, 0)
 
 
-@njit(cache=True, error_model="numpy")
-def riccati_tangent(B, dB, S, dS, M, out):  # type: ignore[no-untyped-def]
-    """out = dB_qp + dB_qq S + B_qq dS − dS M − S dM with M as `riccati` left it in M[0]; returns tr dM, dM = dB_pp + dB_pq S + B_pq dS."""
-    rest, k = S.shape
-    multiply_add(dB[:k, k:], S, dB[:k, :k], M[1])
-    multiply_add(B[:k, k:], dS, M[1], M[1])
-    multiply_add(dB[k:, k:], S, dB[k:, :k], out)
-    multiply_add(B[k:, k:], dS, out, out)
-    trace = 0 * S[0, 0]
-    for d in range(k):
-        trace += M[1, d, d]
-    for c in range(rest):
-        for e in range(k):
-            s, ds = S[c, e], dS[c, e]
-            for d in range(k):
-                out[c, d] -= ds * M[0, e, d] + s * M[1, e, d]
-    return trace
+@njit(cache=True, error_model="numpy", inline="always")
+def riccati_tangent(B, dB, S, dS, M, out, place):  # type: ignore[no-untyped-def]
+    """out[place] = dB_qp + dB_qq S + B_qq dS − dS M[0] − S M[1] with M[1] = dB_pp + dB_pq S + B_pq dS, M[0] as `riccati` left it.
+
+    Returns tr M[1].
+    """
+    k = S.shape[1]
+    set_block(dB, 0, 0, M, 1)
+    add_product(dB, 0, k, S, M, 1)
+    add_product(B, 0, k, dS, M, 1)
+    set_block(dB, k, 0, out, place)
+    add_product(dB, k, k, S, out, place)
+    add_product(B, k, k, dS, out, place)
+    subtract_product(dS, M, 0, out, place)
+    subtract_product(S, M, 1, out, place)
+    return trace(M, 1)
 
 
-@njit(cache=True, error_model="numpy")
-def multiply_add(P, Q, start, out):  # type: ignore[no-untyped-def]
-    """out = start + P Q; start may be out."""
-    for c in range(out.shape[0]):
-        for d in range(out.shape[1]):
-            out[c, d] = start[c, d]
-        for e in range(P.shape[1]):
-            p = P[c, e]
+# As in system.py whole arrays are indexed: slices would be counted references
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def set_block(B, row, column, out, place):  # type: ignore[no-untyped-def]
+    """out[place] = the block of B that begins at (row, column)."""
+    for c in range(out.shape[1]):
+        for d in range(out.shape[2]):
+            out[place, c, d] = B[row + c, column + d]
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")
+def add_product(B, row, column, Q, out, place):  # type: ignore[no-untyped-def]
+    """out[place] ← out[place] + P Q, P the block of B that begins at (row, column)."""
+    for c in range(out.shape[1]):
+        for e in range(Q.shape[0]):
+            p = B[row + c, column + e]
             if p != 0.0:
-                for d in range(out.shape[1]):
-                    out[c, d] += p * Q[e, d]
+                for d in range(out.shape[2]):
+                    out[place, c, d] += p * Q[e, d]
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")
+def subtract_product(S, M, which, out, place):  # type: ignore[no-untyped-def]
+    """out[place] ← out[place] − S M[which]."""
+    for c in range(S.shape[0]):
+        for e in range(S.shape[1]):
+            s = S[c, e]
+            for d in range(S.shape[1]):
+                out[place, c, d] -= s * M[which, e, d]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def trace(M, which):  # type: ignore[no-untyped-def]
+    """tr M[which]."""
+    total = 0 * M[0, 0, 0]
+    for d in range(M.shape[1]):
+        total += M[which, d, d]
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def enter_chart(Y, dY, units, order):  # type: ignore[no-untyped-def]
+    """Of a frame Y (n, k) in these units: S (n−k, k) with Y ~ [I; S] U in the order of the chart, dS, det U and its σ-derivative."""
+    n, k = Y.shape
+    F, pivots = np.empty((k, k), dtype=np.complex128), np.empty(k, dtype=np.int64)
+    U, dU = np.empty((k, k), dtype=np.complex128), np.empty((k, k), dtype=np.complex128)
+    S, dS = np.empty((k, n - k), dtype=np.complex128), np.empty((k, n - k), dtype=np.complex128)
+    for a in range(n):
+        r = order[a]
+        for d in range(k):
+            y, dy = Y[r, d] / units[r], dY[r, d] / units[r]
+            if a < k:
+                U[a, d], dU[a, d], F[d, a] = y, dy, y
+            else:
+                S[d, a - k], dS[d, a - k] = y, dy
+    det, slope = det_with_slope(U, dU)
+    factorize(F, pivots)
+    # Uᵀ Sᵀ = Y_qᵀ and Uᵀ dSᵀ = dY_qᵀ − dUᵀ Sᵀ
+    substitute(F, pivots, S)
+    for d in range(k):
+        for a in range(k):
+            for c in range(n - k):
+                dS[d, c] -= dU[a, d] * S[a, c]
+    substitute(F, pivots, dS)
+    return S.T.copy(), dS.T.copy(), det, slope
+
+
+@njit(cache=True, error_model="numpy")
+def leave_chart(S, dS, units, order):  # type: ignore[no-untyped-def]
+    """The frame [I; S] (n, k) in the order and the units of the state, and its derivative."""
+    rest, k = S.shape
+    Y, dY = np.zeros((rest + k, k), dtype=np.complex128), np.zeros((rest + k, k), dtype=np.complex128)
+    for d in range(k):
+        Y[order[d], d] = units[order[d]]
+        for c in range(rest):
+            r = order[k + c]
+            Y[r, d], dY[r, d] = units[r] * S[c, d], units[r] * dS[c, d]
+    return Y, dY
 
 
 @njit(cache=True, error_model="numpy")

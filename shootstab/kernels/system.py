@@ -21,50 +21,75 @@ from shootstab.kernels.elimination import solve_small
 class Sampled(NamedTuple):
     """The reduced system at the 12 abscissae of each of N steps, the length of the step multiplied into X and V.
 
-    [X; τ], n + m rows, is stored by rows without what is zero at every abscissa: P (N, 12, degree + 1, E) are the coefficients of the
-    powers of σ, and entry e of row i stands in column[e] for start[i] ≤ e < start[i + 1]. Likewise V by its rows carries (v,) that are not
-    zero, V (N, 12, v, m). G (N, 12, 2, m, m). start, column and carries are unsigned.
+    [X; τ], n + m rows, is stored by rows without what is zero at every abscissa: entry e of row i stands in column[e] for start[i] ≤ e <
+    start[i + 1]. P (N, 12, E + E1 + E2) are the entries at σ = 0, then the factors of σ of those entries that have one, E1 of them listed
+    in linear, and of σ², E2 listed in quadratic. Likewise V by its rows carries (v,) that are not zero, V (N, 12, v, m). G (N, 12, 2, m,
+    m). The lists are unsigned.
     """
 
     start: NDArray[np.uint64]
     column: NDArray[np.uint64]
+    linear: NDArray[np.uint64]
+    quadratic: NDArray[np.uint64]
     carries: NDArray[np.uint64]
     P: NDArray[np.inexact]
     V: NDArray[np.inexact]
     G: NDArray[np.inexact]
 
+    @property
+    def structure(self) -> tuple[NDArray[np.uint64], ...]:
+        """The lists."""
+        return self[:5]
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
-def evaluate(P, G, linear, s, i, sigma, values, slopes, small, tangent):  # type: ignore[no-untyped-def]
-    """The entries of [X; τ] (E,), the first of them linear in σ, if tangent their σ-derivatives, and γ (m, m), at abscissa i of step s."""
-    if P.shape[2] == 2:
-        for e in range(len(values)):
-            values[e] = P[s, i, 0, e] + sigma * P[s, i, 1, e]
-            slopes[e] = P[s, i, 1, e]
-    else:
-        for e in range(len(values)):
-            values[e] = P[s, i, 0, e] + sigma * P[s, i, 1, e]
-        for e in range(linear, len(values)):
-            values[e] += sigma * sigma * P[s, i, 2, e]
-        if tangent:
-            for e in range(len(values)):
-                slopes[e] = P[s, i, 1, e] + 2.0 * sigma * P[s, i, 2, e]
+    @property
+    def numbers(self) -> tuple[NDArray[np.inexact], ...]:
+        """P, V, G."""
+        return self[5:]
+
+    def in_real_numbers(self) -> Sampled | None:
+        """The same in float64; None if it is not real."""
+        if any(part.imag.any() for part in self.numbers):
+            return None
+        P, V, G = (np.ascontiguousarray(part.real) for part in self.numbers)
+        return self._replace(P=P, V=V, G=G)
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")
+def evaluate(P, G, linear, quadratic, s, i, sigma, values, slopes, small):  # type: ignore[no-untyped-def]
+    """The entries of [X; τ] (E,), their σ-derivatives, and γ (m, m), at abscissa i of step s."""
+    E, E1 = len(values), len(linear)
+    q = 0
+    for e in range(E):
+        value, slope = P[s, i, e], 0 * sigma
+        if q < E1 and linear[q] == e:
+            slope = P[s, i, E + q]
+            value += sigma * slope
+            q += 1
+        values[e], slopes[e] = value, slope
+    for q in range(len(quadratic)):
+        factor = sigma * P[s, i, E + E1 + q]
+        values[quadratic[q]] += sigma * factor
+        slopes[quadratic[q]] += 2.0 * factor
     for a in range(small.shape[0]):
         for b in range(small.shape[0]):
             small[a, b] = G[s, i, 0, a, b] + sigma * G[s, i, 1, a, b]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def system_matrix(system, s, i, sigma, A, dA, work, tangent):  # type: ignore[no-untyped-def]
     """hA(σ) (n, n) and, if tangent, its σ-derivative at abscissa i of step s; work is for `workspace` to make."""
-    start, column, carries, P, V, G = system
+    start, column, linear, quadratic, carries, P, V, G = system
     values, slopes, small, right, slope = work
     n, m = A.shape[0], G.shape[3]
-    evaluate(P, G, start[n], s, i, sigma, values, slopes, small, tangent)
-    A[:] = 0.0
-    dA[:] = 0.0
-    right[:] = 0.0
-    slope[:] = 0.0
+    evaluate(P, G, linear, quadratic, s, i, sigma, values, slopes, small)
+    for r in range(n):
+        for c in range(n):
+            A[r, c] = 0.0
+            dA[r, c] = 0.0
+    for r in range(m):
+        for c in range(n):
+            right[r, c] = 0.0
+            slope[r, c] = 0.0
     for r in range(n + m):
         for e in range(start[r], start[r + 1]):
             if r < n:
@@ -94,30 +119,21 @@ def system_matrix(system, s, i, sigma, A, dA, work, tangent):  # type: ignore[no
 @njit(cache=True, error_model="numpy")
 def workspace(system, n):  # type: ignore[no-untyped-def]
     """Memory for `system_matrix`: values and slopes (E,), γ (m, m), γ⁻¹ τ and its derivative (m, n)."""
-    P, m = system.P, system.G.shape[3]
-    E = P.shape[3]
+    P, m, E = system.P, system.G.shape[3], len(system.column)
     return np.empty(E, P.dtype), np.empty(E, P.dtype), np.empty((m, m), P.dtype), np.empty((m, n), P.dtype), np.empty((m, n), P.dtype)
 
 
 # The loops below index whole arrays: slices of them would be counted references, which cost more than the arithmetic
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
-def multiply(start, column, first, values, Z, out, place, fresh):  # type: ignore[no-untyped-def]
-    """out[place] = AZ, or out[place] + AZ unless fresh, A the rows from the first on; Z (n, k), up to four columns at a time."""
-    k = Z.shape[1]
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")
+def multiply(start, column, first, values, Z, out, place):  # type: ignore[no-untyped-def]
+    """out[place] = AZ, A the rows from the first on; Z (n, k), up to four columns at a time."""
+    k, zero = Z.shape[1], 0 * Z[0, 0]
     for d in range(0, k, 4):
         width = min(4, k - d)
         for r in range(out.shape[1]):
-            a, b, c, f = 0 * Z[0, 0], 0 * Z[0, 0], 0 * Z[0, 0], 0 * Z[0, 0]
-            if not fresh:
-                a = out[place, r, d]
-                if width > 1:
-                    b = out[place, r, d + 1]
-                if width > 2:
-                    c = out[place, r, d + 2]
-                if width > 3:
-                    f = out[place, r, d + 3]
+            a, b, c, f = zero, zero, zero, zero
             for e in range(start[first + r], start[first + r + 1]):
                 x, j = values[e], column[e]
                 a += x * Z[j, d]
@@ -136,7 +152,31 @@ def multiply(start, column, first, values, Z, out, place, fresh):  # type: ignor
                 out[place, r, d + 3] = f
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")
+def multiply_with_slope(start, column, first, values, slopes, Z, W, out, slope, place):  # type: ignore[no-untyped-def]
+    """out[place] = AZ and slope[place] = AW + A′Z, A and A′ the rows from the first on; two columns at a time."""
+    k, zero = Z.shape[1], 0 * Z[0, 0]
+    for d in range(0, k, 2):
+        pair = d + 1 < k
+        for r in range(out.shape[1]):
+            a, b, da, db = zero, zero, zero, zero
+            for e in range(start[first + r], start[first + r + 1]):
+                x, dx, j = values[e], slopes[e], column[e]
+                z = Z[j, d]
+                a += x * z
+                da += x * W[j, d]
+                da += dx * z
+                if pair:
+                    z = Z[j, d + 1]
+                    b += x * z
+                    db += x * W[j, d + 1]
+                    db += dx * z
+            out[place, r, d], slope[place, r, d] = a, da
+            if pair:
+                out[place, r, d + 1], slope[place, r, d + 1] = b, db
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")
 def add_carried(V, carries, s, i, t, out):  # type: ignore[no-untyped-def]
     """out[i] ← out[i] + V t with V = V[s, i], t (m, k)."""
     m, k = t.shape

@@ -11,7 +11,7 @@ from numba import njit
 
 from shootstab.kernels.elimination import solve_small, square
 from shootstab.kernels.stages import combine, reals
-from shootstab.kernels.system import add_carried, evaluate, multiply, workspace
+from shootstab.kernels.system import add_carried, evaluate, multiply, multiply_with_slope, workspace
 from shootstab.kernels.tableau import STAGES, WEIGHTS
 from shootstab.kernels.tableau import A as RK_A
 
@@ -72,14 +72,14 @@ def reduce_tangent(Y, dY, R):  # type: ignore[no-untyped-def]
     return trace
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def transport(system, sigma, Y, dY, tangent, errors):  # type: ignore[no-untyped-def]
     """Carry Y (n×k), and dY if tangent, through all steps; both are overwritten, Y by an orthonormal frame.
 
     errors (N,) receives the local error of every step, each row of the frame relative to its own size. Returns (log_det, trace):
     what Y stands for is Y·R with ln det R = log_det, and d ln D/dσ = trace + what Y and dY give.
     """
-    start, column, carries, P, V, G = system
+    start, column, linear, quadratic, carries, P, V, G = system
     n, k = Y.shape
     m = G.shape[3]
     K, L = np.empty((STAGES, n, k), Y.dtype), np.empty((STAGES, n, k), Y.dtype)
@@ -95,28 +95,29 @@ def transport(system, sigma, Y, dY, tangent, errors):  # type: ignore[no-untyped
     trace = reduce_tangent(Y, dY, R) if tangent else 0 * R[0, 0]
     for s in range(len(errors)):
         for i in range(STAGES):
-            evaluate(P, G, start[n], s, i, sigma, values, slopes, small, tangent)
+            evaluate(P, G, linear, quadratic, s, i, sigma, values, slopes, small)
             combine(y, ks, RK_A, i, i, z)
-            multiply(start, column, 0, values, Z, K, i, True)
-            if m > 0:
-                multiply(start, column, n, values, Z, t, 0, True)
-                solve_small(small, t0)
-                add_carried(V, carries, s, i, t0, K)
-            if tangent:
-                combine(dy, ls, RK_A, i, i, w)
-                multiply(start, column, 0, values, W, L, i, True)
-                multiply(start, column, 0, slopes, Z, L, i, False)
+            if not tangent:
+                multiply(start, column, 0, values, Z, K, i)
                 if m > 0:
-                    # γ dt = τ dZ + τ′ Z − G1 t
-                    multiply(start, column, n, values, W, dt, 0, True)
-                    multiply(start, column, n, slopes, Z, dt, 0, False)
-                    for a in range(m):
-                        for b in range(m):
-                            small[a, b] = G[s, i, 0, a, b] + sigma * G[s, i, 1, a, b]
-                            for d in range(k):
-                                dt0[a, d] -= G[s, i, 1, a, b] * t0[b, d]
-                    solve_small(small, dt0)
-                    add_carried(V, carries, s, i, dt0, L)
+                    multiply(start, column, n, values, Z, t, 0)
+                    solve_small(small, t0)
+                    add_carried(V, carries, s, i, t0, K)
+                continue
+            combine(dy, ls, RK_A, i, i, w)
+            multiply_with_slope(start, column, 0, values, slopes, Z, W, K, L, i)
+            if m > 0:
+                # γ t = τ Z and γ dt = τ W + τ′ Z − G1 t
+                multiply_with_slope(start, column, n, values, slopes, Z, W, t, dt, 0)
+                solve_small(small, t0)
+                for a in range(m):
+                    for b in range(m):
+                        small[a, b] = G[s, i, 0, a, b] + sigma * G[s, i, 1, a, b]
+                        for d in range(k):
+                            dt0[a, d] -= G[s, i, 1, a, b] * t0[b, d]
+                solve_small(small, dt0)
+                add_carried(V, carries, s, i, t0, K)
+                add_carried(V, carries, s, i, dt0, L)
         E[:] = 0.0
         combine(fifth, ks, WEIGHTS, 1, STAGES, fifth)
         combine(third, ks, WEIGHTS, 2, STAGES, third)

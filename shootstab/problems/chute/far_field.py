@@ -13,12 +13,12 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shootstab.kernels.regular_singular import row_sizes, series_terms, series_value, sparse
+from shootstab.kernels.regular_singular import Sparse, row_sizes, series_terms, series_value, sparse
 from shootstab.problems.chute.background import Background, background
 from shootstab.problems.chute.balance import slopes
 from shootstab.problems.chute.parameters import Chute
@@ -26,7 +26,10 @@ from shootstab.problems.chute.system import DECAYING, SIZE, pencil_entries
 from shootstab.vocabulary.series import Series, constant
 
 ComplexArray = NDArray[np.complex128]
+Terms = NDArray[np.inexact]
 TERMS = 12  # more cost more than the steps they save
+# With v̂ and all that goes with it multiplied by i the series is real where k_x and σ's imaginary part are zero
+TURNED_STATES, TURNED_EQUATIONS, TURNED_SOLUTIONS = [2, 6], [2, 6], [1]
 
 
 def flow_series(chute: Chute, far_temperature: Any, far_velocity: Any, terms: int, pi: Any) -> tuple[Series, Series, Series, Series]:
@@ -59,25 +62,32 @@ class FarField:
         bg = _far_background(chute, far_temperature, far_velocity)
         decay = bg.decay[0]
         C0, C1, D0, D1 = pencil_entries(bg, chute.tan_theta, kx, ky)
-        self._C = sparse(np.stack([_matrices({k: v * decay for k, v in part.items()}) for part in (C0, C1)]))
-        self._D = sparse(np.stack([_matrices(part) for part in (D0, D1)]))
+        self.exponents = far_temperature * decay_matrix(kx, ky)
+        self.trace = float(np.trace(self.exponents).real)
         self._conductivity = float(bg.K[0][0])
         self._far_temperature, self._far_velocity = far_temperature, far_velocity
         self._kx, self._ky = kx, ky
-        self.exponents = far_temperature * decay_matrix(kx, ky)
-        self.trace = float(np.trace(self.exponents).real)
         # Λ = rate·I + left rightᵀ
-        self._rate = self.exponents[3, 3].real
         left = np.array([1j * kx, 1j * ky, -math.hypot(kx, ky), 0.0])
         constant, pole = self._first()
         # a basis of which only the third column has the pole at Ω = 0: else the columns are parallel where Ω is small
         basis = np.eye(DECAYING, dtype=np.complex128)
         basis[2, :2] = -pole[0, :2] / pole[0, 2]
-        self._left = 2 * left - basis @ left  # the inverse of basis, applied
-        self._right = -far_temperature / (7 * math.hypot(kx, ky)) * (left @ basis)
-        self._constant = constant @ basis
-        self._pole = np.zeros_like(pole)
-        self._pole[0, 2] = pole[0, 2]
+        at_zero = np.zeros_like(pole)
+        at_zero[0, 2] = pole[0, 2]
+        states, equations, solutions = _turns(SIZE, TURNED_STATES), _turns(SIZE, TURNED_EQUATIONS), _turns(DECAYING, TURNED_SOLUTIONS)
+        of_system = equations.conj()[:, None] * states
+        of_frame = states.conj()[:, None] * solutions
+        series = _Series(
+            sparse(of_system * np.stack([_matrices({k: v * decay for k, v in part.items()}) for part in (C0, C1)])),
+            sparse(of_system * np.stack([_matrices(part) for part in (D0, D1)])),
+            self.exponents[3, 3].real,
+            solutions.conj() * (2 * left - basis @ left),  # the inverse of basis, applied
+            -far_temperature / (7 * math.hypot(kx, ky)) * (left @ basis) * solutions,
+            constant @ basis * of_frame,
+            at_zero * of_frame,
+        )
+        self._series, self._real, self._back = series, series.in_real_numbers(), of_frame.conj()
 
     def _first(self) -> tuple[ComplexArray, ComplexArray]:
         """P_0 = constant + pole/Ω, Ω = σ + i k_x u_∞, each (8, 4): columns û, v̂, ŵ, T̂ at infinity."""
@@ -90,19 +100,12 @@ class FarField:
         pole[0, :3] = B[2, :3] - np.array([1j * self._kx, 1j * self._ky, -1 / self._far_temperature])
         return P, pole
 
-    def leading(self, sigma: complex) -> tuple[ComplexArray, ComplexArray]:
-        """P_0 (8, 4) and dP_0/dσ, in a basis of determinant 1."""
-        inverse = 1 / (sigma + 1j * self._kx * self._far_velocity)
-        first = self._pole * inverse
-        return self._constant + first, -inverse * first
-
-    def terms(self, sigma: complex, tangent: bool = True) -> tuple[ComplexArray, ComplexArray]:
-        """P_m and, if tangent, dP_m/dσ, each (TERMS, 8, 4)."""
-        P = np.zeros((TERMS, SIZE, DECAYING), dtype=np.complex128)
-        dP = np.zeros_like(P)
-        P[0], dP[0] = self.leading(sigma)
-        series_terms(self._C, self._D, complex(sigma), self._rate, self._left, self._right, P, dP, tangent)
-        return P, dP
+    def terms(self, sigma: complex, tangent: bool = True) -> tuple[Terms, Terms]:
+        """P_m and, if tangent, dP_m/dσ, each (TERMS, 8, 4); with the phases of v̂, and real where they can be."""
+        sigma = complex(sigma)
+        if self._real is not None and sigma.imag == 0.0:
+            return self._real.terms(sigma.real, sigma.real, tangent)
+        return self._series.terms(sigma, sigma + 1j * self._kx * self._far_velocity, tangent)
 
     def reach(self, sigma: complex, tolerance: float) -> float:
         """The largest ν0 at which the terms left out stay below the tolerance, row by row."""
@@ -115,8 +118,45 @@ class FarField:
     def at(self, nu: float, sigma: complex) -> tuple[ComplexArray, ComplexArray, float]:
         """Σ P_m ν0^m, its σ-derivative, and a bound on its relative error from the last terms."""
         P, dP = self.terms(sigma)
-        tail = max(size * nu**m for m, size in list(enumerate(_row_sizes(P)))[-4:])
-        return series_value(P, nu), series_value(dP, nu), float(tail)
+        sizes = _row_sizes(P)
+        tail = max(sizes[m] * nu**m for m in range(TERMS - 4, TERMS))
+        return series_value(P, nu) * self._back, series_value(dP, nu) * self._back, float(tail)
+
+
+class _Series(NamedTuple):
+    """What the series is made of, all real or all complex; P_0 = constant + pole/Ω."""
+
+    C: Sparse
+    D: Sparse
+    rate: float
+    left: NDArray[np.inexact]
+    right: NDArray[np.inexact]
+    constant: NDArray[np.inexact]
+    pole: NDArray[np.inexact]
+
+    def terms(self, sigma: complex, omega: complex, tangent: bool) -> tuple[Terms, Terms]:
+        """P_m and, if tangent, dP_m/dσ."""
+        P = np.zeros((TERMS, SIZE, DECAYING), dtype=self.constant.dtype)
+        dP = np.zeros_like(P)
+        first = self.pole / omega
+        P[0], dP[0] = self.constant + first, first / -omega
+        series_terms(self.C, self.D, sigma, self.rate, self.left, self.right, P, dP, tangent)
+        return P, dP
+
+    def in_real_numbers(self) -> _Series | None:
+        """None if it is not real."""
+        arrays = (*self.C[2:], *self.D[2:], *self[3:])
+        if any(a.imag.any() for a in arrays):
+            return None
+        C, D = (Sparse(*lists[:2], *(a.real.copy() for a in lists[2:])) for lists in (self.C, self.D))
+        return _Series(C, D, self.rate, *(a.real.copy() for a in self[3:]))
+
+
+def _turns(count: int, turned: list[int]) -> ComplexArray:
+    """The phases (count,): i for what is turned, 1 for the rest."""
+    phases = np.ones(count, dtype=np.complex128)
+    phases[turned] = 1j
+    return phases
 
 
 def decay_matrix(kx: float, ky: float) -> ComplexArray:
@@ -126,7 +166,7 @@ def decay_matrix(kx: float, ky: float) -> ComplexArray:
     return np.asarray(K * np.eye(4) - np.outer(s, s) / (7 * K), dtype=np.complex128)
 
 
-def _row_sizes(P: ComplexArray) -> NDArray[np.float64]:
+def _row_sizes(P: Terms) -> NDArray[np.float64]:
     """The size of each term (m,): the largest entry of each row against that row's largest entry in the first."""
     sizes = np.empty(len(P))
     row_sizes(P, sizes)
