@@ -212,7 +212,7 @@ def test_distances_to_the_continuous_spectrum(scenes: dict[str, ChuteProblem]) -
     bent = Continuum(scenes["fig2"], np.array([0.0, 1.0, 3.0]), np.array([0, 1, 1 + 1j]))
     assert bent.distance(0.5 + 0.25j) == pytest.approx(0.25)
     assert bent.distance(-3 - 4j) == pytest.approx(5.0)
-    assert bent.nearest(1.5 + 0.5j) == pytest.approx(2.0)
+    assert bent.nearest(1.5 + 0.5j) == pytest.approx((0.5, 2.0))
     assert continuum_of(PlanePoiseuille()) is None
 
 

@@ -94,8 +94,8 @@ class Atlas:
 
     def _one_side(self, centre: complex) -> Chart:
         assert self.continuum is not None
-        place = self.continuum.nearest(centre)
-        if self.continuum.distance(centre) > self.continuum.scale(place) * abs(self.continuum.slope(place)):
+        distance, place = self.continuum.nearest(centre)
+        if distance > self.continuum.scale(place) * abs(self.continuum.slope(place)):
             return self._on_the_axis(centre)
         z = self.continuum.singular_point(centre)
         if z is None or abs(z.imag) > NEAR * self.continuum.scale(z.real) or self._beyond(z.real):

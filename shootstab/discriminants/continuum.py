@@ -28,14 +28,15 @@ class Continuum:
         """σ_c at a real height."""
         return complex(self.problem.continuum_at(np.array([z + 0j]))[0])
 
+    def nearest(self, sigma: complex) -> tuple[float, float]:
+        """The distance of σ to the curve, and the real height at which it comes so near."""
+        offsets, z = self._offsets(sigma)
+        i = offsets.argmin()
+        return float(offsets[i]), float(z[i])
+
     def distance(self, sigma: complex) -> float:
         """The distance of σ to the curve."""
-        return float(self._offsets(sigma)[0].min())
-
-    def nearest(self, sigma: complex) -> float:
-        """The real height at which the curve comes nearest to σ."""
-        offsets, z = self._offsets(sigma)
-        return float(z[offsets.argmin()])
+        return self.nearest(sigma)[0]
 
     def passes(self, sigma: complex, radius: float) -> list[float]:
         """One height for each time that the curve comes nearer to σ than radius: of each run of pieces, the nearest."""
@@ -71,7 +72,7 @@ class Continuum:
 
     def singular_point(self, sigma: complex) -> complex | None:
         """z_s with σ_c(z_s) = σ, continued from the nearest real height by Newton; None if that leads nowhere."""
-        z = complex(self.nearest(sigma))
+        z = complex(self.nearest(sigma)[1])
         scale = self.scale(z.real)
         step = 1e-4 * scale
         for _ in range(NEWTON_STEPS):
@@ -90,12 +91,18 @@ class Continuum:
 
     def _offsets(self, sigma: complex) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """For each piece of the curve its distance to σ and the height of the nearest point on it."""
-        a, d = self.sigma[:-1], np.diff(self.sigma)
-        length2 = np.abs(d) ** 2
-        with np.errstate(divide="ignore", invalid="ignore"):
-            t = np.where(length2 > 0.0, ((sigma - a) * d.conj()).real / length2, 0.0)
-        t = np.clip(t, 0.0, 1.0)
-        return np.abs(sigma - a - t * d), self.z[:-1] + t * np.diff(self.z)
+        first, along, inverse, rise = self._pieces
+        away = sigma - first
+        t = np.clip(away.real * inverse.real - away.imag * inverse.imag, 0.0, 1.0)
+        return np.abs(away - t * along), self.z[:-1] + t * rise
+
+    @cached_property
+    def _pieces(self) -> tuple[ComplexArray, ComplexArray, ComplexArray, NDArray[np.float64]]:
+        """Of each piece its first point, the way d along it, d*/|d|² (0 where it has no length), and its height."""
+        along = np.diff(self.sigma)
+        inverse = np.zeros_like(along)
+        np.divide(1.0, along, out=inverse, where=along != 0.0)
+        return self.sigma[:-1], along, inverse, np.diff(self.z)
 
 
 @lru_cache(maxsize=32)

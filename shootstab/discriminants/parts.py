@@ -61,10 +61,12 @@ class Part:
         of_states, of_equations = self.phases[:2]
         turn = I_POWERS[of_equations].conj()[:, None] * I_POWERS[of_states]
         matrices = self.whole.pencil(z)
-        for M in matrices.C0, matrices.C1, matrices.D0, matrices.D1:
-            _require_apart("pencil", M, self.equations, self.states)
-        C0, C1, D0, D1 = (M[:, self.equations[:, None], self.states] * turn for M in (matrices.C0, matrices.C1, matrices.D0, matrices.D1))
-        return Pencil(C0, C1, D0, D1)
+        parts: tuple[ComplexArray, ...] = matrices.C0, matrices.C1, matrices.D0, matrices.D1
+        if self.size < self.whole.size:
+            for M in parts:
+                _require_apart("pencil", M, self.equations, self.states)
+            parts = tuple(M[:, self.equations[:, None], self.states] for M in parts)
+        return Pencil(*(M * turn for M in parts))
 
     def start(self, sigma: complex, tolerance: float) -> float:
         return self.whole.start(sigma, tolerance)

@@ -56,6 +56,8 @@ def survey(atlas: Atlas, region: Region) -> Survey:
     curve = atlas.continuum
     samples: list[list[Value]] = []
     everywhere = _everywhere(atlas)
+    # the mesh of the largest |σ| serves the others too, and would be reached in many steps from theirs
+    everywhere(max((region.boundary(t % 1.0) for t in region.corners), key=abs))
     if curve is None:
         samples.append(follow(lambda t: everywhere(region.boundary(t)), region.corners, closed=True))
         return _closed(samples, [1], ())
@@ -162,7 +164,7 @@ def _leaves(curve: Continuum, disc: Disc, order: int) -> complex:
 def outside_ends(curve: Continuum, low: float, high: float, ends: list[tuple[Disc, complex]]) -> tuple[float, float]:
     """The interval of z without what lies in the circles around the ends."""
     for disc, crossing in ends:
-        z = curve.nearest(crossing)
+        z = curve.nearest(crossing)[1]
         if disc.contains(curve.at(low)):
             low = z
         elif disc.contains(curve.at(high)):

@@ -18,9 +18,10 @@ class Series:
     __slots__ = ("coefficients", "depth")
     __array_ufunc__ = None  # NumPy arrays are coefficients here, never the container
 
-    def __init__(self, coefficients: Any) -> None:
+    def __init__(self, coefficients: Any, deep: int = 0) -> None:
+        """deep is the depth if that is known already."""
         self.coefficients = tuple(coefficients)
-        self.depth: int = 1 + max(depth(c) for c in self.coefficients)
+        self.depth: int = deep or 1 + max(map(depth, self.coefficients))
 
     def __len__(self) -> int:
         return len(self.coefficients)
@@ -31,18 +32,16 @@ class Series:
     def __repr__(self) -> str:
         return f"Series{self.coefficients!r}"
 
-    def _is_constant(self, other: Any) -> bool:
-        return depth(other) < self.depth
-
     def __neg__(self) -> Series:
-        return Series(-c for c in self.coefficients)
+        return Series([-c for c in self.coefficients], self.depth)
 
     def __add__(self, other: Any) -> Any:
-        if depth(other) > self.depth:
+        deep = depth(other)
+        if deep > self.depth:
             return other + self
-        if self._is_constant(other):
-            return Series((self[0] + other, *self.coefficients[1:]))
-        return Series(a + b for a, b in zip(self.coefficients, other.coefficients, strict=False))
+        if deep < self.depth:
+            return Series((self.coefficients[0] + other, *self.coefficients[1:]), self.depth)
+        return Series([a + b for a, b in zip(self.coefficients, other.coefficients, strict=False)], deep)
 
     __radd__ = __add__
 
@@ -53,20 +52,22 @@ class Series:
         return (-self) + other
 
     def __mul__(self, other: Any) -> Any:
-        if depth(other) > self.depth:
+        deep = depth(other)
+        if deep > self.depth:
             return other * self
-        if self._is_constant(other):
-            return Series(a * other for a in self.coefficients)
+        if deep < self.depth:
+            return Series([a * other for a in self.coefficients], self.depth)
         a, b = self.coefficients, other.coefficients
-        return Series(_convolve(a, b, m) for m in range(min(len(a), len(b))))
+        return Series([_convolve(a, b, m) for m in range(min(len(a), len(b)))], deep)
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: Any) -> Series:
-        if depth(other) > self.depth:
+        deep = depth(other)
+        if deep > self.depth:
             return _quotient((self,), other, len(other))
-        if self._is_constant(other):
-            return Series(a / other for a in self.coefficients)
+        if deep < self.depth:
+            return Series([a / other for a in self.coefficients], self.depth)
         return _quotient(self.coefficients, other, min(len(self), len(other)))
 
     def __rtruediv__(self, other: Any) -> Series:
@@ -86,7 +87,7 @@ class Series:
         c: list[Any] = [a[0] ** exponent]
         for m in range(1, len(a)):
             c.append(sum((exponent * j - (m - j)) * (a[j] * c[m - j]) for j in range(1, m + 1)) / (m * a[0]))
-        return Series(c)
+        return Series(c, self.depth)
 
     def derivative(self) -> Series:
         """d/dx; one term shorter."""
@@ -110,7 +111,7 @@ def _quotient(a: tuple[Any, ...], divisor: Series, terms: int) -> Series:
     for m in range(1, terms):
         carried = sum(b[j] * c[m - j] for j in range(1, m + 1))
         c.append((a[m] - carried if m < len(a) else -carried) / b[0])
-    return Series(c)
+    return Series(c, divisor.depth)
 
 
 def _convolve(a: tuple[Any, ...], b: tuple[Any, ...], m: int) -> Any:
