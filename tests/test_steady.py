@@ -620,3 +620,13 @@ def test_height_is_where_nu_is(chute, far_temperature):
     for nu in (1e-25, 1e-12, 1e-4 * flow.base["nu"]):
         assert math.exp(flow.at(flow.height(nu))[0].real) == pytest.approx(nu, rel=1e-10, abs=0.0)
     assert float(radial(flow.base["nu"], chute.nu_max, chute.model)[0]) > 1.0
+
+
+def test_scouting_with_cruder_flows_finds_the_same_members(monkeypatch: pytest.MonkeyPatch) -> None:
+    from shootstab.problems.chute import family
+
+    for mass_flux in (0.3, 3.0, 15.0):
+        quick = [f.far_temperature for f in flows(PAPER, mass_flux)]
+        with monkeypatch.context() as patch:
+            patch.setattr(family, "DOUBT", np.inf)
+            assert [f.far_temperature for f in flows(PAPER, mass_flux)] == quick

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
 from shootstab.problems.chute.parameters import Chute
-from shootstab.problems.chute.steady import Flow, descend
+from shootstab.problems.chute.steady import TOLERANCE, Flow, descend
 from shootstab.vocabulary.errors import InputError, NoFlowError
 
 BRANCHES = ("high", "mid", "low")
 SCAN = (1e-2, 1e3, 121)  # T_∞ from, to, points: 24 a decade
+SCOUTING = 1e-9  # the tolerance of flows that only tell where to look
+DOUBT = 1e-5  # of the mass flux: flows that miss it by no more say nothing unless they are as good as can be
 
 
 def flows(chute: Chute, mass_flux: float) -> list[Flow]:
@@ -22,24 +25,42 @@ def flows(chute: Chute, mass_flux: float) -> list[Flow]:
     """
     if not 0.0 < mass_flux < np.inf:
         raise InputError(f"mass_flux = {mass_flux!r}: allowed is a finite number above 0")
+    found, nearest = _brackets(chute, mass_flux, SCOUTING)
+    if not (nearest > DOUBT * mass_flux and all(_changes_sign(chute, mass_flux, *b) for b in found)):
+        found, _ = _brackets(chute, mass_flux, TOLERANCE)
+    return [_solve(chute, mass_flux, *b) for b in found]
+
+
+def _brackets(chute: Chute, mass_flux: float, tolerance: float) -> tuple[list[tuple[float, float]], float]:
+    """Intervals of ln T_∞ with one flow each, and how near to zero the misfit came at the ends of intervals; flows with this tolerance."""
+
+    def misfit(x: float) -> float:
+        return _flux(chute, x, tolerance) - mass_flux
+
     logs = np.linspace(np.log(SCAN[0]), np.log(SCAN[1]), SCAN[2])
-    misfit = np.array([_misfit(chute, x, mass_flux) for x in logs])
-    brackets = []
+    at = np.array([misfit(x) for x in logs])
+    brackets, inner_values = [], []
     for i in range(len(logs) - 1):
-        exists = np.isfinite(misfit[i : i + 2])
+        exists = np.isfinite(at[i : i + 2])
         if not exists.all():
             if exists.any():  # the family ends between these points
                 inside, outside = (i, i + 1) if exists[0] else (i + 1, i)
-                end = _last_member(chute, mass_flux, logs[inside], logs[outside])
-                if (_misfit(chute, end, mass_flux) < 0.0) != (misfit[inside] < 0.0):
+                end = _last_member(misfit, logs[inside], logs[outside])
+                if (misfit(end) < 0.0) != (at[inside] < 0.0):
                     brackets.append((min(end, logs[inside]), max(end, logs[inside])))
+                inner_values.append(misfit(end))
             continue
-        inner = _fold_between(chute, mass_flux, logs, misfit, i)
+        inner = _fold_between(misfit, logs, at, i)
         points = [logs[i], *inner, logs[i + 1]]
-        below = [misfit[i] < 0.0, *(_misfit(chute, x, mass_flux) < 0.0 for x in inner), misfit[i + 1] < 0.0]
+        inner_values += [misfit(x) for x in inner]
+        below = [misfit(x) < 0.0 for x in points]
         # a misfit of exactly zero counts as positive, so that a flow that sits on a point of the scan is found once
         brackets += [(points[j], points[j + 1]) for j in range(len(points) - 1) if below[j] != below[j + 1]]
-    return [_solve(chute, mass_flux, *b) for b in brackets]
+    return brackets, float(np.nanmin(np.abs([*at, *inner_values, np.inf])))
+
+
+def _changes_sign(chute: Chute, mass_flux: float, low: float, high: float) -> bool:
+    return (_flux(chute, low, TOLERANCE) - mass_flux) * (_flux(chute, high, TOLERANCE) - mass_flux) < 0.0
 
 
 def steady_by_flux(chute: Chute, mass_flux: float, branch: str | None) -> Flow:
@@ -78,50 +99,44 @@ def _names(count: int) -> tuple[str, ...]:
     return named.get(count) or tuple(str(i) for i in range(count, 0, -1))
 
 
-def _misfit(chute: Chute, log_temperature: float, mass_flux: float) -> float:
-    return _flux(chute, log_temperature) - mass_flux
-
-
-@lru_cache(maxsize=4096)
-def _flux(chute: Chute, log_temperature: float) -> float:
+@lru_cache(maxsize=8192)
+def _flux(chute: Chute, log_temperature: float, tolerance: float) -> float:
     """Q0 of the flow with this ln T_∞, NaN where there is none; the scan is the same for every mass flux that is asked for."""
     try:
-        return descend(chute, float(np.exp(log_temperature))).mass_flux
+        return descend(chute, float(np.exp(log_temperature)), tolerance).mass_flux
     except NoFlowError:
         return float("nan")
 
 
-def _last_member(chute: Chute, mass_flux: float, inside: float, outside: float) -> float:
+def _last_member(misfit: Callable[[float], float], inside: float, outside: float) -> float:
     """The ln T_∞ next to the end of the family between inside, where a flow exists, and outside, where none does."""
     for _ in range(40):
         middle = (inside + outside) / 2
-        if np.isfinite(_misfit(chute, middle, mass_flux)):
+        if np.isfinite(misfit(middle)):
             inside = middle
         else:
             outside = middle
     return inside
 
 
-def _fold_between(chute: Chute, mass_flux: float, logs: np.ndarray, misfit: np.ndarray, i: int) -> list[float]:
+def _fold_between(misfit: Callable[[float], float], logs: np.ndarray, at: np.ndarray, i: int) -> list[float]:
     """The extremum of Q0 in [x_i, x_{i+1}] if Q0 − mass_flux comes near zero there without changing sign between the points."""
     from scipy.optimize import minimize_scalar
 
-    if i == 0 or i + 2 >= len(logs) or misfit[i] * misfit[i + 1] < 0.0:
+    if i == 0 or i + 2 >= len(logs) or at[i] * at[i + 1] < 0.0:
         return []
-    before, here, after = np.diff(misfit[i - 1 : i + 3])
+    before, here, after = np.diff(at[i - 1 : i + 3])
     if not np.isfinite([before, here, after]).all() or before * after > 0.0:
         return []
-    sign = np.sign(misfit[i])
-    best = minimize_scalar(
-        lambda x: sign * _misfit(chute, x, mass_flux), bounds=(logs[i], logs[i + 1]), method="bounded", options={"xatol": 1e-9}
-    )
+    sign = np.sign(at[i])
+    best = minimize_scalar(lambda x: sign * misfit(x), bounds=(logs[i], logs[i + 1]), method="bounded", options={"xatol": 1e-9})
     return [float(best.x)]
 
 
 def _solve(chute: Chute, mass_flux: float, low: float, high: float) -> Flow:
     from scipy.optimize import brentq
 
-    x = brentq(lambda x: _misfit(chute, x, mass_flux), low, high, xtol=1e-15, rtol=1e-15)
+    x = brentq(lambda x: _flux(chute, x, TOLERANCE) - mass_flux, low, high, xtol=1e-15, rtol=1e-15)
     return replace(descend(chute, float(np.exp(x))), asked_flux=mass_flux)
 
 
