@@ -154,7 +154,8 @@ def test_a_nan_is_an_error_not_a_zero() -> None:
 
 def test_in_the_same_charts_D_is_analytic_however_coarse_the_mesh() -> None:
     """Cauchy–Riemann by differences along both axes, against the slope, at points where other charts would be chosen."""
-    A, dA, Y, W = random_complex(5, 5), random_complex(5, 5), random_complex(5, 2), random_complex(2, 5)
+    rng = np.random.default_rng(5)  # of its own: for some matrices S grows on the way to another sigma, and the charts change
+    A, dA, Y, W = (random_complex(*shape, rng=rng) for shape in ((5, 5), (5, 5), (5, 2), (2, 5)))
     table, method, eps = constant_table(A, dA, 2.0, 8), Charted(1e-3), 1e-4
     carry(table, 0.1j, Y, W, method)
     charts = method._charts

@@ -10,9 +10,6 @@ from numpy.typing import NDArray
 from shootstab.kernels.tableau import ORDER
 
 OFF_MIDDLE = 0.02
-NEARLY = (
-    0.2  # of the tolerance: where one step is to be cut, those that err so much are cut too, and the next sigma finds them short enough
-)
 
 
 def redistribute(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolerance: float) -> NDArray[np.complex128]:
@@ -35,11 +32,11 @@ def redistribute(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tol
 
 
 def split(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolerance: float) -> NDArray[np.complex128]:
-    """Only the steps whose error exceeds the tolerance, or nearly, each cut into as many equal parts as it asks for, two at least."""
+    """Only the steps whose error exceeds the tolerance, each cut into as many equal parts as the error asks for, two at least."""
     pieces = [nodes[:1]]
     for start, end, error in zip(nodes[:-1], nodes[1:], errors, strict=True):
         parts = 1
-        if not error <= NEARLY * tolerance:
+        if not error <= tolerance:
             parts = max(2, min(6, int(np.ceil((error / (0.5 * tolerance)) ** (1 / ORDER))))) if np.isfinite(error) else 6
         pieces.append(start + (end - start) * np.arange(1, parts + 1) / parts)
         pieces[-1][-1] = end

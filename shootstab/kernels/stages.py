@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def combine(y, K, weights, row, count, out):  # type: ignore[no-untyped-def]
     """out = y + Σ_j weights[row, j] K_j over the first count stages, all as real numbers: y, out (p,), K (12, p)."""
     for p in range(len(out)):

@@ -176,7 +176,7 @@ def multiply_with_slope(start, column, first, values, slopes, Z, W, out, slope, 
                 out[place, r, d + 1], slope[place, r, d + 1] = b, db
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def add_carried(V, carries, s, i, t, out):  # type: ignore[no-untyped-def]
     """out[i] ← out[i] + V t with V = V[s, i], t (m, k)."""
     m, k = t.shape
