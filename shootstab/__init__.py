@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from shootstab.vocabulary.errors import ConvergenceError, InputError, NoFlowError, ShootstabError
     from shootstab.vocabulary.regions import Disc, Polygon, Rectangle
 
-__version__ = "0.2.0"
+__version__ = "0.2.1"
 
 _HOMES = {
     "ClosedProblem": "shootstab.problems.closed",

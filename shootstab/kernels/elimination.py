@@ -122,8 +122,9 @@ def det_with_slope(M, dM):  # type: ignore[no-untyped-def]
     F, slope = M.copy(), 0j
     det = determinant(F)
     for j in range(k):
-        F[:] = M
-        F[:, j] = dM[:, j]
+        for a in range(k):
+            for b in range(k):
+                F[a, b] = dM[a, b] if b == j else M[a, b]
         slope += determinant(F)
     return det, slope
 

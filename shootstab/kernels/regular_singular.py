@@ -50,29 +50,48 @@ def series_terms(C, D, sigma, rate, left, right, P, dP, tangent):  # type: ignor
     f = np.empty((n, 1), P.dtype)
     for m in range(terms):
         if m > 0:
-            R[:] = 0.0
+            clear(R)
             convolve(D, d, 1.0, P, m, 1, R)
             convolve(C, c, -1.0, S, m, 1, R)
-            F[:] = 0.0
+            clear(F)
             for e in range(len(C.row)):
                 F[C.row[e], C.column[e]] += (m + rate) * c[e, 0]
             for e in range(len(D.row)):
                 F[D.row[e], D.column[e]] -= d[e, 0]
             factorize(F, pivots)
             _solve_order(C, c, left, right, F, pivots, f, R)
-            P[m] = R
+            keep(R, P, m)
         _shifted(P, S, m, m + rate, left, right)
         if m > 0 and tangent:
             # the derivative of the equation, its left side's dependence on σ moved to the right
-            dR[:] = 0.0
+            clear(dR)
             convolve(D, d, 1.0, dP, m, 1, dR)
             convolve(C, c, -1.0, dS, m, 1, dR)
             convolve(D, D.slopes, 1.0, P, m, 0, dR)
             convolve(C, C.slopes, -1.0, S, m, 0, dR)
             _solve_order(C, c, left, right, F, pivots, f, dR)
-            dP[m] = dR
+            keep(dR, dP, m)
         if tangent:
             _shifted(dP, dS, m, m + rate, left, right)
+
+
+# Loops: assignments to slices would take seconds to compile
+
+
+@njit(cache=True, error_model="numpy")
+def clear(R):  # type: ignore[no-untyped-def]
+    """R = 0, in two dimensions."""
+    for a in range(R.shape[0]):
+        for q in range(R.shape[1]):
+            R[a, q] = 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def keep(R, P, m):  # type: ignore[no-untyped-def]
+    """P[m] = R."""
+    for a in range(R.shape[0]):
+        for q in range(R.shape[1]):
+            P[m, a, q] = R[a, q]
 
 
 @njit(cache=True, error_model="numpy")
