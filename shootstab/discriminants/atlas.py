@@ -34,6 +34,11 @@ class Chart:
     path: str
 
 
+def decade(sigma: complex) -> int:
+    """The size of |σ| in powers of DECADE: one mesh serves all σ of a size."""
+    return round(math.log(abs(sigma) or 1.0) / math.log(DECADE))
+
+
 class Atlas:
     """The charts of a problem, made when they are first needed and kept."""
 
@@ -121,7 +126,7 @@ class Atlas:
         return not self.continuum.z[0] < z < self.continuum.z[-1]
 
     def _on_the_axis(self, sigma: complex) -> Chart:
-        bucket = round(math.log(abs(sigma) or 1.0) / math.log(DECADE))
+        bucket = decade(sigma)
         if bucket not in self._straight:
             self._straight[bucket] = self._on_the_real_axis(bucket)
         return Chart(self._straight[bucket], 0, "real")
@@ -137,7 +142,7 @@ class Atlas:
         """The chart whose path leaves singular points near z on this side: side +1, above the path; sigma tells the size of |σ|."""
         assert self.continuum is not None
         scale = self.continuum.scale(z)
-        bucket = round(math.log(abs(sigma) or 1.0) / math.log(DECADE))
+        bucket = decade(sigma)
         for bend, known, discriminant in self._bent:
             alike = 0.7 < bend.half_width / (HALF_WIDTH * scale) < 1.4
             if known == bucket and alike and bend.height * side < 0.0 and abs(bend.centre - z) < 0.3 * HALF_WIDTH * scale:

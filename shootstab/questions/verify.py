@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any
 
-from shootstab.discriminants.atlas import Atlas
+from shootstab.discriminants.atlas import Atlas, decade
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.protocol import Method
 from shootstab.problems.protocol import Problem
@@ -57,8 +57,8 @@ def verify(
     tolerance = 10.0 ** -(digits + 2)
     judge = Judge(problem, method or Frame(rtol=max(tolerance, 1e-13)), digits)
     judged: dict[int, Verdict] = {}
-    # the mesh only grows, and large σ need a finer one: small σ first
-    for i in sorted(range(len(claims)), key=lambda i: abs(claims[i])):
+    # a mesh begins with that of the next smaller size of |σ|, and of those that share it the largest needs it finest
+    for i in sorted(range(len(claims)), key=lambda i: (decade(claims[i]), -abs(claims[i]))):
         judged[i] = judge.verdict(claims[i])
         if progress is not None:
             progress(len(judged), len(claims))
