@@ -127,6 +127,26 @@ def test_far_frame_is_carried_by_the_system(scenes: dict[str, ChuteProblem]) -> 
         assert v.slope == pytest.approx(values[0].slope, rel=2e-10)
 
 
+@pytest.mark.parametrize("real", [False, True])
+def test_the_determinant_of_wall_rows_and_frame(real: bool) -> None:
+    """det[(W0 + σ W1) Y] and its slope by NumPy and by differences; where W0 + σ W1 has a zero that its slope has not; both ways."""
+    rng = np.random.default_rng(8)
+    W0, W1, Y, dY = (rng.standard_normal(shape) for shape in ((3, 6), (3, 6), (6, 3), (6, 3)))
+    sigma = 0.4 if real else 0.4 - 0.3j
+    if not real:
+        W0, Y = W0 + 1j * rng.standard_normal((3, 6)), Y + 1j * rng.standard_normal((6, 3))
+        W1, dY = W1.astype(complex), dY.astype(complex)
+    W0[1, 2], W0[2, 4], W1[2, 4] = -sigma * W1[1, 2], 0.0, 0.0
+
+    def exact(s: complex) -> complex:
+        return complex(np.linalg.det((W0 + s * W1) @ (Y + (s - sigma) * dY)))
+
+    for kernel in (elimination.wall_determinant, elimination.wall_determinant.py_func):
+        det, slope = kernel(W0, W1, sigma, Y, dY)
+        assert det == pytest.approx(exact(sigma), rel=1e-12)
+        assert slope == pytest.approx((exact(sigma + 1e-5) - exact(sigma - 1e-5)) / 2e-5, rel=1e-7)
+
+
 def test_the_far_field_in_real_numbers_is_that_in_complex_ones(scenes: dict[str, ChuteProblem]) -> None:
     """For kx = 0 and real sigma the series runs in float64; with the least imaginary part of sigma in complex128, to the same frame."""
     problem, sigma = scenes["high"], 0.004

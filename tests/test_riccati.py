@@ -70,6 +70,29 @@ def test_an_exchange_is_another_chart_of_the_same_space(sizes: tuple[int, int, i
 
 @settings(max_examples=40, deadline=None)
 @given(SIZES)
+def test_a_frame_enters_a_chart_and_leaves_it(sizes: tuple[int, int, int]) -> None:
+    """Y = [I; S] U in the order and the units of the chart, det U and the derivatives with it; compiled and uncompiled."""
+    rest, k, seed = sizes
+    rng = np.random.default_rng(seed)
+    Y, dY, eps = random_complex(k + rest, k, rng=rng), random_complex(k + rest, k, rng=rng), 1e-6
+    units, order = rng.uniform(0.5, 1.0, k + rest), rng.permutation(k + rest)
+    U = (Y / units[:, None])[order[:k]]
+    for enter, leave in ((riccati.enter_chart, riccati.leave_chart), (riccati.enter_chart.py_func, riccati.leave_chart.py_func)):
+        S, dS, det, slope = enter(Y, dY, units, order)
+        frame, tangent = leave(S, dS, units, order)
+        np.testing.assert_allclose(frame @ U, Y, rtol=1e-8, atol=1e-8)
+        assert det == pytest.approx(np.linalg.det(U), rel=1e-9)
+        small = eps * min(1.0, abs(det)) / max(1.0, np.abs(S).max())
+        ahead, behind = (enter(Y + d * dY, dY, units, order) for d in (small, -small))
+        np.testing.assert_allclose(dS, (ahead[0] - behind[0]) / (2 * small), rtol=1e-3, atol=1e-3 * np.abs(dS).max())
+        assert slope == pytest.approx((ahead[2] - behind[2]) / (2 * small), rel=1e-3, abs=1e-3 * abs(det))
+        np.testing.assert_allclose(
+            tangent, leave(dS, dS, units, order)[0] - leave(0 * dS, dS, units, order)[0], atol=1e-12 * np.abs(dS).max()
+        )
+
+
+@settings(max_examples=40, deadline=None)
+@given(SIZES)
 def test_the_riccati_equation_is_that_of_the_chart(sizes: tuple[int, int, int]) -> None:
     """S′ and (ln det U)′ by differences of exp(tA) [I; S], and their derivatives; compiled and uncompiled."""
     rest, k, seed = sizes

@@ -123,7 +123,8 @@ def workspace(system, n):  # type: ignore[no-untyped-def]
     return np.empty(E, P.dtype), np.empty(E, P.dtype), np.empty((m, m), P.dtype), np.empty((m, n), P.dtype), np.empty((m, n), P.dtype)
 
 
-# The loops below index whole arrays: slices of them would be counted references, which cost more than the arithmetic
+# The loops below index whole arrays: slices of them would be counted references, which cost more than the arithmetic.
+# So do the arguments of calls: what has much to pass and little to do is inlined.
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")

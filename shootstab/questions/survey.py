@@ -12,7 +12,7 @@ What lies inside the circles around the ends is not counted, and is named.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -56,10 +56,8 @@ def survey(atlas: Atlas, region: Region) -> Survey:
     curve = atlas.continuum
     samples: list[list[Value]] = []
     everywhere = _everywhere(atlas)
-    # the mesh of the largest |σ| serves the others too, and would be reached in many steps from theirs
-    everywhere(max((region.boundary(t % 1.0) for t in region.corners), key=abs))
     if curve is None:
-        samples.append(follow(lambda t: everywhere(region.boundary(t)), region.corners, closed=True))
+        samples.append(_around(everywhere, region, region.corners, closed=True))
         return _closed(samples, [1], ())
     inside = parts_inside(curve, region)
     if inside and _runs_over_itself(curve):
@@ -69,7 +67,7 @@ def survey(atlas: Atlas, region: Region) -> Survey:
     for first, last in _between_crossings(curve, region, inside):
         stops = [first, *(t for t in region.corners if first < t < last), *(t + 1 for t in region.corners if first < t + 1 < last), last]
         closed = last - first == 1.0
-        samples.append(follow(lambda t: everywhere(region.boundary(t % 1.0)), stops, closed))
+        samples.append(_around(everywhere, region, stops, closed))
         signs.append(1)
     for low, high in inside:
         below, above = outside_ends(curve, low, high, ends)
@@ -81,6 +79,12 @@ def survey(atlas: Atlas, region: Region) -> Survey:
         samples.append(follow(lambda t, d=disc: everywhere(d.boundary(t % 1.0)), [turn + OFF, turn + 0.5, turn + 1 - OFF]))  # type: ignore[misc]
         signs.append(-1)
     return _closed(samples, signs, tuple(d for d, _ in ends))
+
+
+def _around(everywhere: Callable[[complex], Value], region: Region, stops: Sequence[float], closed: bool) -> list[Value]:
+    """Samples along the boundary, the stop of largest |σ| first: its mesh serves the others, which would grow to it."""
+    everywhere(max((region.boundary(t % 1.0) for t in stops), key=abs))
+    return follow(lambda t: everywhere(region.boundary(t % 1.0)), stops, closed)
 
 
 def _closed(samples: list[list[Value]], signs: list[int], left_out: tuple[Disc, ...]) -> Survey:
