@@ -18,53 +18,54 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from shootstab import testing
+    from shootstab.analyses.count import count
+    from shootstab.analyses.critical import critical
+    from shootstab.analyses.find import find
+    from shootstab.analyses.refine import refine
+    from shootstab.analyses.sweep import sweep
+    from shootstab.analyses.unstable import count_unstable
+    from shootstab.analyses.verify import verify
+    from shootstab.analyses.work_precision import trade
+    from shootstab.core.errors import ConvergenceError, InputError, NoFlowError, ShootstabError
+    from shootstab.core.regions import Disc, Polygon, Rectangle
     from shootstab.discriminants.compound import Compound
     from shootstab.discriminants.frame import Frame
     from shootstab.discriminants.riccati import Riccati
-    from shootstab.problems import chute, gallery
-    from shootstab.problems.closed import ClosedProblem
-    from shootstab.problems.linear import Infinity, Interface, LinearProblem, Wall, problem
-    from shootstab.questions.count import count
-    from shootstab.questions.critical import critical
-    from shootstab.questions.find import find
-    from shootstab.questions.refine import refine
-    from shootstab.questions.sweep import sweep
-    from shootstab.questions.trade import trade
-    from shootstab.questions.unstable import count_unstable
-    from shootstab.questions.verify import verify
-    from shootstab.vocabulary.errors import ConvergenceError, InputError, NoFlowError, ShootstabError
-    from shootstab.vocabulary.regions import Disc, Polygon, Rectangle
+    from shootstab.models import chute, gallery
+    from shootstab.problems import Infinity, Interface, LinearProblem, Wall
+    from shootstab.problems.closed_form import ClosedProblem
+    from shootstab.problems.linear_problem import problem
 
 __version__ = "0.2.1"
 
 _HOMES = {
-    "ClosedProblem": "shootstab.problems.closed",
+    "ClosedProblem": "shootstab.problems.closed_form",
     "Compound": "shootstab.discriminants.compound",
-    "ConvergenceError": "shootstab.vocabulary.errors",
-    "Disc": "shootstab.vocabulary.regions",
+    "ConvergenceError": "shootstab.core.errors",
+    "Disc": "shootstab.core.regions",
     "Frame": "shootstab.discriminants.frame",
-    "InputError": "shootstab.vocabulary.errors",
-    "problem": "shootstab.problems.linear",
-    "Wall": "shootstab.problems.linear",
-    "LinearProblem": "shootstab.problems.linear",
-    "Interface": "shootstab.problems.linear",
-    "Infinity": "shootstab.problems.linear",
-    "Polygon": "shootstab.vocabulary.regions",
-    "NoFlowError": "shootstab.vocabulary.errors",
-    "Rectangle": "shootstab.vocabulary.regions",
+    "InputError": "shootstab.core.errors",
+    "problem": "shootstab.problems",
+    "Wall": "shootstab.problems",
+    "LinearProblem": "shootstab.problems",
+    "Interface": "shootstab.problems",
+    "Infinity": "shootstab.problems",
+    "Polygon": "shootstab.core.regions",
+    "NoFlowError": "shootstab.core.errors",
+    "Rectangle": "shootstab.core.regions",
     "Riccati": "shootstab.discriminants.riccati",
-    "ShootstabError": "shootstab.vocabulary.errors",
-    "chute": "shootstab.problems",
-    "count": "shootstab.questions.count",
-    "critical": "shootstab.questions.critical",
-    "count_unstable": "shootstab.questions.unstable",
-    "find": "shootstab.questions.find",
-    "gallery": "shootstab.problems",
-    "refine": "shootstab.questions.refine",
-    "sweep": "shootstab.questions.sweep",
+    "ShootstabError": "shootstab.core.errors",
+    "chute": "shootstab.models",
+    "count": "shootstab.analyses.count",
+    "critical": "shootstab.analyses.critical",
+    "count_unstable": "shootstab.analyses.unstable",
+    "find": "shootstab.analyses.find",
+    "gallery": "shootstab.models",
+    "refine": "shootstab.analyses.refine",
+    "sweep": "shootstab.analyses.sweep",
     "testing": "shootstab",
-    "trade": "shootstab.questions.trade",
-    "verify": "shootstab.questions.verify",
+    "trade": "shootstab.analyses.work_precision",
+    "verify": "shootstab.analyses.verify",
 }
 
 __all__ = [

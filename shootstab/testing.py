@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from shootstab.faces.notation import claimed_digits, held_complex
-from shootstab.vocabulary.records import CONFIRMED, Verdict, digits_between
+from shootstab.core.records import CONFIRMED, Verdict, digits_between
+from shootstab.io.notation import claimed_digits, held_complex
 
 if TYPE_CHECKING:
     from shootstab.problems.protocol import Problem
@@ -18,7 +18,7 @@ def assert_eigenvalue(problem: Problem, claimed: complex, digits: int = 8) -> No
     why, the true value, its own error, and how many digits agree. Raises InputError for digits out of range.
     """
     __tracebackhide__ = True
-    from shootstab.questions.verify import verify
+    from shootstab.analyses.verify import verify
 
     verdict = verify(problem, [complex(claimed)], digits=digits).verdicts[0]
     if verdict.verdict != CONFIRMED:
@@ -34,7 +34,7 @@ def _truth(problem: Problem, verdict: Verdict) -> str:
     """The mode that the claim means; if it means none, where an iteration from there ends."""
     sigma, error, name = verdict.sigma, verdict.error, "true value"
     if sigma is None:
-        from shootstab.questions.refine import refine
+        from shootstab.analyses.refine import refine
 
         mode = refine(problem, verdict.claimed)
         if not mode.converged:

@@ -8,8 +8,8 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")  # the matrices are small: threads
 
 import pytest
 
-from shootstab.problems import chute
-from shootstab.problems.chute import ChuteProblem, Flow
+from shootstab.models import chute
+from shootstab.models.chute import ChuteProblem, Flow
 
 GRAINS = {"e": 0.8, "e_w": 0.8, "r": 0.6, "tan_theta": 0.3}
 WAVES = {"high": ("high", 0.0, 0.01), "mid": ("mid", 0.0, 0.0125), "low": ("low", 0.011, 0.0), "fig2": ("high", 5e-4, 0.0)}

@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from shootstab.faces import cli, documents, files, tables, terminal
-from shootstab.faces.scenes import BUILT_IN, Scene, load
-from shootstab.questions.survey import Survey
-from shootstab.vocabulary.errors import ConvergenceError, InputError
-from shootstab.vocabulary.records import (
+from shootstab.analyses.cut_region import RegionCount
+from shootstab.cli import main as cli
+from shootstab.cli import tables, terminal
+from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.records import (
     CONFIRMED,
     CONTINUUM,
     CONVERGED,
@@ -33,7 +33,9 @@ from shootstab.vocabulary.records import (
     Report,
     Verdict,
 )
-from shootstab.vocabulary.regions import Disc, Rectangle
+from shootstab.core.regions import Disc, Rectangle
+from shootstab.io import documents, files
+from shootstab.io.scenes import BUILT_IN, Scene, load
 
 EXE = Path(sys.executable).with_name("shootstab")
 HIGH = 0.003970504638889  # the unstable mode of `high`; 0.00397 in the paper
@@ -219,7 +221,7 @@ def test_spectrum_table(run: Run) -> None:
 
 
 def test_a_spectrum_written_is_a_spectrum_read(run: Run, tmp_path: Path) -> None:
-    from shootstab.faces import readers
+    from shootstab.io import readers
 
     path = tmp_path / "spectrum.json"
     assert run("spectrum", "poiseuille", "-M", "60", "--json", path)[0] == 0
@@ -385,7 +387,7 @@ def test_bad_words(run: Run, what: str) -> None:
 
 def test_no_reference_for_a_problem_of_the_users_own(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "own_without_reference.py").write_text(
-        "from shootstab.problems.gallery.poiseuille import PlanePoiseuille\n"
+        "from shootstab.models.gallery.poiseuille import PlanePoiseuille\n"
         "class Mine:\n"
         "    def __getattr__(self, name):\n"
         "        return getattr(PlanePoiseuille(), name)\n"
@@ -398,7 +400,7 @@ def test_no_reference_for_a_problem_of_the_users_own(run: Run, tmp_path: Path, m
 
 
 def test_without_matplotlib(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    from shootstab.faces import plots
+    from shootstab.cli import plots
 
     monkeypatch.setattr(plots.importlib.util, "find_spec", lambda name: None)
     refused(run("verify", "high", "--plot", "plane.png"), "matplotlib", "shootstab[plot]")
@@ -425,7 +427,7 @@ def failing(error: BaseException) -> Callable[..., Any]:
 def test_a_question_that_fails(
     run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, error: BaseException, status: int, said: str
 ) -> None:
-    monkeypatch.setattr("shootstab.questions.refine.refine", failing(error))
+    monkeypatch.setattr("shootstab.analyses.refine.refine", failing(error))
     assert run("refine", "poiseuille", "--guess=1", "--json", tmp_path / "answer.json") == (status, "", said)
     assert not (tmp_path / "answer.json").exists()
 
@@ -433,7 +435,7 @@ def test_a_question_that_fails(
 def test_a_mode_that_did_not_converge_is_bad_news(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     unknown = Budget(*(5 * [float("inf")]))
     lost = Mode(0.5 + 0j, float("inf"), unknown, "not converged: it wanders", "frame", 7, 0.1)
-    monkeypatch.setattr("shootstab.questions.refine.refine", lambda *_, **__: lost)
+    monkeypatch.setattr("shootstab.analyses.refine.refine", lambda *_, **__: lost)
     status, out, _ = run("refine", "poiseuille", "--guess=1", "--json", "-")
     answer = json.loads(out)
     assert status == 1
@@ -467,7 +469,7 @@ def report_of(*said: str, missing: int = 0) -> Report:
     ],
 )
 def test_exit_status_of_verify(run: Run, monkeypatch: pytest.MonkeyPatch, modes: Path, report: Report, strict: bool, status: int) -> None:
-    monkeypatch.setattr("shootstab.questions.verify.verify", lambda *_, **__: report)
+    monkeypatch.setattr("shootstab.analyses.verify.verify", lambda *_, **__: report)
     found, out, _ = run("verify", "poiseuille", modes, *(["--strict"] if strict else []))
     assert found == status
     for verdict in report.verdicts:
@@ -499,14 +501,14 @@ def test_documents_hold_no_number_that_json_does_not_know() -> None:
 
 def test_regions_in_json() -> None:
     end = Disc(0j, 1e-5)
-    assert documents.count(Disc(1j, 2.0), Survey(3, 1e-9, (end,), 99)) == {
+    assert documents.count(Disc(1j, 2.0), RegionCount(3, 1e-9, (end,), 99)) == {
         "region": {"shape": "disc", "centre": {"re": "0.0", "im": "1.0"}, "radius": 2.0},
         "count": 3,
         "closure": 1e-9,
         "left_out": [{"shape": "disc", "centre": {"re": "0.0", "im": "0.0"}, "radius": 1e-5}],
         "evaluations": 99,
     }
-    assert documents.count(Rectangle(0j, 1 + 1j), Survey(0, 0.0, (), 9))["region"]["shape"] == "rectangle"
+    assert documents.count(Rectangle(0j, 1 + 1j), RegionCount(0, 0.0, (), 9))["region"]["shape"] == "rectangle"
 
 
 def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
@@ -600,7 +602,7 @@ def test_what_needs_no_numbers_starts_at_once(words: list[str]) -> None:
 
 def test_nothing_heavy_is_imported_for_help() -> None:
     code = (
-        "import sys; from shootstab.faces.cli import main\n"
+        "import sys; from shootstab.cli.main import main\n"
         "main(['scenes'])\n"
         "print([m for m in ('numpy', 'scipy', 'numba', 'rich', 'mpmath', 'matplotlib') if m in sys.modules], file=sys.stderr)"
     )
@@ -631,7 +633,7 @@ def test_many_digits_are_printed_as_they_are() -> None:
     """A minus sign costs no digit, whatever precision mpmath is set to."""
     import mpmath
 
-    from shootstab.faces.notation import held_complex
+    from shootstab.io.notation import held_complex
 
     text = "0.2375264888204701074465793134634397576781279780924"
     with mpmath.workdps(60):

@@ -11,9 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sampled import between, constant, spoilt
 
-from shootstab.kernels import compound, exterior
+from shootstab.kernels import exterior
+from shootstab.kernels import minor_transport as compound
 from shootstab.kernels.exterior import induced, minors_with_slope
-from shootstab.kernels.system import Sampled
+from shootstab.kernels.reduced_system import ReducedSystem
 
 RNG = np.random.default_rng(17)
 SIZES = st.integers(2, 6).flatmap(lambda n: st.tuples(st.just(n), st.integers(1, n - 1), st.integers(0, 10**6)))
@@ -43,12 +44,12 @@ def power(M: np.ndarray, k: int) -> np.ndarray:
     return np.column_stack([minors(M[:, J], subsets) for J in subsets])
 
 
-def random_table(n: int, steps: int, length: complex) -> Sampled:
+def random_table(n: int, steps: int, length: complex) -> ReducedSystem:
     P, Q, R = (random_complex(n, n) for _ in range(3))
     return between((P, Q, R), 0.0, length, steps)
 
 
-def carry(table: Sampled, sigma: complex, Y: np.ndarray, kernel=compound.transport_minors):
+def propagate(table: ReducedSystem, sigma: complex, Y: np.ndarray, kernel=compound.transport_minors):
     """y, dy, log_scale, errors from the frame Y, whose σ-derivative is 0."""
     lists = induced(*Y.shape)
     y, errors = minors(Y, lists.subsets), np.empty(len(table.P))
@@ -142,7 +143,7 @@ def test_row_sizes_are_those_of_an_orthonormal_frame(sizes: tuple[int, int, int]
 def test_transport_is_the_exponential_in_any_direction_and_its_slope_exact() -> None:
     A, dA, Y, W = random_complex(6, 6), random_complex(6, 6), random_complex(6, 3), random_complex(3, 6)
     sigma, length = 0.3 - 0.2j, 0.4 + 0.3j
-    y, dy, log_scale, errors = carry(constant(A, dA, length, 60), sigma, Y)
+    y, dy, log_scale, errors = propagate(constant(A, dA, length, 60), sigma, Y)
     w = minors(W.T, induced(6, 3).subsets)
 
     def exact(s: complex) -> complex:
@@ -159,14 +160,14 @@ def test_observed_order_is_8() -> None:
     exact, w = np.linalg.det(W @ scipy.linalg.expm(A) @ Y), minors(W.T, induced(4, 2).subsets)
     errors = []
     for steps in (4, 8):
-        y, _, log_scale, _ = carry(constant(A, 0 * A, 1.0, steps), 0j, Y)
+        y, _, log_scale, _ = propagate(constant(A, 0 * A, 1.0, steps), 0j, Y)
         errors.append(abs(w @ y * np.exp(log_scale) / exact - 1))
     assert np.log2(errors[0] / errors[1]) == pytest.approx(8.0, abs=1.2)
 
 
 def test_plucker_relations_are_kept() -> None:
     """y12 y34 − y13 y24 + y14 y23 = 0 for n = 4, k = 2, along a system that varies."""
-    y, _, _, errors = carry(random_table(4, 80, 2.0), 0.3j, random_complex(4, 2))
+    y, _, _, errors = propagate(random_table(4, 80, 2.0), 0.3j, random_complex(4, 2))
     assert errors.max() < 1e-8
     assert abs(y[0] * y[5] - y[1] * y[4] + y[2] * y[3]) < 1e-10
 
@@ -186,8 +187,8 @@ def test_D_does_not_depend_on_the_place_of_matching(n: int, k: int) -> None:
     traces = [np.trace(M) for M in system]
     values = []
     for z in (0.0, 0.4, 1.1, wall):
-        y, _, down, _ = carry(between(system, 0.0, z, round(80 * z)), sigma, Y)
-        u, _, up, _ = carry(between(system, wall, z, round(80 * (wall - z))), sigma, U)
+        y, _, down, _ = propagate(between(system, 0.0, z, round(80 * z)), sigma, Y)
+        u, _, up, _ = propagate(between(system, wall, z, round(80 * (wall - z))), sigma, U)
         growth = (
             traces[0] * (np.sin(wall) - np.sin(z)) - traces[1] * (np.cos(2 * wall) - np.cos(2 * z)) / 2 + sigma * traces[2] * (wall - z)
         )
@@ -197,7 +198,7 @@ def test_D_does_not_depend_on_the_place_of_matching(n: int, k: int) -> None:
 
 def test_strong_growth_does_not_overflow() -> None:
     A = np.diag([300.0, 200.0, -100.0, -400.0]).astype(complex)
-    y, _, log_scale, _ = carry(constant(A, 0 * A, 10.0, 4000), 0j, random_complex(4, 2))
+    y, _, log_scale, _ = propagate(constant(A, 0 * A, 10.0, 4000), 0j, random_complex(4, 2))
     assert 1.0 <= np.abs(y).max() < 2.0
     assert log_scale == pytest.approx(5000.0, rel=1e-2)
 
@@ -208,11 +209,11 @@ def test_on_a_fixed_mesh_D_is_analytic_however_coarse() -> None:
     w, s, eps = minors(W.T, induced(5, 3).subsets), 0.1 + 0.2j, 1e-4
 
     def log_D(sigma: complex) -> complex:
-        y, _, log_scale, _ = carry(table, sigma, Y)
+        y, _, log_scale, _ = propagate(table, sigma, Y)
         return complex(np.log(w @ y) + log_scale)
 
     along = [(log_D(s + d) - log_D(s - d)) / (2 * d) for d in (eps, 1j * eps)]
-    y, dy, _, _ = carry(table, s, Y)
+    y, dy, _, _ = propagate(table, s, Y)
     assert along[1] == pytest.approx(along[0], rel=1e-6)
     assert (w @ dy) / (w @ y) == pytest.approx(along[0], rel=1e-6)
 
@@ -224,22 +225,22 @@ def test_errors_of_graded_rows_are_relative_to_their_grade() -> None:
     scaled = table._replace(
         P=table.P * np.concatenate([(units[row] / units[table.column])[at] for at in (np.arange(16), table.linear, table.quadratic)])
     )
-    plain, graded = carry(table, 0j, Y)[3], carry(scaled, 0j, units[:, None] * Y)[3]
+    plain, graded = propagate(table, 0j, Y)[3], propagate(scaled, 0j, units[:, None] * Y)[3]
     assert (np.abs(np.log10(graded / plain)) < 1.5).all()
 
 
 def test_a_nan_is_an_error_not_a_zero() -> None:
     A = random_complex(3, 3)
     table = spoilt(constant(A, 0 * A, 1.0, 3))
-    errors = carry(table, 0j, random_complex(3, 2))[3]
+    errors = propagate(table, 0j, random_complex(3, 2))[3]
     assert np.isfinite(errors[0])
     assert np.isnan(errors[1])
 
 
 def test_compiled_equals_uncompiled(monkeypatch: pytest.MonkeyPatch) -> None:
     table, Y = random_table(4, 2, 0.5), random_complex(4, 2)
-    compiled = carry(table, 0.3j, Y)
+    compiled = propagate(table, 0.3j, Y)
     for name in ("halve", "local_error", "apply", "row_sizes"):
         monkeypatch.setattr(compound, name, getattr(compound, name).py_func)
-    for a, b in zip(compiled, carry(table, 0.3j, Y, compound.transport_minors.py_func), strict=True):
+    for a, b in zip(compiled, propagate(table, 0.3j, Y, compound.transport_minors.py_func), strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-6, atol=1e-13)

@@ -12,10 +12,10 @@ import sympy as sp
 from linearization import EP, NU, NU_MAX, evaluator, table
 from numba import njit
 
-from shootstab.problems.chute import constitutive as law
-from shootstab.problems.chute.parameters import Chute
-from shootstab.vocabulary.errors import InputError, ShootstabError
-from shootstab.vocabulary.series import Series
+from shootstab.core.errors import InputError, ShootstabError
+from shootstab.core.series import Series
+from shootstab.models.chute import constitutive as law
+from shootstab.models.chute.parameters import Chute
 
 RADIAL = list(law.RADIAL_DISTRIBUTIONS)
 NAMES = ("g0", "g1", "g2", "g3", "g4", "g5", "g6", "A")

@@ -5,20 +5,20 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from shootstab.core.errors import InputError
+from shootstab.core.regions import Disc, Rectangle
 from shootstab.discriminants.frame import Frame
-from shootstab.discriminants.mesh import halved, redistribute, split
+from shootstab.discriminants.mesh import halved, redistribute, subdivide
+from shootstab.discriminants.sampled_system import reduce_pencil, sample_system
 from shootstab.discriminants.shooting import Shooting
-from shootstab.discriminants.table import reduce_pencil, tabulate
 from shootstab.kernels import elimination
-from shootstab.problems import chute
-from shootstab.problems.chute import ChuteProblem
-from shootstab.problems.chute.far_field import decay_matrix
-from shootstab.problems.gallery.poiseuille import PlanePoiseuille
+from shootstab.models import chute
+from shootstab.models.chute import ChuteProblem
+from shootstab.models.chute.far_field import decay_matrix
+from shootstab.models.gallery.poiseuille import PlanePoiseuille
 from shootstab.problems.protocol import Pencil
 from shootstab.roots.iterations import newton
 from shootstab.roots.winding import wind
-from shootstab.vocabulary.errors import InputError
-from shootstab.vocabulary.regions import Disc, Rectangle
 
 RNG = np.random.default_rng(11)
 GUESS = {"high": 0.00397, "mid": 0.00102, "low": 0.00727 - 0.0119j, "fig2": 0.0017 - 0.0016j}
@@ -83,7 +83,7 @@ def test_meshes_keep_their_ends_and_corners() -> None:
     nodes = np.array([3.0, 2.0, 1.0 + 1j, 0.5j, 0.0])
     for new in (
         redistribute(nodes, np.array([1e-3, 1e-20, 1e-5, 1e-9]), 1e-10),
-        split(nodes, np.array([1e-3, 0, np.nan, 0]), 1e-10),
+        subdivide(nodes, np.array([1e-3, 0, np.nan, 0]), 1e-10),
         halved(nodes),
     ):
         assert new[0] == 3.0
@@ -117,14 +117,14 @@ def test_far_frame_is_carried_by_the_system(scenes: dict[str, ChuteProblem]) -> 
     for nu in (1e-5, 1e-7, 1e-9):
         shooting = Shooting(problem, Frame(rtol=1e-12))
         height = problem.flow.height(nu)
-        shooting._table = tabulate(problem, problem.mesh(height).astype(complex))
+        shooting._sampled_system = sample_system(problem, problem.mesh(height).astype(complex))
         for turn in range(6):
             errors = shooting._shoot(sigma, False)[1]
             shooting._regrid(errors, everywhere=turn < 3)
-        values.append(shooting.with_slope(sigma))
+        values.append(shooting.with_derivative(sigma))
     for v in values[1:]:
         assert v.D.over(values[0].D) == pytest.approx(1.0, abs=2e-10)
-        assert v.slope == pytest.approx(values[0].slope, rel=2e-10)
+        assert v.logarithmic_derivative == pytest.approx(values[0].logarithmic_derivative, rel=2e-10)
 
 
 @pytest.mark.parametrize("real", [False, True])
@@ -167,7 +167,7 @@ def test_sigma_does_not_move_with_the_far_field_start(scenes: dict[str, ChutePro
     sigma = newton(shooting, GUESS[name], 1e-14).sigma
     higher = Shooting(problem, Frame(rtol=1e-13))
     nu = float(np.exp(problem.flow.at(shooting._mesh[0].real)[0].real)) / 100
-    higher._table = tabulate(problem, problem.mesh(problem.flow.height(nu)).astype(complex))
+    higher._sampled_system = sample_system(problem, problem.mesh(problem.flow.height(nu)).astype(complex))
     for turn in range(6):
         higher._regrid(higher._shoot(sigma, False)[1], everywhere=turn < 3)
     assert newton(higher, sigma, 1e-14).sigma == pytest.approx(sigma, rel=1e-11)
@@ -177,7 +177,7 @@ def test_sigma_does_not_move_with_the_far_field_start(scenes: dict[str, ChutePro
 def test_D_is_analytic_and_its_derivative_exact(scenes: dict[str, ChuteProblem], name: str) -> None:
     """Cauchy–Riemann by differences along both axes, against dD/dσ."""
     shooting, sigma = Frame(rtol=1e-10).on(scenes[name]), GUESS[name] * (1.2 + 0.1j)
-    value, eps = shooting.with_slope(sigma), 1e-4 * abs(sigma)
+    value, eps = shooting.with_derivative(sigma), 1e-4 * abs(sigma)
     for direction in (eps, 1j * eps):
         ahead, behind = shooting(sigma + direction), shooting(sigma - direction)
         derivative = (ahead.at_scale(value.D.log_scale) - behind.at_scale(value.D.log_scale)) / (2 * direction)

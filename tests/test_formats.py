@@ -13,10 +13,10 @@ import pytest
 import scipy.io
 
 import shootstab as st
-from shootstab.faces import readers
-from shootstab.faces.conventions import Convention
+from shootstab.core.errors import InputError
+from shootstab.io import readers
+from shootstab.io.conventions import Convention
 from shootstab.problems.rescaled import Rescaled
-from shootstab.vocabulary.errors import InputError
 
 h5py = pytest.importorskip("h5py")
 
@@ -261,7 +261,7 @@ def test_a_problem_in_another_eigenvalue_gives_the_same_verdicts() -> None:
     report = st.verify(seen, [-0.5 / unit, 2.25001 / unit, 1 / unit], region=st.Rectangle(-1 - 6j, 1 - 0.1j))
     assert [v.verdict for v in report.verdicts] == ["continuum", "inaccurate", "spurious"]
     assert [round((complex(m.sigma) * unit).real, 9) for m in report.missing] == [0.25]
-    crude = Rescaled(st.gallery.blasius(), 2.0).cruder(1e3)
+    crude = Rescaled(st.gallery.blasius(), 2.0).with_base_flow_error(1e3)
     assert isinstance(crude, Rescaled)
 
 
@@ -291,7 +291,7 @@ def test_conjugate_waves_answer_in_their_own_numbers() -> None:
     ],
 )
 def test_the_command_line_refuses_in_one_line(words: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    from shootstab.faces.cli import main
+    from shootstab.cli.main import main
 
     path = stored(tmp_path, b"0.2375,0.0037\n", "c.csv")
     assert main([str(path) if word == "FILE" else word for word in words]) == 2
@@ -304,7 +304,7 @@ def test_the_command_line_answers_in_the_convention_of_the_question(capsys: pyte
     """Length in whole channels and velocity in the mean one (2/3): c = 0.2375…/(2/3); a minus sign may stand alone."""
     import json
 
-    from shootstab.faces.cli import main
+    from shootstab.cli.main import main
 
     words = ["refine", "poiseuille", "--as", "phase-speed", "--alpha", "2", "--length", "2", "--velocity", "0.6666666666666666"]
     assert main([*words, "--sign", "-", "--guess", "0.3563,0.0056", "--json", "-"]) == 0

@@ -9,9 +9,12 @@ import pytest
 import scipy.linalg
 from sampled import constant, spoilt
 
-from shootstab.discriminants.table import sample
-from shootstab.kernels import regular_singular, system, tableau, transport
-from shootstab.kernels.system import Sampled
+from shootstab.discriminants.sampled_system import sample
+from shootstab.kernels import frame_transport as transport
+from shootstab.kernels import frobenius as regular_singular
+from shootstab.kernels import reduced_system as system
+from shootstab.kernels import tableau
+from shootstab.kernels.reduced_system import ReducedSystem
 
 RNG = np.random.default_rng(5)
 
@@ -46,7 +49,7 @@ def test_error_weights_vanish_on_constants_and_see_more() -> None:
         assert abs(weights @ tableau.C**8) > 1e-6
 
 
-def run(sampled: Sampled, sigma: complex, Y: np.ndarray, dY: np.ndarray | None = None, kernel=transport.transport):
+def run(sampled: ReducedSystem, sigma: complex, Y: np.ndarray, dY: np.ndarray | None = None, kernel=transport.transport):
     Y, slope = Y.copy(), np.zeros_like(Y) if dY is None else dY.copy()
     errors = np.empty(len(sampled.P))
     log_det, trace = kernel(sampled, sigma, Y, slope, True, errors)
@@ -102,7 +105,7 @@ def test_a_scheme_on_a_fixed_mesh_is_analytic_however_coarse() -> None:
     assert det_and_slope(W, run(table, s, Y))[1] == pytest.approx(along_real, rel=1e-6)
 
 
-def random_system(n: int, m: int, degree: int, steps: int, real: bool = False) -> tuple[Sampled, Callable[[complex], np.ndarray]]:
+def random_system(n: int, m: int, degree: int, steps: int, real: bool = False) -> tuple[ReducedSystem, Callable[[complex], np.ndarray]]:
     """A system constant along the path, with zeros in it, and its A as a dense function of σ."""
     make = RNG.standard_normal if real else lambda shape: random_complex(*shape)
     X, V, G, T = make((2, n, n)), make((n, m)), make((2, m, m)), make((3, m, n))

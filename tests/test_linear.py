@@ -10,10 +10,10 @@ import pytest
 import scipy.linalg
 
 import shootstab as st
+from shootstab.core.errors import InputError, Undecidable
 from shootstab.discriminants.frame import Frame
-from shootstab.problems.linear.section import Section
-from shootstab.problems.linear.split import Limit
-from shootstab.vocabulary.errors import InputError, Undecidable
+from shootstab.problems.kato_frame import KatoFrame
+from shootstab.problems.splitting import AsymptoticPencil
 
 ORSZAG = -1j * (0.23752648882047010745 + 0.0037396706229794099322j)
 CLAMPED = np.eye(2, 4)
@@ -244,35 +244,35 @@ def test_with_a_fold_the_continuum_is_a_barrier() -> None:
 # the decaying space
 
 
-def random_limit(n: int, direction: int = 1, seed: int = 3) -> Limit:
+def random_limit(n: int, direction: int = 1, seed: int = 3) -> AsymptoticPencil:
     rng = np.random.default_rng(seed)
     C0, C1, D0, D1 = (rng.normal(size=(4, n, n)) + 1j * rng.normal(size=(4, n, n))) * np.array([1, 0.05, 1, 0.3])[:, None, None]
-    return Limit(C0 + 3 * np.eye(n), C1, D0, D1, direction)
+    return AsymptoticPencil(C0 + 3 * np.eye(n), C1, D0, D1, direction)
 
 
 @pytest.mark.parametrize(("n", "k"), [(2, 1), (4, 2), (5, 2), (8, 4)])
 def test_projector_and_its_derivative(n: int, k: int) -> None:
     limit, sigma, h = random_limit(n), 0.3 + 0.2j, 1e-6
-    split = limit.split(sigma, k)
+    split = limit.splitting(sigma, k)
     P = split.X @ split.left
     np.testing.assert_allclose(P @ P, P, atol=1e-11)
     np.testing.assert_allclose(split.A @ P, P @ split.A, atol=1e-10)
     np.testing.assert_allclose(sorted(np.linalg.eigvals(split.left @ split.A @ split.X).real), limit.rates(sigma)[:k].real, atol=1e-10)
     R = np.random.default_rng(1).normal(size=(n, k)).astype(complex)
     exact = split.projected(R)[1]
-    difference = (limit.split(sigma + h, k).projected(R)[0] - limit.split(sigma - h, k).projected(R)[0]) / (2 * h)
+    difference = (limit.splitting(sigma + h, k).projected(R)[0] - limit.splitting(sigma - h, k).projected(R)[0]) / (2 * h)
     np.testing.assert_allclose(exact, difference, rtol=1e-4, atol=1e-5 * np.abs(exact).max())
 
 
 @pytest.mark.parametrize(("n", "k"), [(2, 1), (4, 2), (8, 4)])
 def test_section_is_analytic_and_never_degenerate(n: int, k: int) -> None:
     """Cauchy: minors of the frame have no negative powers; Kato: ℓX′ = 0 in the determinant, so that it does not vanish."""
-    section = Section(random_limit(n), k, 0.1)
+    kato_frame = KatoFrame(random_limit(n), k, 0.1)
     centre, radius, N = 0.25 + 0.1j, 0.1, 64
     sigmas = centre + radius * np.exp(2j * np.pi * np.arange(N) / N)
     frames, slopes, logs = [], [], []
     for sigma in sigmas:
-        frame, tangent, log_scale, split = section.frame(sigma)
+        frame, tangent, log_scale, split = kato_frame.frame(sigma)
         frames.append(frame), slopes.append(tangent), logs.append(log_scale)
         assert abs(np.trace(np.linalg.solve(split.left @ frame, split.left @ tangent))) < 1e-9
     rows = np.random.default_rng(5).normal(size=(k, n))
@@ -288,7 +288,7 @@ def test_section_is_analytic_and_never_degenerate(n: int, k: int) -> None:
 
 def test_the_section_does_not_depend_on_the_cells_it_came_through() -> None:
     limit = random_limit(4)
-    direct, wandering = Section(limit, 2, 0.1), Section(limit, 2, 0.1)
+    direct, wandering = KatoFrame(limit, 2, 0.1), KatoFrame(limit, 2, 0.1)
     for sigma in np.linspace(0.5 + 0.5j, 0.1, 9):
         wandering.frame(complex(sigma))
     a, b = direct.frame(0.31 + 0.27j), wandering.frame(0.31 + 0.27j)

@@ -10,15 +10,16 @@ import numpy as np
 import pytest
 
 import shootstab as st
-from shootstab.discriminants.atlas import Atlas
-from shootstab.discriminants.protocol import Discriminant, Examinable, Value
-from shootstab.faces import cli
-from shootstab.problems.chute import ChuteProblem
-from shootstab.problems.gallery.poiseuille import PlanePoiseuille
+from shootstab.analyses.refine_double import TIGHTEST, tightened
+from shootstab.cli import main as cli
+from shootstab.core.discriminant import Discriminant, Value
+from shootstab.core.scaled import Scaled
+from shootstab.discriminants.continuation import Continuation
+from shootstab.discriminants.method import MeshedDiscriminant
+from shootstab.models.chute import ChuteProblem
+from shootstab.models.gallery.poiseuille import PlanePoiseuille
 from shootstab.problems.protocol import Problem
-from shootstab.questions.refine import TIGHTEST, tightened
 from shootstab.roots.winding import wind
-from shootstab.vocabulary.scaled import Scaled
 
 GRAINS = {"e": 0.8, "e_w": 0.8, "r": 0.6, "tan_theta": 0.3}
 METHODS = (st.Frame(), st.Compound(), st.Riccati())
@@ -57,10 +58,10 @@ def test_the_methods_have_one_D(problems: dict[str, Problem], name: str) -> None
     rng = np.random.default_rng(29)
     # next to a zero only differences against D's values around it mean something: stay away from it
     for sigma in GUESS[name] * (1 + (0.2 + 0.3 * rng.random(4)) * np.exp(2j * np.pi * rng.random(4))):
-        reference, *others = (d.with_slope(sigma) for d in discriminants)
+        reference, *others = (d.with_derivative(sigma) for d in discriminants)
         for other in others:
             assert other.D.over(reference.D) == pytest.approx(1.0, abs=3e-8)
-            assert other.slope == pytest.approx(reference.slope, rel=1e-7)
+            assert other.logarithmic_derivative == pytest.approx(reference.logarithmic_derivative, rel=1e-7)
 
 
 @pytest.mark.parametrize("distance", [1e-2, 1e-8, 0.0])
@@ -68,12 +69,12 @@ def test_the_methods_have_one_D_along_a_bent_path_too(scenes: dict[str, ChutePro
     """Next to the continuous spectrum, and on it, where the real axis leads nowhere."""
     problem = scenes["fig2"]
     sigma = complex(problem.continuum_at(np.array([15.0 + 0j]))[0]) * (1 + distance)
-    charts = [Atlas(problem, method).at(sigma) for method in METHODS]
-    reference, *others = (chart.discriminant.with_slope(sigma) for chart in charts)
+    charts = [Continuation(problem, method).at(sigma) for method in METHODS]
+    reference, *others = (chart.discriminant.with_derivative(sigma) for chart in charts)
     for chart, other in zip(charts[1:], others, strict=True):
         assert chart.path != "real"
         assert other.D.over(reference.D) == pytest.approx(1.0, abs=1e-9)
-        assert other.slope == pytest.approx(reference.slope, rel=1e-9)
+        assert other.logarithmic_derivative == pytest.approx(reference.logarithmic_derivative, rel=1e-9)
 
 
 @pytest.mark.parametrize("name", list(GUESS))
@@ -101,13 +102,13 @@ class Ratio:
     evaluations: int = 0
 
     def __call__(self, sigma: complex) -> Scaled:
-        return self.with_slope(sigma).D
+        return self.with_derivative(sigma).D
 
-    def with_slope(self, sigma: complex) -> Value:
+    def with_derivative(self, sigma: complex) -> Value:
         self.evaluations += 1
-        a, b = self.upper.with_slope(sigma), self.lower.with_slope(sigma)
+        a, b = self.upper.with_derivative(sigma), self.lower.with_derivative(sigma)
         ratio = a.D.mantissa / b.D.mantissa
-        return Value(sigma, Scaled(ratio, a.D.log_scale - b.D.log_scale), (a.slope - b.slope) * ratio)
+        return Value(sigma, Scaled(ratio, a.D.log_scale - b.D.log_scale), (a.logarithmic_derivative - b.logarithmic_derivative) * ratio)
 
 
 @pytest.mark.parametrize(("one", "other"), [(0, 1), (0, 2), (1, 2)])
@@ -128,7 +129,7 @@ def test_the_ratio_of_two_has_neither_zeros_nor_poles(problems: dict[str, Proble
 def test_D_is_analytic_and_its_derivative_exact(problems: dict[str, Problem], name: str, method: st.Compound | st.Riccati) -> None:
     """Cauchy–Riemann by differences along both axes, against dD/dσ."""
     shooting, sigma = method.on(problems[name]), GUESS[name] * (1.2 + 0.1j)
-    value, eps = shooting.with_slope(sigma), 1e-4 * abs(sigma)
+    value, eps = shooting.with_derivative(sigma), 1e-4 * abs(sigma)
     for direction in (eps, 1j * eps):
         ahead, behind = shooting(sigma + direction), shooting(sigma - direction)
         derivative = (ahead.at_scale(value.D.log_scale) - behind.at_scale(value.D.log_scale)) / (2 * direction)
@@ -139,10 +140,10 @@ def test_D_is_analytic_and_its_derivative_exact(problems: dict[str, Problem], na
 def test_another_basis_rounds_otherwise_and_is_the_same(problems: dict[str, Problem], method: st.Compound | st.Riccati) -> None:
     """The samples of rounding: small, and no two alike where the first frame does not consist of zeros and ones."""
     for name in ("high", "poiseuille"):
-        shooting: Examinable = method.on(problems[name])
+        shooting: MeshedDiscriminant = method.on(problems[name])
         sigma = GUESS[name] * 1.1
         value = shooting(sigma)
-        ratios = [shooting.turned(seed)(sigma).over(value) - 1 for seed in (1, 2, 3)]
+        ratios = [shooting.with_rotated_basis(seed)(sigma).over(value) - 1 for seed in (1, 2, 3)]
         assert all(abs(r) < 1e-10 for r in ratios)
         assert name == "poiseuille" or len({*ratios, 0.0}) == 4
 

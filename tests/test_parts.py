@@ -7,33 +7,33 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from shootstab.core.errors import InputError
 from shootstab.discriminants.compound import Compound
 from shootstab.discriminants.frame import Frame
-from shootstab.discriminants.parts import parts_of
 from shootstab.discriminants.product import Product
 from shootstab.discriminants.riccati import Charted, Riccati
 from shootstab.discriminants.shooting import Shooting
-from shootstab.problems.chute import ChuteProblem
+from shootstab.discriminants.subsystems import decouple
+from shootstab.models.chute import ChuteProblem
 from shootstab.problems.protocol import FarFrame, Pencil
-from shootstab.vocabulary.errors import InputError
 
 SIGMA = {"high": 0.0046, "mid": 0.0013 + 0.0002j, "low": 0.008 - 0.0112j, "fig2": 0.0015 - 0.0019j}
 
 
 def test_the_chute_falls_apart_without_spanwise_wave_and_is_real_without_downslope_wave(scenes: dict[str, ChuteProblem]) -> None:
     for name in ("low", "fig2"):
-        parts = parts_of(scenes[name])
+        parts = decouple(scenes[name])
         assert parts is not None
         assert [(part.size, part.decaying) for part in parts.members] == [(6, 3), (2, 1)]
     for name in ("high", "mid"):
-        parts = parts_of(scenes[name])
+        parts = decouple(scenes[name])
         assert parts is not None
         (part,) = parts.members
         assert np.flatnonzero(part.phases[0]).tolist() == [2, 6]
         pencil = part.pencil(np.array([10.0, 3.0], complex))
         assert not any(M.imag.any() for M in (pencil.C0, pencil.C1, pencil.D0, pencil.D1))
     oblique = ChuteProblem(scenes["high"].flow, 0.003, 0.005)
-    assert parts_of(oblique) is None
+    assert decouple(oblique) is None
 
 
 @pytest.mark.parametrize("name", list(SIGMA))
@@ -44,19 +44,19 @@ def test_D_of_the_parts_is_D_of_the_whole(scenes: dict[str, ChuteProblem], name:
     product = method.on(problem)
     assert isinstance(product, Product)
     for s in (sigma, sigma * (1 + 0.3j)):
-        a, b = product.with_slope(s), whole.with_slope(s)
+        a, b = product.with_derivative(s), whole.with_derivative(s)
         assert a.D.over(b.D) == pytest.approx(1.0, abs=1e-7)
-        assert a.slope == pytest.approx(b.slope, rel=1e-7)
+        assert a.logarithmic_derivative == pytest.approx(b.logarithmic_derivative, rel=1e-7)
         assert product(s).over(a.D) == pytest.approx(1.0, abs=1e-9)
 
 
 def test_real_sigma_is_carried_in_real_numbers(scenes: dict[str, ChuteProblem]) -> None:
     """k_x = 0: D is exactly real, and it is the limit of D from off the real axis."""
     shooting = Frame(rtol=1e-10).on(scenes["high"])
-    real, beside = shooting.with_slope(0.0046), shooting.with_slope(0.0046 + 1e-12j)
+    real, beside = shooting.with_derivative(0.0046), shooting.with_derivative(0.0046 + 1e-12j)
     assert real.D.mantissa.imag == real.dD.imag == 0.0
     assert beside.D.over(real.D) == pytest.approx(1.0, abs=1e-8)
-    assert beside.slope == pytest.approx(real.slope, rel=1e-8)
+    assert beside.logarithmic_derivative == pytest.approx(real.logarithmic_derivative, rel=1e-8)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +93,7 @@ class Chains:
         W0 = np.eye(4, dtype=complex)[[0, 2]][:, list(self.order)]
         return W0, np.zeros_like(W0)
 
-    def cruder(self, factor: float) -> Chains:
+    def with_base_flow_error(self, factor: float) -> Chains:
         return self
 
     def heights(self, points: int) -> None:
@@ -106,14 +106,14 @@ class Chains:
 def test_parts_of_a_shuffled_problem_keep_the_sign_of_D() -> None:
     problem = Chains()
     product, whole = Frame(rtol=1e-11).on(problem), Shooting(problem, Frame(rtol=1e-11))
-    parts = parts_of(problem)
+    parts = decouple(problem)
     assert parts is not None
     assert len(parts.members) == 2
     for sigma in (3.0, 2.0 + 1j):
         assert product(sigma).over(whole(sigma)) == pytest.approx(1.0, abs=1e-9)
     # y″ = −σ c y, y(0) = 0: zeros where √(σc) is a multiple of π
     for zero in (9 * np.pi**2 / 4, np.pi**2 / 4):
-        assert abs(product.with_slope(zero * (1 + 1e-6)).newton_step + 1e-6 * zero) < 1e-9 * zero
+        assert abs(product.with_derivative(zero * (1 + 1e-6)).newton_step + 1e-6 * zero) < 1e-9 * zero
 
 
 def test_a_coupling_that_the_samples_missed_is_refused() -> None:
@@ -127,7 +127,7 @@ def test_a_discriminant_moves_to_a_neighbouring_problem_with_its_mesh(scenes: di
     here(0.004)
     for kx, ky in ((0.0, 0.0103), (1e-4, 0.0103)):
         there = ChuteProblem(flow, kx, ky)
-        moved, fresh = here.moved_to(there), Frame(rtol=1e-10).on(there)
+        moved, fresh = here.warm_started(there), Frame(rtol=1e-10).on(there)
         assert moved.steps == here.steps > fresh.steps == 0
         for sigma in (0.004, 0.004 - 0.001j, 1e-6 - 1e-3j, 0.3 + 0.2j):
             assert moved(sigma).over(fresh(sigma)) == pytest.approx(1.0, abs=1e-8)
@@ -135,5 +135,5 @@ def test_a_discriminant_moves_to_a_neighbouring_problem_with_its_mesh(scenes: di
     apart = Frame(rtol=1e-10).on(ChuteProblem(flow, 5e-4, 0.0))
     apart(0.002)
     oblique = ChuteProblem(flow, 5e-4, 0.002)
-    assert isinstance(apart.moved_to(oblique), Shooting)
-    assert apart.moved_to(oblique)(0.002).over(Frame(rtol=1e-10).on(oblique)(0.002)) == pytest.approx(1.0, abs=1e-8)
+    assert isinstance(apart.warm_started(oblique), Shooting)
+    assert apart.warm_started(oblique)(0.002).over(Frame(rtol=1e-10).on(oblique)(0.002)) == pytest.approx(1.0, abs=1e-8)

@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from shootstab.discriminants.atlas import Atlas, Undecidable
-from shootstab.discriminants.continuum import continuum_of
+from shootstab.core.regions import Disc
+from shootstab.discriminants.continuation import Continuation, Undecidable
+from shootstab.discriminants.deformed_path import DeformedPath
 from shootstab.discriminants.frame import Frame
-from shootstab.discriminants.paths import Bend
-from shootstab.problems.chute import ChuteProblem
-from shootstab.problems.gallery.poiseuille import PlanePoiseuille
+from shootstab.essential_spectrum.interior import continuum_of
+from shootstab.models.chute import ChuteProblem
+from shootstab.models.gallery.poiseuille import PlanePoiseuille
 from shootstab.roots.winding import wind
-from shootstab.vocabulary.regions import Disc
 
 PLACE = 15.0
 SCALE = 7.3  # T_∞ of the high flow
-BELOW, ABOVE = Bend(PLACE, 5.0, -4.0), Bend(PLACE, 5.0, 4.0)
+BELOW, ABOVE = DeformedPath(PLACE, 5.0, -4.0), DeformedPath(PLACE, 5.0, 4.0)
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +30,7 @@ def sigma_at(problem: ChuteProblem, z: complex) -> complex:
 
 def test_a_bend_keeps_the_ends_of_the_path() -> None:
     for nodes in (np.array([30.0, 20.0, 12.0, 3.0, 0.0]), np.array([-1.0, 0.0, 14.0, 16.0])):
-        bent = BELOW.of(nodes)
+        bent = BELOW.deform(nodes)
         assert bent[0] == nodes[0]
         assert bent[-1] == nodes[-1]
         assert PLACE - 4j in bent
@@ -48,7 +48,7 @@ def test_the_side_of_the_real_axis_gives_D_itself(fig2: ChuteProblem, offset: fl
 
 
 @pytest.mark.parametrize("bend", [BELOW, ABOVE])
-def test_the_continuation_is_analytic_across_the_curve(fig2: ChuteProblem, bend: Bend) -> None:
+def test_the_continuation_is_analytic_across_the_curve(fig2: ChuteProblem, bend: DeformedPath) -> None:
     """Cauchy's formula on a circle that the continuous spectrum crosses: the mean is the value at the centre, on the curve itself."""
     centre = sigma_at(fig2, PLACE)
     radius, continued = 0.1 * abs(centre), Frame(rtol=1e-11).on(fig2, bend)
@@ -75,30 +75,30 @@ def test_singular_points_are_found(fig2: ChuteProblem) -> None:
 
 
 def test_charts(fig2: ChuteProblem) -> None:
-    """Far off one straight path; near, one bent path on the own side; across, two; at an end, none."""
-    atlas = Atlas(fig2, Frame(rtol=1e-9))
-    assert atlas.charts(0.01 + 0.01j, 1e-4)[0].path == "real"
+    """StartingSpace off one straight path; near, one bent path on the own side; across, two; at an end, none."""
+    continuation = Continuation(fig2, Frame(rtol=1e-9))
+    assert continuation.branches(0.01 + 0.01j, 1e-4)[0].path == "real"
     near = sigma_at(fig2, PLACE + 0.5j)
-    (chart,) = atlas.charts(near, 1e-6)
-    assert "below" in chart.path
+    (branch,) = continuation.branches(near, 1e-6)
+    assert "below" in branch.path
     on = sigma_at(fig2, PLACE)
-    assert sorted(c.side for c in atlas.charts(on, 1e-6)) == [-1, 1]
+    assert sorted(c.side for c in continuation.branches(on, 1e-6)) == [-1, 1]
     with pytest.raises(Undecidable, match="end at the wall"):
-        atlas.charts(sigma_at(fig2, 0.0), 1e-6)
+        continuation.branches(sigma_at(fig2, 0.0), 1e-6)
     with pytest.raises(Undecidable, match="end at infinity"):
-        atlas.charts(sigma_at(fig2, fig2.flow.height(1e-14)), 1e-6)
+        continuation.branches(sigma_at(fig2, fig2.flow.height(1e-14)), 1e-6)
 
 
 def test_sides_tell_modes_from_resonances(fig2: ChuteProblem) -> None:
-    atlas = Atlas(fig2, Frame(rtol=1e-9))
-    below = next(c for c in atlas.charts(sigma_at(fig2, PLACE), 1e-6) if c.side == 1)
-    assert atlas.own_side(below, sigma_at(fig2, PLACE + 0.2j))
-    assert not atlas.own_side(below, sigma_at(fig2, PLACE - 0.2j))
+    continuation = Continuation(fig2, Frame(rtol=1e-9))
+    below = next(c for c in continuation.branches(sigma_at(fig2, PLACE), 1e-6) if c.side == 1)
+    assert continuation.own_side(below, sigma_at(fig2, PLACE + 0.2j))
+    assert not continuation.own_side(below, sigma_at(fig2, PLACE - 0.2j))
     with pytest.raises(Undecidable, match="on the continuous spectrum"):
-        atlas.own_side(below, sigma_at(fig2, PLACE))
+        continuation.own_side(below, sigma_at(fig2, PLACE))
 
 
 def test_a_problem_without_continuous_spectrum_has_one_chart_everywhere() -> None:
-    atlas = Atlas(PlanePoiseuille(), Frame(rtol=1e-9))
-    assert len(atlas.charts(0.1j, 0.05)) == 1
-    assert atlas.distance(0.1j) == np.inf
+    continuation = Continuation(PlanePoiseuille(), Frame(rtol=1e-9))
+    assert len(continuation.branches(0.1j, 0.05)) == 1
+    assert continuation.distance(0.1j) == np.inf

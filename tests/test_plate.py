@@ -9,11 +9,11 @@ import pytest
 import sympy as sp
 
 import shootstab as st
-from shootstab.problems.gallery.plate import MACK, STOKES, malik_3, malik_6, plate_temporal, stagnation
-from shootstab.problems.gallery.plate_flow import Gas, plate_flow
-from shootstab.problems.gallery.plate_system import background, system
-from shootstab.problems.linear.quadratic import affine
-from shootstab.vocabulary.errors import InputError
+from shootstab.core.errors import InputError
+from shootstab.models.gallery.plate import MACK, STOKES, malik_3, malik_6, plate_temporal, stagnation
+from shootstab.models.gallery.plate_flow import Gas, plate_flow
+from shootstab.models.gallery.plate_system import background, system
+from shootstab.problems.quadratic import affine
 
 GAS = Gas(2.5, 148.0)
 NAMES = ("u", "v", "w", "p", "theta")

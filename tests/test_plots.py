@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from shootstab.faces import plots
-from shootstab.faces.scenes import Scene, load
-from shootstab.vocabulary.errors import InputError
-from shootstab.vocabulary.records import (
+from shootstab.cli import plots
+from shootstab.core.errors import InputError
+from shootstab.core.records import (
     CONFIRMED,
     CONTINUUM,
     CONVERGED,
@@ -24,6 +23,7 @@ from shootstab.vocabulary.records import (
     Report,
     Verdict,
 )
+from shootstab.io.scenes import Scene, load
 
 BUDGET = Budget(1e-13, 1e-14, 1e-14, 1e-15, 1e-16)
 TIP = -0.00446j  # where the continuous spectrum of fig2 ends

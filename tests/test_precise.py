@@ -14,20 +14,21 @@ from mpmath import mpc, mpf
 from scipy.optimize import minimize_scalar
 
 import shootstab as st
-from shootstab.discriminants.precise.arithmetic import Arithmetic, choose, exact
-from shootstab.discriminants.precise.chute import PreciseChute
-from shootstab.discriminants.precise.linear import carried, parts
-from shootstab.discriminants.precise.regular_singular import decaying_series
-from shootstab.discriminants.precise.secant import Secant
-from shootstab.discriminants.precise.settings import Settings
-from shootstab.discriminants.precise.shooting import PreciseShooting
-from shootstab.discriminants.precise.steady import descend
-from shootstab.discriminants.precise.taylor import Taylor
-from shootstab.faces import cli
-from shootstab.faces.notation import held_complex
-from shootstab.problems.chute import ChuteProblem
-from shootstab.problems.gallery.poiseuille import PlanePoiseuille
-from shootstab.questions.precise import _off, refine_digits
+from shootstab.analyses.refine_digits import _off, refine_digits
+from shootstab.cli import main as cli
+from shootstab.io.notation import held_complex
+from shootstab.models.chute import ChuteProblem
+from shootstab.models.chute.multiprecision_flow import descend
+from shootstab.models.chute.multiprecision_problem import ChuteDigits
+from shootstab.models.gallery.poiseuille import PlanePoiseuille
+from shootstab.multiprecision.arithmetic import Arithmetic, exact
+from shootstab.multiprecision.backends import choose
+from shootstab.multiprecision.linear_step import carried, subsystems
+from shootstab.multiprecision.regular_singular_end import decaying_series
+from shootstab.multiprecision.secant import Secant
+from shootstab.multiprecision.settings import Settings
+from shootstab.multiprecision.taylor import Taylor
+from shootstab.multiprecision.taylor_shooting import TaylorShooting
 
 # published.md: plane Poiseuille flow, Re = 10000, α = 1
 POISEUILLE = "0.23752648882047010745", "0.0037396706229794099322"
@@ -79,7 +80,7 @@ def test_a_step_reproduces_a_polynomial_solution(ring: Arithmetic) -> None:
         one, zero = ring.number(1), ring.number(0)
         beside = {(2, 2): series(ring, (4, 1))}, {(2, 2): series(ring, (2,))}
         Y = [[one, zero, zero], [zero, one, zero], [zero, zero, one]]
-        found = parts(3, {**entries(C), **beside[0]}, {**entries(D), **beside[1]})
+        found = subsystems(3, {**entries(C), **beside[0]}, {**entries(D), **beside[1]})
         assert sorted(found) == [([0, 1], [0, 1]), ([2], [2])]
         end, last = carried(ring, 3, {**entries(C), **beside[0]}, {**entries(D), **beside[1]}, Y, TERMS)
         expected = [[mpf(3) / 2, mpf(1) / 2], [mpc(0, 0.5), mpf(1)]]
@@ -147,11 +148,11 @@ def test_parameters_mean_the_decimals_that_were_typed() -> None:
 def test_the_steady_flow_carries_the_exact_mass_flux(scenes: dict[str, ChuteProblem]) -> None:
     """With another order, step and far field than those it was found with; and it is the flow that doubles know."""
     flow, ring = scenes["mid"].flow, choose()
-    formulation, settings = PreciseChute(scenes["mid"]), Settings.of(25)
+    problem_in_digits, settings = ChuteDigits(scenes["mid"]), Settings.of(25)
     better = settings.finer().farther()
     with ring.working(better.digits), mpmath.workdps(better.digits):
-        T, u = formulation.base(ring, settings, nothing)
-        base = descend(ring, formulation.chute(ring), ring.number(T), better, flow.height, nothing)
+        T, u = problem_in_digits.base(ring, settings, nothing)
+        base = descend(ring, problem_in_digits.chute(ring), ring.number(T), better, flow.height, nothing)
         assert abs(ring.to_mpmath(base.mass_flux) - 3) < mpf(10) ** -23
         assert abs(ring.to_mpmath(base.far_velocity) / u - 1) < mpf(10) ** -23
         nu, temperature = (float(ring.to_mpmath(x)) for x in base.state[:2])
@@ -164,10 +165,10 @@ def test_the_two_arithmetics_form_the_same_discriminant(scenes: dict[str, ChuteP
     settings = Settings.of(14)
     values = []
     for name in ("flint", "mpmath"):
-        ring, formulation = choose(name), PreciseChute(scenes["high"])
+        ring, problem_in_digits = choose(name), ChuteDigits(scenes["high"])
         with ring.working(settings.digits), mpmath.workdps(settings.digits):
-            course = formulation.course(ring, settings, formulation.base(ring, settings, nothing))
-            D = PreciseShooting(ring, formulation.size, settings, course, nothing)
+            course = problem_in_digits.integration(ring, settings, problem_in_digits.base(ring, settings, nothing))
+            D = TaylorShooting(ring, problem_in_digits.size, settings, course, nothing)
             values.append([ring.to_mpmath(D(ring.number(Fraction(k, 1000)))) for k in (3, 5)])
     for one, other in zip(*values, strict=True):
         assert abs(one / other - 1) < 1e-13
@@ -351,14 +352,16 @@ def test_without_python_flint_mpmath_does_it(monkeypatch: pytest.MonkeyPatch) ->
 
 def test_a_problem_without_formulas_is_refused(scenes: dict[str, ChuteProblem]) -> None:
     class Plain:
-        """Everything of a problem but formulas for numbers of any kind."""
+        """Everything of a problem but what offers many digits."""
 
         def __getattr__(self, name: str) -> Any:
-            if name.startswith("exact_"):
+            if name in ("multiprecision", "closed_form"):
                 raise AttributeError(name)
             return getattr(scenes["high"], name)
 
-    with pytest.raises(st.InputError, match="Plain: more than 12 digits ask for a problem with exact_ends"):
+    with pytest.raises(
+        st.InputError, match=r"more than 12 digits ask for a problem in closed form: exact_ends.*Plain has no `closed_form`"
+    ):
         refine_digits(Plain(), 0.004, 20)  # type: ignore[arg-type]
 
 

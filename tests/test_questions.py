@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import shootstab as st
-from shootstab.discriminants.continuum import Continuum, continuum_of
-from shootstab.problems.chute import ChuteProblem
-from shootstab.problems.gallery.poiseuille import PlanePoiseuille
-from shootstab.questions.bounds import displacement
-from shootstab.questions.judge import radius_of
-from shootstab.questions.reference import claims, spectrum
-from shootstab.spectral import chute as pseudospectral
+from shootstab.analyses.claims import radius_of
+from shootstab.analyses.error_budget import displacement
+from shootstab.analyses.reference import claims, spectrum
+from shootstab.essential_spectrum.interior import Continuum, continuum_of
+from shootstab.models.chute import ChuteProblem
+from shootstab.models.chute import collocation as pseudospectral
+from shootstab.models.gallery.poiseuille import PlanePoiseuille
 
 GRAINS = {"e": 0.8, "e_w": 0.8, "r": 0.6, "tan_theta": 0.3}
 PAPER = {"high": (0.004, 0.00397, 3), "mid": (0.001, 0.00102, 3), "low": (0.0073 - 0.0119j, 0.00727 - 0.0119j, 3)}
@@ -67,8 +67,8 @@ def test_budget_displacement_is_the_distance_of_zeros() -> None:
     shooting = Frame(rtol=1e-11).on(problem)
     truth = st.refine(problem, guess=-1j * (0.2375 + 0.0037j), rtol=1e-11).sigma
     moved = st.refine(other, guess=truth, rtol=1e-11).sigma
-    value = shooting.with_slope(truth)
-    assert displacement(shooting.of(other), value) == pytest.approx(abs(moved - truth), rel=1e-4)
+    value = shooting.with_derivative(truth)
+    assert displacement(shooting.on_same_mesh(other), value) == pytest.approx(abs(moved - truth), rel=1e-4)
 
 
 def test_ten_digits_of_a_sigma_of_order_1e_9(flows) -> None:

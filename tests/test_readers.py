@@ -14,9 +14,9 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from shootstab.faces import readers
-from shootstab.faces.notation import as_strings, claimed_digits, complex_from, floats_from, held, held_complex
-from shootstab.vocabulary.errors import InputError
+from shootstab.core.errors import InputError
+from shootstab.io import readers
+from shootstab.io.notation import as_strings, claimed_digits, complex_from, floats_from, held, held_complex
 
 Z = np.array([0.0039705046 + 0j, -0.0035 - 0.0071j, 1e-300 + 2e300j, 1.5])
 finite = st.floats(allow_nan=False, allow_infinity=False)

@@ -52,7 +52,7 @@ def test_commands_of_the_readme(command: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("block", "size"), [(0, 8), (1, 8)])
 def test_the_scenes_of_the_readme_load(block: int, size: int, tmp_path: Path) -> None:
-    from shootstab.faces.scenes import load
+    from shootstab.io.scenes import load
 
     (tmp_path / "scene.toml").write_text(blocks("toml")[block])
     assert load(str(tmp_path / "scene.toml")).problem.size == size

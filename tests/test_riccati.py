@@ -9,12 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sampled import constant, spoilt
 
-from shootstab.discriminants.protocol import Value
+from shootstab.core.discriminant import Value
 from shootstab.discriminants.riccati import Charted, Riccati
+from shootstab.discriminants.sampled_system import SampledSystem
 from shootstab.discriminants.shooting import Shooting
-from shootstab.discriminants.table import Table
-from shootstab.kernels import riccati
-from shootstab.problems.gallery.poiseuille import PlanePoiseuille
+from shootstab.kernels import riccati_transport as riccati
+from shootstab.models.gallery.poiseuille import PlanePoiseuille
 from shootstab.problems.protocol import FarFrame
 
 RNG = np.random.default_rng(23)
@@ -25,14 +25,16 @@ def random_complex(*shape: int, rng: np.random.Generator = RNG) -> np.ndarray:
     return rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
 
 
-def constant_table(A: np.ndarray, dA: np.ndarray, length: complex, steps: int) -> Table:
+def constant_table(A: np.ndarray, dA: np.ndarray, length: complex, steps: int) -> SampledSystem:
     """The table of ψ′ = (A + σ dA) ψ."""
-    return Table(length * np.arange(steps + 1) / steps, constant(A, dA, length, steps))
+    return SampledSystem(length * np.arange(steps + 1) / steps, constant(A, dA, length, steps))
 
 
-def carry(table: Table, sigma: complex, Y: np.ndarray, W: np.ndarray, method: Charted | None = None) -> tuple[Value, np.ndarray]:
+def propagate(
+    table: SampledSystem, sigma: complex, Y: np.ndarray, W: np.ndarray, method: Charted | None = None
+) -> tuple[Value, np.ndarray]:
     far = FarFrame(Y.astype(complex), np.zeros(Y.shape, complex), 0.0, 0.0)
-    return (method or Charted(1e-10)).carry(table, (W.astype(complex), np.zeros(W.shape, complex)), far, sigma, True)
+    return (method or Charted(1e-10)).propagate(table, (W.astype(complex), np.zeros(W.shape, complex)), far, sigma, True)
 
 
 def number(value: Value) -> complex:
@@ -119,7 +121,7 @@ def test_the_riccati_equation_is_that_of_the_chart(sizes: tuple[int, int, int]) 
 def test_transport_is_the_exponential_in_any_direction_and_its_slope_exact() -> None:
     A, dA, Y, W = random_complex(6, 6), random_complex(6, 6), random_complex(6, 3), random_complex(3, 6)
     sigma, length = 0.3 - 0.2j, 0.4 + 0.3j
-    value, errors = carry(constant_table(A, dA, length, 80), sigma, Y, W)
+    value, errors = propagate(constant_table(A, dA, length, 80), sigma, Y, W)
 
     def exact(s: complex) -> complex:
         return complex(np.linalg.det(W @ scipy.linalg.expm(length * (A + s * dA)) @ Y))
@@ -127,13 +129,13 @@ def test_transport_is_the_exponential_in_any_direction_and_its_slope_exact() -> 
     assert number(value) == pytest.approx(exact(sigma), rel=1e-10)
     assert errors.max() < 1e-8
     difference = (np.log(exact(sigma + 1e-5)) - np.log(exact(sigma - 1e-5))) / 2e-5
-    assert value.slope == pytest.approx(difference, rel=1e-7)
+    assert value.logarithmic_derivative == pytest.approx(difference, rel=1e-7)
 
 
 def test_observed_order_is_8() -> None:
     A, Y, W = random_complex(4, 4) / 2, random_complex(4, 2), random_complex(2, 4)
     exact = np.linalg.det(W @ scipy.linalg.expm(A) @ Y)
-    errors = [abs(number(carry(constant_table(A, 0 * A, 1.0, steps), 0j, Y, W)[0]) / exact - 1) for steps in (8, 16)]
+    errors = [abs(number(propagate(constant_table(A, 0 * A, 1.0, steps), 0j, Y, W)[0]) / exact - 1) for steps in (8, 16)]
     assert np.log2(errors[0] / errors[1]) == pytest.approx(8.0, abs=1.2)
 
 
@@ -143,8 +145,8 @@ def test_poles_are_passed(turns: float) -> None:
     A, z = np.array([[0, -1], [1, 0]], complex), 2 * np.pi * turns
     table = constant_table(A, A, z, round(60 * turns) + 10)
     Y = np.array([[1.0], [0.0]])
-    cosine, errors = carry(table, 0j, Y, np.array([[1.0, 0.0]]))
-    sine = carry(table, 0j, Y, np.array([[0.0, 1.0]]))[0]
+    cosine, errors = propagate(table, 0j, Y, np.array([[1.0, 0.0]]))
+    sine = propagate(table, 0j, Y, np.array([[0.0, 1.0]]))[0]
     assert errors.max() < 1e-5
     assert number(cosine) == pytest.approx(np.cos(z), abs=1e-6)
     assert number(sine) == pytest.approx(np.sin(z), abs=1e-6)
@@ -153,7 +155,7 @@ def test_poles_are_passed(turns: float) -> None:
 
 def test_strong_growth_does_not_overflow() -> None:
     A = np.diag([300.0, 200.0, -100.0, -400.0]).astype(complex)
-    value, errors = carry(constant_table(A, 0 * A, 10.0, 4000), 0j, random_complex(4, 2), random_complex(2, 4))
+    value, errors = propagate(constant_table(A, 0 * A, 10.0, 4000), 0j, random_complex(4, 2), random_complex(2, 4))
     assert value.D.log_abs == pytest.approx(5000.0, rel=1e-2)
     assert np.isfinite(errors).all()
 
@@ -162,15 +164,15 @@ def test_growth_of_the_complement_is_no_harm() -> None:
     """S grows as e^(300 z) until the chart changes."""
     A = np.diag([-300.0, 200.0]).astype(complex)
     Y, W = np.array([[1.0], [1e-30]]), random_complex(1, 2)
-    value, _ = carry(constant_table(A, 0 * A, 1.0, 4000), 0j, Y, W)
+    value, _ = propagate(constant_table(A, 0 * A, 1.0, 4000), 0j, Y, W)
     assert value.D.log_abs == pytest.approx(200 + np.log(1e-30 * abs(W[0, 1])), rel=1e-6)
 
 
 def test_a_nan_is_an_error_not_a_zero() -> None:
     A = random_complex(3, 3)
     table = constant_table(A, 0 * A, 1.0, 3)
-    table = Table(table.nodes, spoilt(table.system))
-    errors = carry(table, 0j, random_complex(3, 2), random_complex(2, 3))[1]
+    table = SampledSystem(table.nodes, spoilt(table.system))
+    errors = propagate(table, 0j, random_complex(3, 2), random_complex(2, 3))[1]
     assert np.isfinite(errors[0])
     assert np.isnan(errors[1])
 
@@ -180,17 +182,17 @@ def test_in_the_same_charts_D_is_analytic_however_coarse_the_mesh() -> None:
     rng = np.random.default_rng(5)  # of its own: for some matrices S grows on the way to another sigma, and the charts change
     A, dA, Y, W = (random_complex(*shape, rng=rng) for shape in ((5, 5), (5, 5), (5, 2), (2, 5)))
     table, method, eps = constant_table(A, dA, 2.0, 8), Charted(1e-3), 1e-4
-    carry(table, 0.1j, Y, W, method)
+    propagate(table, 0.1j, Y, W, method)
     charts = method._charts
     for s in (0.1 + 0.2j, 0.3 - 0.1j, -0.2 + 0.1j):
 
         def log_D(sigma: complex) -> complex:
-            value, _ = carry(table, sigma, Y, W, method)
+            value, _ = propagate(table, sigma, Y, W, method)
             return complex(np.log(value.D.mantissa) + value.D.log_scale)
 
         along = [(log_D(s + d) - log_D(s - d)) / (2 * d) for d in (eps, 1j * eps)]
         assert along[1] == pytest.approx(along[0], rel=1e-6)
-        assert carry(table, s, Y, W, method)[0].slope == pytest.approx(along[0], rel=1e-6)
+        assert propagate(table, s, Y, W, method)[0].logarithmic_derivative == pytest.approx(along[0], rel=1e-6)
         assert method._charts is charts
 
 
@@ -198,16 +200,16 @@ def test_charts_are_taken_over_by_a_halved_mesh_and_chosen_anew_where_S_grows() 
     A = np.array([[0, -1], [1, 0]], complex)
     Y, W, method = np.array([[1.0], [0.2]]), np.array([[1.0, 0.0]]), Charted(1e-8)
     coarse, fine, moved = (constant_table(A, A, 3.0, steps) for steps in (30, 60, 31))
-    carry(coarse, 0j, Y, W, method)
+    propagate(coarse, 0j, Y, W, method)
     charts = method._charts
-    carry(fine, 0j, Y, W, method)
+    propagate(fine, 0j, Y, W, method)
     assert method._charts is charts
     # at another sigma the pole is elsewhere: near the old change of chart S is large
-    value, _ = carry(coarse, 0.55 + 0j, Y, W, method)
+    value, _ = propagate(coarse, 0.55 + 0j, Y, W, method)
     assert method._charts is not charts
     assert number(value) == pytest.approx(np.cos(3 * 1.55) - 0.2 * np.sin(3 * 1.55), abs=1e-6)
     charts = method._charts
-    carry(moved, 0j, Y, W, method)
+    propagate(moved, 0j, Y, W, method)
     assert method._charts is not charts
 
 

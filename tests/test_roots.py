@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from shootstab.discriminants.protocol import Value
-from shootstab.roots.find import Search, Zero, find
+from shootstab.core.discriminant import Value
+from shootstab.core.errors import ConvergenceError
+from shootstab.core.regions import Disc, Polygon, Rectangle, Region, halves, size
+from shootstab.core.scaled import Scaled
 from shootstab.roots.iterations import _newton_steps, muller, newton
+from shootstab.roots.search import Search, Zero, find
 from shootstab.roots.winding import power_sums, wind
-from shootstab.vocabulary.errors import ConvergenceError
-from shootstab.vocabulary.regions import Disc, Polygon, Rectangle, Region, halves, size
-from shootstab.vocabulary.scaled import Scaled
 
 
 class Known:
@@ -25,9 +25,9 @@ class Known:
         self.zeros, self.exponent, self.evaluations = zeros, exponent, 0
 
     def __call__(self, sigma: complex) -> Scaled:
-        return self.with_slope(sigma).D
+        return self.with_derivative(sigma).D
 
-    def with_slope(self, sigma: complex) -> Value:
+    def with_derivative(self, sigma: complex) -> Value:
         self.evaluations += 1
         product, slope = 1 + 0j, 0j
         for z in self.zeros:

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from shootstab.faces.scenes import BUILT_IN, CHUTE_UNIT, load
-from shootstab.problems.gallery.poiseuille import PlanePoiseuille
-from shootstab.vocabulary.errors import InputError, NoFlowError
+from shootstab.core.errors import InputError, NoFlowError
+from shootstab.io.scenes import BUILT_IN, CHUTE_UNIT, load
+from shootstab.models.gallery.poiseuille import PlanePoiseuille
 
 GOOD = """
 [flow]
@@ -177,7 +177,7 @@ def test_a_folder_is_no_scene(tmp_path: Path) -> None:
 
 
 USERS = """
-from shootstab.problems.gallery.poiseuille import PlanePoiseuille
+from shootstab.models.gallery.poiseuille import PlanePoiseuille
 
 problem = PlanePoiseuille(8000.0, 0.9)
 number = 3

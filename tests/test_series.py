@@ -12,7 +12,7 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from shootstab.vocabulary.series import Series, constant, depth
+from shootstab.core.series import Series, constant, depth
 
 x = sp.Symbol("x")
 TERMS = 5

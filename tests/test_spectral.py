@@ -9,11 +9,14 @@ import numpy as np
 import pytest
 
 import shootstab
-from shootstab.problems.chute.family import steady_by_flux
-from shootstab.problems.chute.parameters import Chute
-from shootstab.problems.chute.steady import Flow, descend
-from shootstab.spectral import chebyshev, chute, inverse, orr_sommerfeld, profile, qz
-from shootstab.vocabulary.errors import ConvergenceError, InputError
+from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.models.chute import collocation as chute
+from shootstab.models.chute import collocation_profile as profile
+from shootstab.models.chute.family import steady_by_flux
+from shootstab.models.chute.parameters import Chute
+from shootstab.models.chute.steady import Flow, descend
+from shootstab.models.gallery import poiseuille_collocation as orr_sommerfeld
+from shootstab.spectral import chebyshev, inverse, qz
 
 CHUTE = Chute(e=0.8, e_w=0.8, r=0.6, tan_theta=0.3)
 WAVES = {"high": (0.0, 0.0100), "mid": (0.0, 0.0125), "low": (0.011, 0.0)}
@@ -280,12 +283,12 @@ def test_filter_drops_what_does_not_decay() -> None:
 
 ROOT = Path(shootstab.__file__).parent
 ALLOWED = {
-    "shootstab.problems.chute.constitutive",
-    "shootstab.problems.chute.balance",
-    "shootstab.problems.chute.descent",
-    "shootstab.problems.chute.steady",
-    "shootstab.problems.chute.parameters",
-    "shootstab.problems.chute.family",
+    "shootstab.models.chute.constitutive",
+    "shootstab.models.chute.balance",
+    "shootstab.models.chute.descent",
+    "shootstab.models.chute.steady",
+    "shootstab.models.chute.parameters",
+    "shootstab.models.chute.family",
     "shootstab.kernels.tableau",
 }
 OUTSIDE = {"numpy", "scipy", "__future__", "ast", "collections", "dataclasses", "functools", "itertools", "math", "pathlib", "typing"}
@@ -309,7 +312,8 @@ def _imports(path: Path) -> set[str]:
 
 def test_reference_shares_only_constitutive_law_and_steady_flow() -> None:
     """Neither directly nor through what it imports does the reference see the shooting path."""
-    own = {f"shootstab.spectral.{p.stem}": p for p in (ROOT / "spectral").glob("*.py")}
+    twins = [*(ROOT / "models" / "chute").glob("collocation*.py"), ROOT / "models" / "gallery" / "poiseuille_collocation.py"]
+    own = {".".join(p.relative_to(ROOT.parent).with_suffix("").parts): p for p in [*(ROOT / "spectral").glob("*.py"), *twins]}
     assert len(own) > 6
     direct = set().union(*map(_imports, own.values()))
     assert {name.split(".")[0] for name in direct} <= OUTSIDE | {"shootstab"}
@@ -318,5 +322,5 @@ def test_reference_shares_only_constitutive_law_and_steady_flow() -> None:
         name = waiting.pop()
         seen.add(name)
         waiting |= {n for n in _imports(ROOT.joinpath(*name.split(".")[1:]).with_suffix(".py")) if n.startswith("shootstab")} - seen
-    foreign = {name for name in seen if not name.startswith(("shootstab.spectral.", "shootstab.vocabulary."))}
+    foreign = {name for name in seen if not name.startswith(("shootstab.spectral.", "shootstab.core.")) and name not in own}
     assert foreign <= ALLOWED

@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
-from shootstab.problems import chute
-from shootstab.questions import stability as module
-from shootstab.questions.stability import STABLE, UNSTABLE, stability, waves
-from shootstab.vocabulary.errors import ConvergenceError
+from shootstab.core.errors import ConvergenceError
+from shootstab.models import chute
+from shootstab.models.chute import stability as module
+from shootstab.models.chute.stability import STABLE, UNSTABLE, stability, waves
 
 GRAINS = {"e": 0.8, "e_w": 0.8, "r": 0.6}
 
@@ -45,13 +45,13 @@ def test_what_cannot_be_counted_is_not_stable(monkeypatch: pytest.MonkeyPatch) -
     def fails(*_: Any) -> Any:
         raise ConvergenceError("a mode lies on the boundary")
 
-    monkeypatch.setattr(module, "census", fails)
+    monkeypatch.setattr(module, "count_dominant", fails)
     assert stability(flow).verdict.startswith("unresolved: at kx = 0, ky = 0.0003149: a mode lies on the boundary")
-    raised = SimpleNamespace(modes=(), floor=1e-5, atlas=None)
-    monkeypatch.setattr(module, "census", lambda *_: raised)
-    monkeypatch.setattr(module, "lowest_floor", lambda atlas, floor: floor)
+    raised = SimpleNamespace(modes=(), floor=1e-5, continuation=None)
+    monkeypatch.setattr(module, "count_dominant", lambda *_: raised)
+    monkeypatch.setattr(module, "lowest_floor", lambda continuation, floor: floor)
     assert "modes could be counted above 1.0e-05 only" in stability(flow).verdict
-    lost = SimpleNamespace(modes=(0.1 + 0j,), floor=1e-8, atlas=None)
-    monkeypatch.setattr(module, "census", lambda *_: lost)
+    lost = SimpleNamespace(modes=(0.1 + 0j,), floor=1e-8, continuation=None)
+    monkeypatch.setattr(module, "count_dominant", lambda *_: lost)
     monkeypatch.setattr(module, "refine", lambda *_: SimpleNamespace(converged=False))
     assert "a mode is counted at kx = 0" in stability(flow).verdict

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 from linearization import evaluator
 
-from shootstab.problems.chute import descent
-from shootstab.problems.chute.balance import slopes
-from shootstab.problems.chute.constitutive import radial, slip_coefficient
-from shootstab.problems.chute.family import BRANCHES, flows, steady_by_flux
-from shootstab.problems.chute.parameters import Chute
-from shootstab.problems.chute.steady import NU_TOP, Flow, _place_base, descend, top_state
-from shootstab.vocabulary.errors import ConvergenceError, InputError, NoFlowError
-from shootstab.vocabulary.series import Series
+from shootstab.core.errors import ConvergenceError, InputError, NoFlowError
+from shootstab.core.series import Series
+from shootstab.models.chute import descent
+from shootstab.models.chute.balance import slopes
+from shootstab.models.chute.constitutive import radial, slip_coefficient
+from shootstab.models.chute.family import BRANCHES, flows, steady_by_flux
+from shootstab.models.chute.parameters import Chute
+from shootstab.models.chute.steady import NU_TOP, Flow, _place_base, descend, top_state
 
 PAPER = Chute(e=0.8, e_w=0.8, r=0.6, tan_theta=0.3)
 NEARLY_ELASTIC = Chute(e=0.95, e_w=0.8, r=0.6, tan_theta=0.2)
@@ -552,7 +552,7 @@ def test_mass_flux_with_one_flow_needs_no_branch():
 @pytest.mark.parametrize("index", [40, 60])
 def test_a_flow_on_a_point_of_the_scan_is_found(index):
     """A misfit of exactly zero at a point of the scan is a flow like any other."""
-    from shootstab.problems.chute.family import SCAN
+    from shootstab.models.chute.family import SCAN
 
     T = float(np.exp(np.linspace(np.log(SCAN[0]), np.log(SCAN[1]), SCAN[2])[index]))
     found = [f.far_temperature for f in flows(PAPER, flow_of(PAPER, T).mass_flux)]
@@ -561,7 +561,7 @@ def test_a_flow_on_a_point_of_the_scan_is_found(index):
 
 def test_a_flow_next_to_the_end_of_the_family_is_found():
     """With Carnahan & Starling's g0 the family ends between two points of the scan, at T_∞ = 0.0359: the flow at 0.0361 counts."""
-    from shootstab.problems.chute.family import SCAN
+    from shootstab.models.chute.family import SCAN
 
     with pytest.raises(NoFlowError):
         descend(CARNAHAN_STARLING, 0.0357)
@@ -623,7 +623,7 @@ def test_height_is_where_nu_is(chute, far_temperature):
 
 
 def test_scouting_with_cruder_flows_finds_the_same_members(monkeypatch: pytest.MonkeyPatch) -> None:
-    from shootstab.problems.chute import family
+    from shootstab.models.chute import family
 
     for mass_flux in (0.3, 3.0, 15.0):
         quick = [f.far_temperature for f in flows(PAPER, mass_flux)]

@@ -6,18 +6,18 @@ import itertools
 
 import numpy as np
 import pytest
-from doubled import Doubled
+from augmented import Augmented
 
 import shootstab as st
-from shootstab.discriminants.atlas import Atlas, Undecidable
+from shootstab.analyses.cut_region import count_in_region
+from shootstab.analyses.resonances import find_resonances
+from shootstab.analyses.unstable import HalfDisc, bound, departure_from_law
+from shootstab.core.regions import Disc, Polygon, Rectangle
+from shootstab.discriminants.continuation import Continuation, Undecidable
 from shootstab.discriminants.frame import Frame
-from shootstab.problems.chute import ChuteProblem
-from shootstab.problems.gallery.poiseuille import PlanePoiseuille
-from shootstab.questions.resonances import find_resonances
-from shootstab.questions.survey import survey
-from shootstab.questions.unstable import HalfDisc, bound, departure_from_law
+from shootstab.models.chute import ChuteProblem
+from shootstab.models.gallery.poiseuille import PlanePoiseuille
 from shootstab.roots.winding import wind
-from shootstab.vocabulary.regions import Disc, Polygon, Rectangle
 
 UNSTABLE = 0.0016924312039 - 0.0015662388101j
 DAMPED = -0.0035032956689 - 0.0070878998209j
@@ -25,41 +25,41 @@ BESIDE = -0.0428226492523 - 0.0036611350691j  # a mode of v̂ alone, 7e−4 off 
 
 
 @pytest.fixture(scope="module")
-def atlas(scenes: dict[str, ChuteProblem]) -> Atlas:
-    return Atlas(scenes["fig2"], Frame(rtol=1e-8))
+def continuation(scenes: dict[str, ChuteProblem]) -> Continuation:
+    return Continuation(scenes["fig2"], Frame(rtol=1e-8))
 
 
-def test_a_clear_region_is_counted_as_before(atlas: Atlas) -> None:
+def test_a_clear_region_is_counted_as_before(continuation: Continuation) -> None:
     box = Rectangle(0.001 - 0.003j, 0.003 + 0.001j)
-    found = survey(atlas, box)
-    assert found.count == wind(Frame(rtol=1e-8).on(atlas.problem), box).count == 1
+    found = count_in_region(continuation, box)
+    assert found.count == wind(Frame(rtol=1e-8).on(continuation.problem), box).count == 1
     assert found.left_out == ()
 
 
-def test_regions_cut_along_the_continuous_spectrum(atlas: Atlas) -> None:
+def test_regions_cut_along_the_continuous_spectrum(continuation: Continuation) -> None:
     """A part of the curve, the end at infinity, and all of it; counts add up where regions do."""
-    across = survey(atlas, Rectangle(-0.3 - 0.01j, -0.01 + 0.01j))
+    across = count_in_region(continuation, Rectangle(-0.3 - 0.01j, -0.01 + 0.01j))
     assert (across.count, across.left_out) == (1, ())
-    end = survey(atlas, Rectangle(-0.01 - 0.01j, 0.01 + 0.01j))
+    end = count_in_region(continuation, Rectangle(-0.01 - 0.01j, 0.01 + 0.01j))
     assert (end.count, len(end.left_out)) == (2, 1)
-    both = survey(atlas, Rectangle(-0.3 - 0.01j, 0.01 + 0.01j))
+    both = count_in_region(continuation, Rectangle(-0.3 - 0.01j, 0.01 + 0.01j))
     assert both.count == across.count + end.count
-    whole = survey(atlas, Rectangle(-2 - 0.9j, 0.01 + 0.9j))
+    whole = count_in_region(continuation, Rectangle(-2 - 0.9j, 0.01 + 0.9j))
     assert len(whole.left_out) == 2
     assert max(s.closure for s in (across, end, both, whole)) < 1e-5
 
 
-def test_discs_and_polygons_are_cut_too(atlas: Atlas) -> None:
-    assert survey(atlas, Disc(BESIDE, 0.01)).count == 1
-    assert survey(atlas, Polygon((-0.06 - 0.006j, -0.03 - 0.006j, -0.03 + 0.0j, -0.06 + 0.0j))).count == 1
-    assert survey(atlas, Polygon((-0.06 - 0.006j, -0.05 - 0.006j, -0.05 + 0.0j))).count == 0
+def test_discs_and_polygons_are_cut_too(continuation: Continuation) -> None:
+    assert count_in_region(continuation, Disc(BESIDE, 0.01)).count == 1
+    assert count_in_region(continuation, Polygon((-0.06 - 0.006j, -0.03 - 0.006j, -0.03 + 0.0j, -0.06 + 0.0j))).count == 1
+    assert count_in_region(continuation, Polygon((-0.06 - 0.006j, -0.05 - 0.006j, -0.05 + 0.0j))).count == 0
 
 
-def test_an_end_on_the_boundary_is_refused(atlas: Atlas) -> None:
-    assert atlas.continuum is not None
-    end = complex(atlas.continuum.sigma[-1])
+def test_an_end_on_the_boundary_is_refused(continuation: Continuation) -> None:
+    assert continuation.continuum is not None
+    end = complex(continuation.continuum.sigma[-1])
     with pytest.raises(Undecidable, match="on the boundary"):
-        survey(atlas, Rectangle(end - 0.01 - 0.01j, end + 1e-9 + 0.01j))
+        count_in_region(continuation, Rectangle(end - 0.01 - 0.01j, end + 1e-9 + 0.01j))
 
 
 def test_find_needs_no_guess(scenes: dict[str, ChuteProblem]) -> None:
@@ -69,21 +69,21 @@ def test_find_needs_no_guess(scenes: dict[str, ChuteProblem]) -> None:
     ]
     assert all(m.converged for m in found.modes)
     assert found.resonances is None
-    assert found.survey.count == 3
+    assert found.counted.count == 3
 
 
-def test_resonances_are_zeros_of_a_continuation_and_not_modes(atlas: Atlas) -> None:
+def test_resonances_are_zeros_of_a_continuation_and_not_modes(continuation: Continuation) -> None:
     (low, high) = (
-        find_resonances(atlas, Rectangle(-0.11 - 0.01j, -0.08 + 0.01j)),
-        find_resonances(atlas, Rectangle(-0.06 - 0.01j, -0.03 + 0.01j)),
+        find_resonances(continuation, Rectangle(-0.11 - 0.01j, -0.08 + 0.01j)),
+        find_resonances(continuation, Rectangle(-0.06 - 0.01j, -0.03 + 0.01j)),
     )
     assert low
     for sigma in low:
-        report = st.verify(atlas.problem, [sigma], digits=5, region=Rectangle(0.01 + 0.01j, 0.02 + 0.02j))
+        report = st.verify(continuation.problem, [sigma], digits=5, region=Rectangle(0.01 + 0.01j, 0.02 + 0.02j))
         assert report.verdicts[0].verdict == "spurious"
     # the mode of v̂ is a zero of both continuations
     assert all(abs(s - BESIDE) > 1e-6 for s in high)
-    assert find_resonances(Atlas(PlanePoiseuille(), Frame()), Rectangle(0j, 1 + 1j)) == []
+    assert find_resonances(Continuation(PlanePoiseuille(), Frame()), Rectangle(0j, 1 + 1j)) == []
 
 
 def test_a_polygon() -> None:
@@ -113,7 +113,7 @@ def test_one_mode_grows_in_every_scene_of_the_paper(scenes: dict[str, ChuteProbl
     found = st.count_unstable(scenes[name])
     assert found.count == 1
     assert found.departure < 0.05
-    assert found.survey.closure < 1e-6
+    assert found.counted.closure < 1e-6
 
 
 def test_the_law_of_growth_gets_better_outwards(scenes: dict[str, ChuteProblem]) -> None:
@@ -138,7 +138,7 @@ def test_verify_states_the_number_of_growing_modes(scenes: dict[str, ChuteProble
 
 
 SINGLE = PlanePoiseuille(reynolds=500.0)
-SEMISIMPLE, DEFECTIVE = Doubled(SINGLE), Doubled(SINGLE, drive=1.0)
+SEMISIMPLE, DEFECTIVE = Augmented(SINGLE), Augmented(SINGLE, drive=1.0)
 NOWHERE = Rectangle(1 + 1j, 2 + 2j)
 
 
@@ -152,7 +152,7 @@ def single() -> complex:
 
 
 @pytest.mark.parametrize("problem", [SEMISIMPLE, DEFECTIVE], ids=["semisimple", "defective"])
-def test_a_double_eigenvalue_is_reported_as_such(problem: Doubled, single: complex) -> None:
+def test_a_double_eigenvalue_is_reported_as_such(problem: Augmented, single: complex) -> None:
     near = Disc(single * (1 + 1e-4), 1e-3 * abs(single))
     assert st.count(problem, near) == 2
     for mode in (st.refine(problem, guess=single * 1.01, rtol=1e-4), *st.find(problem, near, rtol=1e-4).modes):
@@ -188,7 +188,7 @@ def test_find_in_other_regions(scenes: dict[str, ChuteProblem], region: Disc | P
     """Around the end of the continuous spectrum at infinity."""
     found = st.find(scenes["fig2"], region)
     assert sorted((complex(m.sigma) for m in found.modes), key=lambda z: z.real) == pytest.approx([DAMPED, UNSTABLE], abs=1e-10)
-    assert found.survey.closure < 1e-5
+    assert found.counted.closure < 1e-5
 
 
 def test_points_where_an_iteration_stalls_are_no_modes() -> None:

@@ -16,25 +16,25 @@ import numpy as np
 import pytest
 
 import shootstab as st
-from shootstab.discriminants.protocol import Value
-from shootstab.problems.chute import ChuteProblem
-from shootstab.questions.sweep import run, walk
-from shootstab.questions.sweep import sweep as swept
-from shootstab.questions.sweep.branches import ARRIVED, FADED, LOST, Branch, follow, land
-from shootstab.questions.sweep.dominance import census
-from shootstab.questions.sweep.grid import LONGEST, Grid, Line
-from shootstab.questions.sweep.members import Members
-from shootstab.questions.sweep.points import FOLLOWED, NO_FLOW, NO_WAVE, NONE_GROWS, PROVED
-from shootstab.questions.sweep.workers import in_processes
-from shootstab.vocabulary.errors import ConvergenceError, InputError
-from shootstab.vocabulary.scaled import Scaled
+from shootstab.analyses.sweep import run, walk
+from shootstab.analyses.sweep import sweep as swept
+from shootstab.analyses.sweep.dominance import count_dominant
+from shootstab.analyses.sweep.following import ARRIVED, FADED, LOST, FollowedMode, follow, land
+from shootstab.analyses.sweep.grid import LONGEST, Grid, Line
+from shootstab.analyses.sweep.outcomes import FOLLOWED, NO_FLOW, NO_WAVE, NONE_GROWS, PROVED
+from shootstab.analyses.sweep.workers import in_processes
+from shootstab.core.discriminant import Value
+from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.scaled import Scaled
+from shootstab.models.chute import ChuteProblem
+from shootstab.models.chute.parameter_family import ChuteFamily
 
 # grids and lines
 
 
 def test_lines_are_the_grid_cut_along_a_wavenumber(scenes: dict[str, ChuteProblem]) -> None:
     axes = {"ky": np.linspace(0.0, 0.03, 150), "tan_theta": [0.29, 0.3, 0.31]}
-    grid = Grid.of(axes, Members.around(scenes["high"], tuple(axes)))
+    grid = Grid.of(axes, scenes["high"].family(tuple(axes)))
     lines = grid.lines()
     points = [p for line in lines for p in line.points]
     assert len(points) == len(grid) == 450
@@ -69,7 +69,7 @@ def test_what_cannot_be_swept_is_refused(scenes: dict[str, ChuteProblem], axes: 
 
 
 def test_other_problems_and_settings_are_refused(scenes: dict[str, ChuteProblem]) -> None:
-    with pytest.raises(InputError, match="no steady flow of grains"):
+    with pytest.raises(InputError, match="belongs to no family"):
         swept(st.gallery.poiseuille.PlanePoiseuille(), {"kx": [0.1]})
     for settings in ({"digits": 0}, {"every": 0}, {"floor": 0.0}, {"workers": 0}):
         with pytest.raises(InputError, match=f"{next(iter(settings))} = 0"):
@@ -77,13 +77,13 @@ def test_other_problems_and_settings_are_refused(scenes: dict[str, ChuteProblem]
 
 
 def test_a_flow_chosen_by_its_flux_keeps_flux_and_branch(scenes: dict[str, ChuteProblem]) -> None:
-    members = Members.around(scenes["mid"], ("tan_theta",))
-    assert (members.mass_flux, members.branch) == (3.0, "mid")
-    flow = members.flow({"tan_theta": 0.3})
+    family = scenes["mid"].family(("tan_theta",))
+    assert (family.mass_flux, family.branch) == (3.0, "mid")
+    flow = family.flow({"tan_theta": 0.3})
     assert abs(flow.far_temperature - scenes["mid"].flow.far_temperature) < 1e-12
-    assert abs(members.flow({"tan_theta": 0.301}).mass_flux - 3.0) < 1e-10
+    assert abs(family.flow({"tan_theta": 0.301}).mass_flux - 3.0) < 1e-10
     # over wavenumbers and far temperatures nothing is kept but the grains
-    assert Members.around(scenes["mid"], ("ky",)).far_temperature == scenes["mid"].flow.far_temperature
+    assert scenes["mid"].family(("ky",)).far_temperature == scenes["mid"].flow.far_temperature
 
 
 # following
@@ -95,25 +95,25 @@ class Polynomial:
     def __init__(self, zeros: Sequence[complex]) -> None:
         self.zeros, self.evaluations = zeros, 0
 
-    def with_slope(self, sigma: complex) -> Value:
+    def with_derivative(self, sigma: complex) -> Value:
         self.evaluations += 1
         D = complex(np.prod([sigma - z for z in self.zeros]))
         dD = sum(complex(np.prod([sigma - z for j, z in enumerate(self.zeros) if j != i])) for i in range(len(self.zeros)))
         return Value(sigma, Scaled(D, 0.0), complex(dD))
 
     def __call__(self, sigma: complex) -> Scaled:
-        return self.with_slope(sigma).D
+        return self.with_derivative(sigma).D
 
     def refined(self) -> Polynomial:
         return Polynomial(self.zeros)
 
-    def moved_to(self, problem: Any) -> Polynomial:
+    def warm_started(self, problem: Any) -> Polynomial:
         return Polynomial(problem.zeros)
 
 
 def test_the_prediction_is_exact_for_cubics() -> None:
     cubic = np.polynomial.Polynomial([1 + 1j, 2.0, -0.3j, 0.1])
-    branch = Branch()
+    branch = FollowedMode()
     for place in (5.0, 0.0, 0.5, 1.25, 2.0):  # the first is too long ago to count
         branch.add(place, complex(cubic(place)) if place < 5 else 99j)
     assert abs(branch.predicted(3.0) - cubic(3.0)) < 1e-13
@@ -135,7 +135,7 @@ def test_a_mode_is_followed_past_another(detour: float) -> None:
         return [0.5 + t + 0j, 1.5 - t + 1j * detour]
 
     places = np.linspace(0.0, 1.0, 6)
-    branch = Branch([0.0], [zeros(0.0)[0]])
+    branch = FollowedMode([0.0], [zeros(0.0)[0]])
     for t in places[1:]:
         assert follow(branch, t, lambda t: Polynomial(zeros(t))) == ARRIVED  # type: ignore[arg-type,return-value]
     assert abs(branch.last - zeros(1.0)[0]) < 1e-10
@@ -145,13 +145,13 @@ def test_two_real_modes_that_become_a_pair_are_lost_and_not_guessed() -> None:
     def at(t: float) -> Any:
         return Polynomial([2 + cmath.sqrt(0.55 - t), 2 - cmath.sqrt(0.55 - t)])
 
-    branch = Branch([0.0], [2 + cmath.sqrt(0.55)])
+    branch = FollowedMode([0.0], [2 + cmath.sqrt(0.55)])
     assert [follow(branch, t, at) for t in (0.2, 0.4)] == [ARRIVED, ARRIVED]
     assert follow(branch, 1.0, at) == LOST
 
 
 def test_a_mode_that_stops_growing_has_faded() -> None:
-    branch = Branch([0.0], [1 + 0.2j])
+    branch = FollowedMode([0.0], [1 + 0.2j])
     reached = [follow(branch, t, lambda t: Polynomial([1 - t + 0.2j])) for t in (0.3, 0.6, 0.9, 1.2)]  # type: ignore[arg-type,return-value]
     assert reached == [ARRIVED, ARRIVED, ARRIVED, FADED]
 
@@ -160,7 +160,7 @@ def test_a_mode_that_stops_growing_has_faded() -> None:
 
 
 def walked(monkeypatch: pytest.MonkeyPatch, zeros: Callable[[float], list[complex]], count: int, every: int) -> list[Any]:
-    """Walk over polynomials; the census is what their zeros say, errors are nothing."""
+    """Walk over polynomials; the count_dominant is what their zeros say, errors are nothing."""
 
     def counted(problem: Any, known: Any, floor: float, before: Any) -> Any:
         growing = sorted((z for z in problem.zeros if z.real > floor), key=lambda z: -z.real)
@@ -173,16 +173,14 @@ def walked(monkeypatch: pytest.MonkeyPatch, zeros: Callable[[float], list[comple
         def on(self, problem: Any) -> Polynomial:
             return Polynomial(problem.zeros)
 
-    members: Any = SimpleNamespace(
-        wave=lambda values: (1.0, 1.0), flow=lambda values: None, problem=lambda values: SimpleNamespace(zeros=zeros(values["kx"]))
-    )
-    monkeypatch.setattr(walk, "census", counted)
+    family: Any = SimpleNamespace(absent=lambda values: None, problem=lambda values: SimpleNamespace(zeros=zeros(values["kx"])))
+    monkeypatch.setattr(walk, "count_dominant", counted)
     monkeypatch.setattr(walk, "Frame", Method)
     monkeypatch.setattr(
         walk, "refine", lambda problem, sigma, rtol: SimpleNamespace(converged=True, sigma=sigma, error=1e-12, evaluations=1)
     )
     points = tuple((x,) for x in np.linspace(0.0, 1.0, count))
-    return walk.walk(members, walk.Settings(every=every), Line("kx", ("kx",), points))
+    return walk.walk(family, walk.Settings(every=every), Line("kx", ("kx",), points))
 
 
 def test_a_crossing_between_two_counts_is_found_on_its_own_side(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -226,18 +224,16 @@ def test_a_count_that_fails_leaves_its_neighbours_unresolved(monkeypatch: pytest
     def fails(*_: Any) -> Any:
         raise ConvergenceError("a mode lies on the boundary")
 
-    original = walk.census
+    original = walk.count_dominant
     calls = iter([original, fails, original])
 
     def zeros(x: float) -> list[complex]:
         return [1 - 0.1 * x + 0j]
 
-    members: Any = SimpleNamespace(
-        wave=lambda values: (1.0, 1.0), flow=lambda values: None, problem=lambda values: SimpleNamespace(zeros=zeros(values["kx"]))
-    )
-    monkeypatch.setattr(walk, "census", lambda *given: next(calls)(*given))
+    family: Any = SimpleNamespace(absent=lambda values: None, problem=lambda values: SimpleNamespace(zeros=zeros(values["kx"])))
+    monkeypatch.setattr(walk, "count_dominant", lambda *given: next(calls)(*given))
     line = Line("kx", ("kx",), tuple((x,) for x in np.linspace(0.0, 1.0, 9)))
-    outcomes = walk.walk(members, walk.Settings(every=4), line)
+    outcomes = walk.walk(family, walk.Settings(every=4), line)
     assert [o.status.partition(":")[0] for o in outcomes] == [PROVED, *["unresolved"] * 7, PROVED]
     assert all("a mode lies on the boundary" in o.status for o in outcomes[1:-1])
 
@@ -281,14 +277,14 @@ def test_what_was_proved_is_what_another_count_says(row: Any, scenes: dict[str, 
 
 
 def test_a_census_finds_what_nobody_knew(scenes: dict[str, ChuteProblem]) -> None:
-    found = census(scenes["low"], [], 1e-8)
+    found = count_dominant(scenes["low"], [], 1e-8)
     assert len(found.modes) == 1
     assert abs(found.modes[0] - (0.0072756 - 0.0118650j)) < 1e-6
     neighbour = st.chute.problem(scenes["low"].flow, 0.0112, 0.0)
-    again = census(neighbour, [], 1e-8, found)  # on the meshes of the first
+    again = count_dominant(neighbour, [], 1e-8, found)  # on the meshes of the first
     assert len(again.modes) == 1
     with pytest.raises(ConvergenceError, match=r"1 modes are counted with Re sigma > 0\.0037, but 2 found"):
-        census(scenes["low"], [0.0075 + 0j, *found.modes], 1e-8)
+        count_dominant(scenes["low"], [0.0075 + 0j, *found.modes], 1e-8)
 
 
 def test_flows_without_a_member(scenes: dict[str, ChuteProblem]) -> None:
@@ -313,9 +309,9 @@ def test_an_interrupted_sweep_goes_on_and_repeats_nothing(
     worked: list[Line] = []
     original = run.walk
 
-    def counted(members: Members, settings: Any, line: Line) -> Any:
+    def counted(family: ChuteFamily, settings: Any, line: Line) -> Any:
         worked.append(line)
-        return original(members, settings, line)
+        return original(family, settings, line)
 
     def interrupt(done: int, total: int) -> None:
         if done == 8:
@@ -374,7 +370,7 @@ def test_a_dask_cluster_gives_the_same(scenes: dict[str, ChuteProblem]) -> None:
 
 
 def test_a_cluster_that_is_not_there(scenes: dict[str, ChuteProblem], monkeypatch: pytest.MonkeyPatch) -> None:
-    from shootstab.questions.sweep import workers
+    from shootstab.analyses.sweep import workers
 
     def absent(name: str) -> Any:
         raise ImportError(name)

@@ -11,13 +11,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from shootstab.faces import cli, maps, sweeping
-from shootstab.faces.scenes import load
-from shootstab.questions.sweep import Swept
-from shootstab.questions.sweep.grid import Axis
-from shootstab.questions.sweep.members import Members
-from shootstab.questions.sweep.points import FOLLOWED, NO_FLOW, NO_WAVE, NONE_GROWS, PROVED, UNRESOLVED, Outcome
-from shootstab.questions.sweep.walk import Settings
+from shootstab.analyses.sweep import Swept
+from shootstab.analyses.sweep.grid import Axis
+from shootstab.analyses.sweep.outcomes import FOLLOWED, NO_FLOW, NO_WAVE, NONE_GROWS, PROVED, UNRESOLVED, Outcome
+from shootstab.analyses.sweep.walk import Settings
+from shootstab.cli import main as cli
+from shootstab.cli import maps
+from shootstab.cli import sweep_command as sweeping
+from shootstab.io.scenes import load
+from shootstab.models.chute.parameter_family import ChuteFamily
+from shootstab.models.chute.problem import ChuteProblem
 
 KX, KY = (0.0, 5e-4, 1e-3), (0.0, 0.01, 0.02, 0.03)
 
@@ -36,8 +39,8 @@ def outcome(kx: float, ky: float) -> Outcome:
 
 def swept(kx: tuple[float, ...] = KX, ky: tuple[float, ...] = KY) -> Swept:
     problem: Any = load("poiseuille").problem  # only its place is taken
-    members = Members(problem, 0.0, 0.01, 7.0, None, None)
-    return Swept((Axis("kx", kx), Axis("ky", ky)), {(a, b): outcome(a, b) for a in kx for b in ky}, Settings(), members)
+    family = ChuteFamily(problem, 0.0, 0.01, 7.0, None, None, ChuteProblem)
+    return Swept((Axis("kx", kx), Axis("ky", ky)), {(a, b): outcome(a, b) for a in kx for b in ky}, Settings(), family)
 
 
 def test_the_command_and_its_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -128,6 +131,6 @@ def test_curves_and_maps_show_what_was_proved() -> None:
 
 def test_a_map_of_nothing_is_drawn_too(tmp_path: Path) -> None:
     quiet = swept(ky=(0.03, 0.031))
-    still = Swept(quiet.axes, dict.fromkeys(quiet.outcomes, Outcome(NONE_GROWS, True)), quiet.settings, quiet.members)
+    still = Swept(quiet.axes, dict.fromkeys(quiet.outcomes, Outcome(NONE_GROWS, True)), quiet.settings, quiet.family)
     maps.save(still, load("high"), tmp_path / "a.svg")
     assert b"nothing grows" in (tmp_path / "a.svg").read_bytes() or (tmp_path / "a.svg").stat().st_size > 3000

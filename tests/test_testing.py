@@ -6,9 +6,9 @@ import re
 
 import pytest
 
-from shootstab.problems.gallery.poiseuille import PlanePoiseuille
+from shootstab.core.errors import InputError
+from shootstab.models.gallery.poiseuille import PlanePoiseuille
 from shootstab.testing import assert_eigenvalue
-from shootstab.vocabulary.errors import InputError
 
 # σ = −iαc, c = 0.23752648882047010745 + 0.0037396706229794099322i: Orszag 1971, re-computed (reference/published.md)
 SIGMA = 0.0037396706229794099 - 0.2375264888204701j

@@ -9,17 +9,18 @@ from typing import Any
 
 import pytest
 
-from shootstab.faces import cli, trading
-from shootstab.faces.scenes import load
-from shootstab.problems.chute import ChuteProblem
-from shootstab.problems.gallery.poiseuille import PlanePoiseuille
-from shootstab.questions import trade
-from shootstab.questions.trade import Ladder, Rung, Trade
-from shootstab.vocabulary.errors import ConvergenceError, InputError
+from shootstab.analyses import work_precision as trade
+from shootstab.analyses.work_precision import Ladder, Measurement, WorkPrecision
+from shootstab.cli import main as cli
+from shootstab.cli import trade_command as trading
+from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.io.scenes import load
+from shootstab.models.chute import ChuteProblem
+from shootstab.models.gallery.poiseuille import PlanePoiseuille
 
 
 @pytest.fixture(scope="module")
-def few() -> Trade:
+def few() -> WorkPrecision:
     """Plane Poiseuille flow on short ladders: one that all methods climb in a few seconds."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(trade, "TRUNCATIONS", (24, 48, 64))
@@ -28,40 +29,40 @@ def few() -> Trade:
         return trade.trade(PlanePoiseuille())
 
 
-def test_errors_are_true_ones(few: Trade) -> None:
+def test_errors_are_true_ones(few: WorkPrecision) -> None:
     truth = -1j * (0.23752648882047010745 + 0.0037396706229794099322j)  # reference/published.md: σ = −iαc
     assert abs(complex(few.truth) - truth) < 1e-16
     assert few.guess == complex(0.004, -0.238)
-    for r in few.rungs:
+    for r in few.measurements:
         assert abs(abs(complex(r.sigma) - truth) - r.error) < 1e-16 + 1e-3 * r.error
-    assert {r.method for r in few.rungs} == {"qz", "frame", "compound", "riccati", "taylor series"}
+    assert {r.method for r in few.measurements} == {"qz", "frame", "compound", "riccati", "taylor series"}
 
 
-def test_a_ladder_gains_from_rung_to_rung(few: Trade) -> None:
+def test_a_ladder_gains_from_rung_to_rung(few: WorkPrecision) -> None:
     for method in ("qz", "frame", "compound", "riccati"):
-        errors = [r.relative for r in few.rungs if r.method == method]
+        errors = [r.relative for r in few.measurements if r.method == method]
         assert min(errors) < 1e-8 < 1e-6 < max(errors)
-    exact = [r for r in few.rungs if r.method == "taylor series"]
+    exact = [r for r in few.measurements if r.method == "taylor series"]
     assert [r.by_bound for r in exact] == [False, False, True]
     for r in exact:
         assert r.relative < 10.0**-r.resolution
 
 
-def test_the_recommendation_is_what_was_measured(few: Trade) -> None:
+def test_the_recommendation_is_what_was_measured(few: WorkPrecision) -> None:
     best = few.cheapest(8)
     assert best is not None
-    assert best.seconds == min(r.seconds for r in few.rungs if r.relative <= 1e-8)
+    assert best.seconds == min(r.seconds for r in few.measurements if r.relative <= 1e-8)
     assert f"8 digits by {best.method} in " in few.recommendation
     assert few.recommendation.endswith(".")
 
 
-def rung(method: str, error: float, seconds: float, resolution: float = 1.0) -> Rung:
-    return Rung(method, "M", resolution, 1 + 0j, error, seconds, 1000, 1)
+def rung(method: str, error: float, seconds: float, resolution: float = 1.0) -> Measurement:
+    return Measurement(method, "M", resolution, 1 + 0j, error, seconds, 1000, 1)
 
 
 def test_the_recommendation_names_the_quickest_and_compares() -> None:
-    rungs = (rung("qz", 1e-5, 0.1), rung("qz", 1e-9, 0.8), rung("frame", 1e-6, 0.02), rung("frame", 1e-12, 0.04))
-    said = Trade(rungs, 1 + 0j, 0.0, 1 + 0j).recommendation
+    measurements = (rung("qz", 1e-5, 0.1), rung("qz", 1e-9, 0.8), rung("frame", 1e-6, 0.02), rung("frame", 1e-12, 0.04))
+    said = WorkPrecision(measurements, 1 + 0j, 0.0, 1 + 0j).recommendation
     assert "4 digits by frame in 20 ms (5 times faster than QZ)" in said
     assert "8 digits by frame in 40 ms (20 times faster than QZ)" in said
     assert "11 digits by frame in 40 ms (which QZ does not reach)" in said
@@ -103,7 +104,9 @@ def test_all_spectral_ladders_of_the_chute(scenes: dict[str, ChuteProblem]) -> N
         assert work >= 1
 
 
-def test_table_json_and_picture(few: Trade, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_table_json_and_picture(
+    few: WorkPrecision, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(trade, "trade", lambda problem, guess, told: few)
     file = tmp_path / "a.png"
     assert cli.main(["trade", "poiseuille", "--json", "-", "--plot", str(file)]) == 0

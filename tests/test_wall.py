@@ -11,11 +11,11 @@ import pytest
 import sympy as sp
 from linearization import A0, A0_NU, B0, DELTA, KAPPA, KX, KY, ROUGHNESS, TABLE_1, evaluator, jet, wall_matrices
 
-from shootstab.problems.chute import constitutive as law
-from shootstab.problems.chute.background import background
-from shootstab.problems.chute.parameters import Chute
-from shootstab.problems.chute.steady import descend
-from shootstab.problems.chute.wall import base_matrices, wall_rows
+from shootstab.models.chute import constitutive as law
+from shootstab.models.chute.background import background
+from shootstab.models.chute.parameters import Chute
+from shootstab.models.chute.steady import descend
+from shootstab.models.chute.wall import base_matrices, wall_rows
 
 CHUTES = [
     Chute(e=0.8, e_w=0.8, r=0.6, tan_theta=0.3),

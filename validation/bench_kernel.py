@@ -21,10 +21,10 @@ from scenes import GUESS, problem
 import shootstab as st
 from shootstab.discriminants.product import Product
 from shootstab.discriminants.riccati import Charted
-from shootstab.discriminants.shooting import Carrier, Shooting
-from shootstab.kernels.system import Sampled
+from shootstab.discriminants.shooting import Propagator, Shooting
+from shootstab.kernels.reduced_system import ReducedSystem
 from shootstab.kernels.tableau import STAGES, WEIGHTS, A
-from shootstab.problems.chute import ChuteProblem
+from shootstab.models.chute import ChuteProblem
 
 ROUNDS, CALLS = 15, 20
 COMBINED = int(np.count_nonzero(A)) + int(np.count_nonzero(WEIGHTS))  # stages that are added to something in a step
@@ -42,7 +42,7 @@ def seconds(call: Callable[[complex], object], sigma: complex) -> float:
     return float(best)
 
 
-def operations(system: Sampled, k: int) -> float:
+def operations(system: ReducedSystem, k: int) -> float:
     """Of one transport without σ-derivative: system, stages, error estimates and orthonormalization."""
     steps, entries = len(system.P), len(system.column)
     m = system.G.shape[3]
@@ -85,11 +85,11 @@ def main() -> None:
     table = Table("scene", "orders", "numbers", "steps", "10⁶ flop", "ms", "with dD/dσ, ms", "Gflop/s", "of the machine", box=None)
     for name, sigma in GUESS.items():
         D = st.Frame(rtol=1e-10).on(problem(name))
-        D.with_slope(sigma)
+        D.with_derivative(sigma)
         parts = members(D)
-        real = sigma.imag == 0.0 and all(p._table.real is not None for p in parts)  # type: ignore[union-attr]
-        flop = sum(operations(p._table.real if real else p._table.system, p.problem.decaying) for p in parts)  # type: ignore[union-attr]
-        plain, slope = seconds(D, sigma), seconds(D.with_slope, sigma)
+        real = sigma.imag == 0.0 and all(p._sampled_system.real is not None for p in parts)  # type: ignore[union-attr]
+        flop = sum(operations(p._sampled_system.real if real else p._sampled_system.system, p.problem.decaying) for p in parts)  # type: ignore[union-attr]
+        plain, slope = seconds(D, sigma), seconds(D.with_derivative, sigma)
         orders = " + ".join(str(p.problem.size) for p in parts)
         row = (orders, "real" if real else "complex", str(D.steps), f"{flop / 1e6:.2f}", f"{1e3 * plain:.3f}", f"{1e3 * slope:.3f}")
         table.add_row(name, *row, f"{flop / plain / 1e9:.1f}", f"{100 * flop / plain / 1e9 / peak:.0f} %")
@@ -100,13 +100,13 @@ def main() -> None:
         p, counts = problem(name), []
         for begun in (p, FromAbove(p.flow, p.kx, p.ky)):
             D = st.Frame(rtol=1e-10).on(begun)
-            D.with_slope(sigma)
+            D.with_derivative(sigma)
             counts.append(str(D.steps))
         table.add_row(name, *counts)
     console.print(table)
     console.print("\nthe parts that a scene requires, against the whole of order 8 in complex numbers: time of D(σ) with dD/dσ")
     table = Table("scene", "method", "whole, ms", "parts, ms", "ratio", box=None)
-    makers: tuple[tuple[str, Callable[[], Carrier], object], ...] = (
+    makers: tuple[tuple[str, Callable[[], Propagator], object], ...] = (
         ("frame", lambda: st.Frame(rtol=1e-10), st.Frame(rtol=1e-10)),
         ("compound", lambda: st.Compound(rtol=1e-10), st.Compound(rtol=1e-10)),
         ("riccati", lambda: Charted(1e-10), st.Riccati(rtol=1e-10)),
@@ -115,8 +115,8 @@ def main() -> None:
         for label, carrier, method in makers:
             # a whole whose σ has the least imaginary part is carried in complex numbers
             off_axis = GUESS[name] + (0j if GUESS[name].imag else 1e-12j)
-            whole = seconds(Shooting(problem(name), carrier()).with_slope, off_axis)
-            parts_time = seconds(method.on(problem(name)).with_slope, GUESS[name])  # type: ignore[attr-defined]
+            whole = seconds(Shooting(problem(name), carrier()).with_derivative, off_axis)
+            parts_time = seconds(method.on(problem(name)).with_derivative, GUESS[name])  # type: ignore[attr-defined]
             table.add_row(name, label, f"{1e3 * whole:.3f}", f"{1e3 * parts_time:.3f}", f"{whole / parts_time:.1f}")
     console.print(table)
 

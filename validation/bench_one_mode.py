@@ -20,12 +20,12 @@ from scipy.linalg import eigvals
 from shooting_by_scipy import Shooting
 
 import shootstab as st
-from shootstab.discriminants.atlas import Atlas
-from shootstab.problems.chute import ChuteProblem
-from shootstab.questions.count import COUNTING
-from shootstab.questions.refine import find_near
-from shootstab.questions.survey import survey
-from shootstab.spectral import chute as pseudospectral
+from shootstab.analyses.count import COUNTING
+from shootstab.analyses.cut_region import count_in_region
+from shootstab.analyses.refine_double import find_near
+from shootstab.discriminants.continuation import Continuation
+from shootstab.models.chute import ChuteProblem
+from shootstab.models.chute import collocation as pseudospectral
 from shootstab.spectral import inverse
 
 GOAL = 1e-8
@@ -95,11 +95,11 @@ def single() -> Iterator[Line]:
     yield at_most("low: one D(sigma) with local errors of 1e-10", best(lambda: D(sigma)), 0.4e-3, f"{D.steps} steps")
     high = problem("high")
     region = st.Rectangle(1e-5 - 0.5j, 1 + 0.5j)
-    atlas = Atlas(high, COUNTING)
-    if survey(atlas, region).count != 1:
+    continuation = Continuation(high, COUNTING)
+    if count_in_region(continuation, region).count != 1:
         raise SystemExit("high has one growing mode")
     scratch = best(lambda: st.count(high, region))
-    again = best(lambda: survey(atlas, region))
+    again = best(lambda: count_in_region(continuation, region))
     yield at_most("high: count of the rectangle 1e-5 - 0.5i to 1 + 0.5i, in memory", again, 50e-3, f"with meshes made {duration(scratch)}")
 
 

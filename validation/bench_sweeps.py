@@ -12,7 +12,7 @@ from bench import Line, at_least, at_most, duration, show
 from scenes import problem
 
 import shootstab as st
-from shootstab.questions.sweep import Swept
+from shootstab.analyses.sweep import Swept
 
 
 def swept(workers: int, kx: object, ky: object) -> tuple[Swept, float]:

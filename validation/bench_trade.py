@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from shootstab.faces import cli
+from shootstab.cli import main as cli
 
 SCENES = ("high", "mid", "low", "fig2")
 FIGURES = Path(__file__).parent / "figures"

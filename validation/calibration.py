@@ -13,9 +13,9 @@ from planted_faults import TRUNCATION, random_scenes
 from scenes import GUESS, problem
 
 import shootstab as st
-from shootstab.problems.gallery.poiseuille import PlanePoiseuille
+from shootstab.analyses.reference import claims
+from shootstab.models.gallery.poiseuille import PlanePoiseuille
 from shootstab.problems.protocol import Problem
-from shootstab.questions.reference import claims
 
 TOLERANCES = tuple(10.0**-k for k in range(4, 13))
 METHODS = (st.Frame, st.Compound, st.Riccati)

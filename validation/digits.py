@@ -22,9 +22,9 @@ from claims import Case, Claim, main
 from scenes import GUESS
 
 import shootstab as st
-from shootstab.faces.notation import held_complex
-from shootstab.faces.scenes import load
-from shootstab.questions.precise import refine_digits
+from shootstab.analyses.refine_digits import refine_digits
+from shootstab.io.notation import held_complex
+from shootstab.io.scenes import load
 
 GUESSES = {**GUESS, "poiseuille": 0.0037 - 0.2375j}
 POISEUILLE = "0.23752648882047010745", "0.0037396706229794099322"  # c to twenty digits, Re = 10000, alpha = 1

@@ -21,8 +21,8 @@ import numpy as np
 from bench import Line, at_most, show
 
 import shootstab as st
-from shootstab.questions.stability import STABLE, UNSTABLE, stability
-from shootstab.questions.sweep.workers import in_processes, serially
+from shootstab.analyses.sweep.workers import in_processes, serially
+from shootstab.models.chute.stability import STABLE, UNSTABLE, stability
 
 SLOPES = tuple(round(0.25 + 0.01 * i, 2) for i in range(11))
 TEMPERATURES = (0.05, 30.0)  # T_∞ from, to

@@ -11,8 +11,8 @@ import numpy as np
 from claims import Case, Claim, main
 
 import shootstab as st
-from shootstab.problems.gallery.published import PUBLISHED, Published
-from shootstab.vocabulary.records import Mode
+from shootstab.core.records import Mode
+from shootstab.models.gallery.published import PUBLISHED, Published
 
 REPEATS = 5
 GUESS = -1j * (0.2375 + 0.0037j)

@@ -10,7 +10,7 @@ from claims import Case, Claim, main
 from scenes import GUESS, problem
 
 import shootstab as st
-from shootstab.questions.reference import claims
+from shootstab.analyses.reference import claims
 
 GRAINS = {"e": 0.8, "e_w": 0.8, "r": 0.6, "tan_theta": 0.3}
 METHODS = (st.Frame(rtol=1e-11), st.Compound(rtol=1e-11), st.Riccati(rtol=1e-11))
@@ -36,7 +36,7 @@ def cases(quick: bool) -> Iterator[Case]:
         for method in METHODS:
             st.refine(p, guess=guess, rtol=1e-9, method=method)  # type: ignore[arg-type]
             mode = st.refine(p, guess=guess, rtol=1e-9, method=replace(method))  # type: ignore[arg-type]
-            D = method.on(p).with_slope(complex(mode.sigma) * (1 + 1e-3)).D  # type: ignore[arg-type]
+            D = method.on(p).with_derivative(complex(mode.sigma) * (1 + 1e-3)).D  # type: ignore[arg-type]
             allowed = (mode.error + truth.error) / abs(mode.sigma)
             size = f"log10|D| {D.log_abs / math.log(10):+.0f}"
             note = f"{mode.digits:.1f} digits by its bound, {mode.evaluations} evaluations, {1e3 * mode.seconds:.0f} ms, {size}"

@@ -9,9 +9,9 @@ from claims import Case, Claim, main
 from scenes import problem
 
 import shootstab as st
-from shootstab.discriminants.atlas import Atlas
-from shootstab.discriminants.continuum import continuum_of
-from shootstab.spectral import chute
+from shootstab.discriminants.continuation import Continuation
+from shootstab.essential_spectrum.interior import continuum_of
+from shootstab.models.chute import collocation as chute
 
 MODES = {"fig2": (0.00169243 - 0.00156624j, -0.0035033 - 0.0070879j), "low": (0.00727558 - 0.01186505j, -0.009473 - 0.050454j)}
 
@@ -29,9 +29,9 @@ def costs(name: str, quick: bool) -> Iterator[Case]:
             steps = []
             for offset in OFFSETS:
                 sigma = complex(p.continuum_at(np.array([z + 1j * side * offset * curve.scale(z)]))[0])
-                chart = Atlas(p, st.Frame(rtol=1e-9)).at(sigma)
-                chart.discriminant(sigma)
-                steps.append(chart.discriminant.steps)
+                branch = Continuation(p, st.Frame(rtol=1e-9)).at(sigma)
+                branch.discriminant(sigma)
+                steps.append(branch.discriminant.steps)
             kept = "at most 1.2" if max(steps) <= 1.2 * min(steps) else f"{max(steps) / min(steps):.2f}"
             where = "above" if side > 0 else "below"
             yield Case(f"{name}: cost at z = {z:.3g}, {where}", "at most 1.2", kept, 0.0, f"steps {steps} at offsets {OFFSETS}")

@@ -6,17 +6,17 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
+from augmented import Augmented
 from claims import Case, Claim, main
-from doubled import Doubled
 from scenes import problem
 
 import shootstab as st
-from shootstab.problems.chute import ChuteProblem
-from shootstab.problems.gallery.poiseuille import PlanePoiseuille
+from shootstab.analyses.claims import radius_of
+from shootstab.analyses.reference import claims
+from shootstab.core.records import Report
+from shootstab.models.chute import ChuteProblem
+from shootstab.models.gallery.poiseuille import PlanePoiseuille
 from shootstab.problems.protocol import Problem
-from shootstab.questions.judge import radius_of
-from shootstab.questions.reference import claims
-from shootstab.vocabulary.records import Report
 
 DIGITS = 7
 DOUBLE_DIGITS = 5
@@ -95,11 +95,11 @@ def cases(quick: bool) -> Iterator[Case]:
         yield from plant(name, p, foreign)
     channel = PlanePoiseuille(reynolds=500.0)
     sigma = complex(st.refine(channel, -0.0705 - 0.3806j, rtol=1e-12).sigma)
-    yield from plant_double("two channels", Doubled(channel), sigma)
-    yield from plant_double("a channel driven by another", Doubled(channel, drive=1.0), sigma)
+    yield from plant_double("two channels", Augmented(channel), sigma)
+    yield from plant_double("a channel driven by another", Augmented(channel, drive=1.0), sigma)
     if not quick:
         for name, sigma in zip(("high", "low"), foreign, strict=True):
-            yield from plant_double(f"{name}, two flows", Doubled(problem(name)), sigma)
+            yield from plant_double(f"{name}, two flows", Augmented(problem(name)), sigma)
 
 
 CLAIM = Claim(

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from shootstab.problems.chute import ChuteProblem
+from shootstab.models.chute import ChuteProblem
 
 PIECES = 20  # between orthonormalizations
 SECANTS = 20

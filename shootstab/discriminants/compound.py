@@ -7,15 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shootstab.discriminants.paths import Bend
+from shootstab.core.discriminant import Value
+from shootstab.core.scaled import Scaled
+from shootstab.discriminants.deformed_path import DeformedPath
 from shootstab.discriminants.product import Product, shoot
-from shootstab.discriminants.protocol import Value
+from shootstab.discriminants.sampled_system import SampledSystem
 from shootstab.discriminants.shooting import Shooting
-from shootstab.discriminants.table import Table
-from shootstab.kernels.compound import transport_minors
 from shootstab.kernels.exterior import induced, minors_with_slope
+from shootstab.kernels.minor_transport import transport_minors
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
-from shootstab.vocabulary.scaled import Scaled
 
 
 @dataclass(frozen=True)
@@ -29,12 +29,12 @@ class Compound:
     rtol: float = 1e-11
     name: str = "compound"
 
-    def on(self, problem: Problem, bend: Bend | None = None) -> Shooting | Product:
-        """D(σ) of the problem, along the real axis or along a bend; the mesh is made at the first σ and grows where another needs it."""
-        return shoot(problem, lambda: self, bend)
+    def on(self, problem: Problem, path: DeformedPath | None = None) -> Shooting | Product:
+        """D(σ) of the problem, along the real axis or along a path; the mesh is made at the first σ and grows where another needs it."""
+        return shoot(problem, lambda: self, path)
 
-    def carry(
-        self, table: Table, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
+    def propagate(
+        self, sampled: SampledSystem, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
     ) -> tuple[Value, np.ndarray]:
         """D = Σ_I w_I y_I, w and y the minors of W0 + σW1 and of Y: by Cauchy–Binet det[(W0 + σW1) Y]."""
         n, k = far.frame.shape
@@ -42,8 +42,8 @@ class Compound:
         # columns of size 1, and by the way a number that depends on the basis: in another one everything rounds otherwise
         norms = np.linalg.norm(far.frame, axis=0)
         y, dy = minors_with_slope(far.frame / norms, far.tangent / norms, lists.subsets)
-        errors = np.empty(len(table.nodes) - 1)
-        system, at, y, dy = table.numbers(sigma, y, dy)
+        errors = np.empty(len(sampled.nodes) - 1)
+        system, at, y, dy = sampled.numbers(sigma, y, dy)
         log_scale = transport_minors(system, at, *lists, y, dy, tangent, errors)
         w, dw = minors_with_slope((rows[0] + sigma * rows[1]).T, rows[1].T, lists.subsets)
         with np.errstate(invalid="ignore", over="ignore"):  # a mesh too coarse for y: the errors tell

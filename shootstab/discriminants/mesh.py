@@ -31,7 +31,7 @@ def redistribute(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tol
     return np.concatenate(pieces)
 
 
-def split(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolerance: float) -> NDArray[np.complex128]:
+def subdivide(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolerance: float) -> NDArray[np.complex128]:
     """Only the steps whose error exceeds the tolerance, each cut into as many equal parts as the error asks for, two at least."""
     pieces = [nodes[:1]]
     for start, end, error in zip(nodes[:-1], nodes[1:], errors, strict=True):

@@ -1,46 +1,46 @@
-"""D(σ) of a problem from those of its parts, each carried on its own mesh."""
+"""D(σ) of a problem from those of its decoupling, each carried on its own mesh."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
 
-from shootstab.discriminants.parts import Coupled, Parts, parts_of
-from shootstab.discriminants.paths import Bend
-from shootstab.discriminants.protocol import Value
-from shootstab.discriminants.shooting import Carrier, Shooting
+from shootstab.core.discriminant import Value
+from shootstab.core.scaled import Scaled
+from shootstab.discriminants.deformed_path import DeformedPath
+from shootstab.discriminants.shooting import Propagator, Shooting
+from shootstab.discriminants.subsystems import Coupled, Decoupling, decouple
 from shootstab.problems.protocol import Problem
-from shootstab.vocabulary.scaled import Scaled
 
 
-def shoot(problem: Problem, method: Callable[[], Carrier], bend: Bend | None = None) -> Shooting | Product:
-    """D(σ) of the problem by a method, along the real axis or along a bend; in parts where it falls into parts.
+def shoot(problem: Problem, method: Callable[[], Propagator], path: DeformedPath | None = None) -> Shooting | Product:
+    """D(σ) of the problem by a method, along the real axis or along a path; in decoupling where it falls into decoupling.
 
     method makes a carrier, one for each part: a carrier may remember how it went.
     """
-    parts = parts_of(problem)
-    if parts is None:
-        return Shooting(problem, method(), bend)
-    return Product(parts, tuple(Shooting(part, method(), bend) for part in parts.members), method)
+    decoupling = decouple(problem)
+    if decoupling is None:
+        return Shooting(problem, method(), path)
+    return Product(decoupling, tuple(Shooting(part, method(), path) for part in decoupling.members), method)
 
 
 class Product:
     """D = factor Π D_i; a discriminant as `Shooting` is one."""
 
-    def __init__(self, parts: Parts, members: tuple[Shooting, ...], method: Callable[[], Carrier]) -> None:
-        self._parts, self.members, self._method = parts, members, method
+    def __init__(self, decoupling: Decoupling, members: tuple[Shooting, ...], method: Callable[[], Propagator]) -> None:
+        self._decoupling, self.members, self._method = decoupling, members, method
 
     def __call__(self, sigma: complex) -> Scaled:
-        D = Scaled(self._parts.factor, 0.0)
+        D = Scaled(self._decoupling.factor, 0.0)
         for member in self.members:
             D = _times(D, member(sigma))
         return D
 
-    def with_slope(self, sigma: complex) -> Value:
+    def with_derivative(self, sigma: complex) -> Value:
         sigma = complex(sigma)
-        total = Value(sigma, Scaled(self._parts.factor, 0.0), 0j)
+        total = Value(sigma, Scaled(self._decoupling.factor, 0.0), 0j)
         for member in self.members:
-            value = member.with_slope(sigma)
+            value = member.with_derivative(sigma)
             dD = total.dD * value.D.mantissa + total.D.mantissa * value.dD
             total = Value(sigma, _times(total.D, value.D), dD)
         return total
@@ -69,34 +69,34 @@ class Product:
     def refined(self, seed: int | None = None) -> Product:
         return self._each(lambda member: member.refined(seed))
 
-    def turned(self, seed: int) -> Product:
-        return self._each(lambda member: member.turned(seed))
+    def with_rotated_basis(self, seed: int) -> Product:
+        return self._each(lambda member: member.with_rotated_basis(seed))
 
-    def jiggled(self, seed: int, size: float) -> Product:
-        return self._each(lambda member: member.jiggled(seed, size))
+    def with_perturbed_start(self, seed: int, size: float) -> Product:
+        return self._each(lambda member: member.with_perturbed_start(seed, size))
 
-    def of(self, problem: Problem) -> Product:
-        others = self._parts.of(problem)
-        members = tuple(member.of(other) for member, other in zip(self.members, others, strict=True))
-        return Product(replace(self._parts, members=others), members, self._method)
+    def on_same_mesh(self, problem: Problem) -> Product:
+        others = self._decoupling.applied_to(problem)
+        members = tuple(member.on_same_mesh(other) for member, other in zip(self.members, others, strict=True))
+        return Product(replace(self._decoupling, members=others), members, self._method)
 
-    def adopt(self, other: Shooting | Product) -> None:
+    def reuse_mesh_of(self, other: Shooting | Product) -> None:
         """Begin with the meshes that another path of the same problem has."""
         if isinstance(other, Product):
             for member, known in zip(self.members, other.members, strict=True):
-                member.adopt(known)
+                member.reuse_mesh_of(known)
 
-    def moved_to(self, problem: Problem) -> Shooting | Product:
-        """Of another problem, from the same mesh on; in the same parts if they are apart there too."""
-        others = self._parts.members if problem is self._parts.members[0].whole else self._parts.of(problem)
+    def warm_started(self, problem: Problem) -> Shooting | Product:
+        """Of another problem, from the same mesh on; in the same decoupling if they are apart there too."""
+        others = self._decoupling.members if problem is self._decoupling.members[0].whole else self._decoupling.applied_to(problem)
         try:
-            members = tuple(member.moved_to(other, self._method()) for member, other in zip(self.members, others, strict=True))
+            members = tuple(member.warm_started(other, self._method()) for member, other in zip(self.members, others, strict=True))
         except Coupled:
-            return shoot(problem, self._method, self.members[0].bend)
-        return Product(replace(self._parts, members=others), members, self._method)
+            return shoot(problem, self._method, self.members[0].path)
+        return Product(replace(self._decoupling, members=others), members, self._method)
 
     def _each(self, change: Callable[[Shooting], Shooting]) -> Product:
-        return Product(self._parts, tuple(map(change, self.members)), self._method)
+        return Product(self._decoupling, tuple(map(change, self.members)), self._method)
 
 
 def _times(a: Scaled, b: Scaled) -> Scaled:

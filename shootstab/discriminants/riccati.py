@@ -11,15 +11,15 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from shootstab.discriminants.paths import Bend
+from shootstab.core.discriminant import Value
+from shootstab.core.scaled import Scaled
+from shootstab.discriminants.deformed_path import DeformedPath
 from shootstab.discriminants.product import Product, shoot
-from shootstab.discriminants.protocol import Value
+from shootstab.discriminants.sampled_system import SampledSystem
 from shootstab.discriminants.shooting import Shooting
-from shootstab.discriminants.table import Table
 from shootstab.kernels.elimination import wall_determinant
-from shootstab.kernels.riccati import enter_chart, leave_chart, transport_chart
+from shootstab.kernels.riccati_transport import enter_chart, leave_chart, transport_chart
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
-from shootstab.vocabulary.scaled import Scaled
 
 LARGE = 100.0  # charts chosen at another σ are kept as long as no |S_ij| at a node is beyond this
 
@@ -34,15 +34,15 @@ class Riccati:
     rtol: float = 1e-11
     name: str = "riccati"
 
-    def on(self, problem: Problem, bend: Bend | None = None) -> Shooting | Product:
-        """D(σ) of the problem, along the real axis or along a bend; the mesh is made at the first σ and grows where another needs it."""
-        return shoot(problem, lambda: Charted(self.rtol), bend)
+    def on(self, problem: Problem, path: DeformedPath | None = None) -> Shooting | Product:
+        """D(σ) of the problem, along the real axis or along a path; the mesh is made at the first σ and grows where another needs it."""
+        return shoot(problem, lambda: Charted(self.rtol), path)
 
-    def carry(
-        self, table: Table, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
+    def propagate(
+        self, sampled: SampledSystem, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
     ) -> tuple[Value, np.ndarray]:
         """D = det(W_p + W_q S) det U, W = W0 + σW1, in charts chosen for this σ."""
-        return Charted(self.rtol).carry(table, rows, far, sigma, tangent)
+        return Charted(self.rtol).propagate(sampled, rows, far, sigma, tangent)
 
 
 class Charts(NamedTuple):
@@ -70,24 +70,24 @@ class Charted:
         self.rtol = rtol
         self._charts: Charts | None = None
 
-    def carry(
-        self, table: Table, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
+    def propagate(
+        self, sampled: SampledSystem, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
     ) -> tuple[Value, np.ndarray]:
-        """As `Riccati.carry`, in the charts in which the space was carried before, if they serve."""
+        """As `Riccati.propagate`, in the charts in which the space was carried before, if they serve."""
         if self._charts is not None:
-            swaps = self._charts.on(table.nodes)
+            swaps = self._charts.on(sampled.nodes)
             if swaps is not None:
-                value, errors, largest, _ = _carry(table, rows, far, sigma, tangent, self._charts.order, swaps)
+                value, errors, largest, _ = _propagate(sampled, rows, far, sigma, tangent, self._charts.order, swaps)
                 if largest <= LARGE and cmath.isfinite(value.D.mantissa) and math.isfinite(value.D.log_scale):
                     return value, errors
         order = _pivots_first(far.frame)
-        value, errors, _, swaps = _carry(table, rows, far, sigma, tangent, order, None)
-        self._charts = Charts(order, table.nodes[swaps[:, 0]], swaps[:, 1:])
+        value, errors, _, swaps = _propagate(sampled, rows, far, sigma, tangent, order, None)
+        self._charts = Charts(order, sampled.nodes[swaps[:, 0]], swaps[:, 1:])
         return value, errors
 
 
-def _carry(
-    table: Table,
+def _propagate(
+    sampled: SampledSystem,
     rows: tuple[ComplexArray, ComplexArray],
     far: FarFrame,
     sigma: complex,
@@ -98,9 +98,9 @@ def _carry(
     """D and local errors in the charts given or, with None, in those chosen for this σ; the largest |S_ij|; the exchanges made."""
     order, units = first.copy(), _units(far.frame)
     S, dS, start, start_slope = enter_chart(far.frame, far.tangent, units, order)
-    errors = np.full(len(table.nodes) - 1, np.nan)
+    errors = np.full(len(sampled.nodes) - 1, np.nan)
     given = np.empty((0, 3), dtype=np.int64) if swaps is None else swaps
-    system, at, S, dS = table.numbers(sigma, S, dS)
+    system, at, S, dS = sampled.numbers(sigma, S, dS)
     log_det, dlog_det, largest, made = transport_chart(system, at, units, order, S, dS, tangent, errors, given, swaps is None)
     det, slope = wall_determinant(*rows, sigma, *leave_chart(S, dS, units, order))
     # a mesh too coarse for S gives no numbers: the errors tell

@@ -9,13 +9,13 @@ from typing import Protocol
 
 import numpy as np
 
-from shootstab.discriminants.mesh import halved, redistribute, split
-from shootstab.discriminants.paths import Bend
-from shootstab.discriminants.protocol import Value
-from shootstab.discriminants.table import Table, retabulate, tabulate
+from shootstab.core.discriminant import Value
+from shootstab.core.errors import ConvergenceError
+from shootstab.core.scaled import Scaled
+from shootstab.discriminants.deformed_path import DeformedPath
+from shootstab.discriminants.mesh import halved, redistribute, subdivide
+from shootstab.discriminants.sampled_system import SampledSystem, resample, sample_system
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
-from shootstab.vocabulary.errors import ConvergenceError
-from shootstab.vocabulary.scaled import Scaled
 
 MOST_STEPS = 40_000
 TURNS = 30  # attempts at a mesh
@@ -23,68 +23,68 @@ FAR_MARGIN = 1e-4  # of the far frame's tolerance, for a mesh that is to serve l
 REDISTRIBUTIONS = 3  # of them, those that move every node
 
 
-class Carrier(Protocol):
-    """A method that carries the decaying space along a table, with the tolerance that it sets on local errors."""
+class Propagator(Protocol):
+    """A method that carries the decaying space along a sampled, with the tolerance that it sets on local errors."""
 
     @property
     def rtol(self) -> float: ...
 
-    def carry(
-        self, table: Table, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
+    def propagate(
+        self, sampled: SampledSystem, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
     ) -> tuple[Value, np.ndarray]:
-        """D(σ), with dD/dσ if tangent, and the local errors (N,) of the table's steps."""
+        """D(σ), with dD/dσ if tangent, and the local errors (N,) of the sampled's steps."""
         ...
 
 
 @dataclass(frozen=True)
-class Settled:
+class FixedMesh:
     """A method on a mesh that is to stay: it carries as the method does and finds no local error too large."""
 
-    method: Carrier
+    method: Propagator
     rtol: float = math.inf
 
-    def carry(
-        self, table: Table, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
+    def propagate(
+        self, sampled: SampledSystem, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
     ) -> tuple[Value, np.ndarray]:
         """As the method does."""
-        return self.method.carry(table, rows, far, sigma, tangent)
+        return self.method.propagate(sampled, rows, far, sigma, tangent)
 
 
 class Shooting:
     """D(σ) = det[(W0 + σW1) Y(0; σ)], Y the decaying space normalized in the far field.
 
     The mesh stays the same from one σ to the next as long as its local errors hold, and on a given mesh D is analytic to rounding.
-    With a bend the path of integration leaves the real axis.
+    With a path the path of integration leaves the real axis.
     """
 
     def __init__(
         self,
         problem: Problem,
-        method: Carrier,
-        bend: Bend | None = None,
+        method: Propagator,
+        path: DeformedPath | None = None,
         start: Callable[[FarFrame], FarFrame] = lambda far: far,
     ) -> None:
-        self.problem, self.method, self.bend, self._start = problem, method, bend, start
+        self.problem, self.method, self.path, self._start = problem, method, path, start
         self.evaluations = 0
-        self._table: Table | None = None
+        self._sampled_system: SampledSystem | None = None
         self._far_error = 0.0
-        self._tables: dict[tuple[Problem, bool, int | None], tuple[Table | None, Table]] = {}
+        self._sampled_systems: dict[tuple[Problem, bool, int | None], tuple[SampledSystem | None, SampledSystem]] = {}
         self._rows = problem.wall_rows()
 
     def __call__(self, sigma: complex) -> Scaled:
         return self._evaluate(complex(sigma), False).D
 
-    def with_slope(self, sigma: complex) -> Value:
+    def with_derivative(self, sigma: complex) -> Value:
         return self._evaluate(complex(sigma), True)
 
     def refined(self, seed: int | None = None) -> Shooting:
         """The same on a mesh with every step halved: the difference is the error of this one.
 
-        With a seed the steps are cut a little off their middle: what differs from the halved mesh is the rounding of mesh and table.
+        With a seed the steps are cut a little off their middle: what differs from the halved mesh is the rounding of mesh and sampled.
         """
         return self._variant(lambda far: far, halved(self._mesh, seed), self.problem, seed)
 
-    def turned(self, seed: int) -> Shooting:
+    def with_rotated_basis(self, seed: int) -> Shooting:
         """The same from the far frame with its columns in another order and with other phases, of product 1, at random.
 
         They are not mixed: columns of very different size would be spoilt by that, and not by the method.
@@ -95,34 +95,34 @@ class Shooting:
         basis[:, 0] /= np.linalg.det(basis)
         return self._variant(lambda far: replace(far, frame=far.frame @ basis, tangent=far.tangent @ basis), self._mesh, self.problem)
 
-    def jiggled(self, seed: int, size: float) -> Shooting:
+    def with_perturbed_start(self, seed: int, size: float) -> Shooting:
         """The same from a far frame with every component changed by a random relative amount of this size."""
         noise = 1 + size * _random(seed, self.problem.size, self.problem.decaying)
         return self._variant(lambda far: replace(far, frame=far.frame * noise), self._mesh, self.problem)
 
-    def of(self, problem: Problem) -> Shooting:
+    def on_same_mesh(self, problem: Problem) -> Shooting:
         """Of another problem, on the same mesh."""
         return self._variant(lambda far: far, self._mesh, problem)
 
-    def moved_to(self, problem: Problem, method: Carrier | None = None) -> Shooting:
+    def warm_started(self, problem: Problem, method: Propagator | None = None) -> Shooting:
         """Of another problem, from the same mesh on, which grows where it must; method carries it, if not the same object."""
-        other = Shooting(problem, method or self.method, self.bend)
-        if self._table is not None:
-            other._table = self._table if problem is self.problem else tabulate(problem, self._mesh)
+        other = Shooting(problem, method or self.method, self.path)
+        if self._sampled_system is not None:
+            other._sampled_system = self._sampled_system if problem is self.problem else sample_system(problem, self._mesh)
         return other
 
-    def adopt(self, other: Shooting) -> None:
-        """Begin with the mesh and the table that another path of the same problem has off the detours."""
-        if other._table is None or self.bend is None:
+    def reuse_mesh_of(self, other: Shooting) -> None:
+        """Begin with the mesh and the sampled that another path of the same problem has off the detours."""
+        if other._sampled_system is None or self.path is None:
             return
         nodes = other._mesh
         real = nodes[nodes.imag == 0.0].real
-        if other.bend is not None:
+        if other.path is not None:
             inside = self.problem.mesh(real[0])
-            inside = inside[np.abs(inside - other.bend.centre) < other.bend.half_width]
+            inside = inside[np.abs(inside - other.path.centre) < other.path.half_width]
             real = np.union1d(real, inside)
             real = real if nodes[-1].real > nodes[0].real else real[::-1]
-        self._table = retabulate(self.problem, self.bend.of(real), other._table)
+        self._sampled_system = resample(self.problem, self.path.deform(real), other._sampled_system)
 
     @property
     def far_error(self) -> float:
@@ -131,7 +131,7 @@ class Shooting:
     @property
     def steps(self) -> int:
         """How many steps the mesh has."""
-        return 0 if self._table is None else len(self._table.nodes) - 1
+        return 0 if self._sampled_system is None else len(self._sampled_system.nodes) - 1
 
     def system_at(self, sigma: complex) -> str:
         """What is integrated at this σ, in words."""
@@ -139,30 +139,30 @@ class Shooting:
 
     def real_at(self, sigma: complex) -> bool:
         """Whether the system is real at this σ."""
-        return complex(sigma).imag == 0.0 and self._table is not None and self._table.real is not None
+        return complex(sigma).imag == 0.0 and self._sampled_system is not None and self._sampled_system.real is not None
 
     @property
     def _mesh(self) -> ComplexArray:
-        if self._table is None:
+        if self._sampled_system is None:
             raise ValueError("no mesh yet: D has not been asked for")
-        return self._table.nodes
+        return self._sampled_system.nodes
 
     def _variant(self, start: Callable[[FarFrame], FarFrame], nodes: ComplexArray, problem: Problem, seed: int | None = None) -> Shooting:
         """The same on a given mesh, which it keeps, from a far frame changed on the way."""
-        other = Shooting(problem, Settled(self.method), self.bend, start)
-        other._table = self._shared_table(problem, nodes, seed)
+        other = Shooting(problem, FixedMesh(self.method), self.path, start)
+        other._sampled_system = self._shared_system(problem, nodes, seed)
         return other
 
-    def _shared_table(self, problem: Problem, nodes: ComplexArray, seed: int | None) -> Table | None:
-        """A table of its own mesh, of the halved one, or of another problem's on its own: each is made once for each mesh."""
+    def _shared_system(self, problem: Problem, nodes: ComplexArray, seed: int | None) -> SampledSystem | None:
+        """A sampled of its own mesh, of the halved one, or of another problem's on its own: each is made once for each mesh."""
         if problem is self.problem and nodes is self._mesh:
-            return self._table
+            return self._sampled_system
         key = (problem, nodes is self._mesh, seed)
-        known = self._tables.get(key)
-        if known is None or known[0] is not self._table:
+        known = self._sampled_systems.get(key)
+        if known is None or known[0] is not self._sampled_system:
             # the mesh may have grown since: most of its steps are the same
-            table = tabulate(problem, nodes) if known is None else retabulate(problem, nodes, known[1])
-            self._tables[key] = known = self._table, table
+            sampled = sample_system(problem, nodes) if known is None else resample(problem, nodes, known[1])
+            self._sampled_systems[key] = known = self._sampled_system, sampled
         return known[1]
 
     @property
@@ -173,7 +173,9 @@ class Shooting:
         """A mesh for σ: from the problem's own first mesh, redistributed until the local errors hold."""
         start = self.problem.start(sigma, far_tolerance)
         straight = self.problem.mesh(start)
-        self._table = tabulate(self.problem, straight.astype(np.complex128) if self.bend is None else self.bend.of(straight))
+        self._sampled_system = sample_system(
+            self.problem, straight.astype(np.complex128) if self.path is None else self.path.deform(straight)
+        )
         for turn in range(TURNS):
             _, errors = self._shoot(sigma, False)
             if turn > 0 and (errors <= self.method.rtol).all():
@@ -183,26 +185,26 @@ class Shooting:
 
     def _reach_out(self, sigma: complex) -> None:
         """Begin farther out, where the far frame holds for σ and for somewhat larger ones; the rest of the mesh stays."""
-        nodes, table = self._mesh, self._table
-        assert table is not None
+        nodes, sampled = self._mesh, self._sampled_system
+        assert sampled is not None
         outwards = nodes[0].real - nodes[-1].real
         straight = self.problem.mesh(self.problem.start(sigma, FAR_MARGIN * self._far_tolerance))
         beyond = straight[(straight - nodes[0].real) * outwards > 1e-9 * outwards**2]
         if len(beyond) == 0:
             self._build(sigma, self._far_tolerance)
         else:
-            self._table = retabulate(self.problem, np.concatenate((beyond, nodes)), table)
+            self._sampled_system = resample(self.problem, np.concatenate((beyond, nodes)), sampled)
 
     def _regrid(self, errors: np.ndarray, everywhere: bool) -> None:
         """Spread the steps anew, or only split those that err too much."""
-        nodes = (redistribute if everywhere else split)(self._mesh, errors, self.method.rtol)
+        nodes = (redistribute if everywhere else subdivide)(self._mesh, errors, self.method.rtol)
         if len(nodes) > MOST_STEPS:
             raise ConvergenceError(f"the mesh would need more than {MOST_STEPS} steps: sigma lies on a singularity of the system")
-        assert self._table is not None
-        self._table = retabulate(self.problem, nodes, self._table)
+        assert self._sampled_system is not None
+        self._sampled_system = resample(self.problem, nodes, self._sampled_system)
 
     def _evaluate(self, sigma: complex, tangent: bool) -> Value:
-        if self._table is None:
+        if self._sampled_system is None:
             self._build(sigma, self._far_tolerance)
         value, errors = self._shoot(sigma, tangent)
         for _ in range(TURNS):
@@ -213,15 +215,15 @@ class Shooting:
         raise ConvergenceError(f"local errors of {self.method.rtol:.1e} cannot be held at sigma = {sigma:.6g}")
 
     def _shoot(self, sigma: complex, tangent: bool) -> tuple[Value, np.ndarray]:
-        assert self._table is not None
-        table = self._table
-        far = self._start(self.problem.far_frame(table.nodes[0].real, sigma))
+        assert self._sampled_system is not None
+        sampled = self._sampled_system
+        far = self._start(self.problem.far_frame(sampled.nodes[0].real, sigma))
         self._far_error = far.error
         if far.error > 10 * self._far_tolerance:
             self._reach_out(sigma)
             return self._shoot(sigma, tangent)
         self.evaluations += 1
-        return self.method.carry(table, self._rows, far, sigma, tangent)
+        return self.method.propagate(sampled, self._rows, far, sigma, tangent)
 
 
 def _random(seed: int, *shape: int) -> ComplexArray:

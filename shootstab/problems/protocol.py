@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 ComplexArray = NDArray[np.complex128]
+GENERIC_SIGMA = 0.35  # chosen: a real σ that is no special value of anything; what holds there by accident holds nowhere else
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ class Problem(Protocol):
         """W0, W1 (k, n): (W0 + σ W1) ψ = 0 at the wall."""
         ...
 
-    def cruder(self, factor: float) -> Problem:
+    def with_base_flow_error(self, factor: float) -> Problem:
         """The same problem with its base flow computed less accurately by this factor; itself if the base flow is in closed form."""
         ...
 

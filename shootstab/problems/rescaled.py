@@ -7,15 +7,15 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from shootstab.problems.barrier import Barrier, barrier_of
+from shootstab.problems.capabilities import ASYMPTOTICS, CROSSINGS, GENERIC
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil, Problem
-
-GENERIC = 0.35  # a σ without any property, for problems whose decaying space exists at every one
+from shootstab.problems.splitting import AsymptoticPencil
 
 
 @dataclass(frozen=True, eq=False)
 class Rescaled:
-    """The pencil (C0 + v unit C1) ψ′ = (D0 + v unit D1) ψ. What is analytic in σ is so in v; what is left of a curve stays left."""
+    """The pencil (C0 + v unit C1) ψ′ = (D0 + v unit D1) ψ. A function analytic in σ is analytic in v, and a rotation with
+    scaling keeps orientation: the left side of the image of a curve is the image of its left side."""
 
     problem: Problem
     unit: complex
@@ -47,8 +47,8 @@ class Rescaled:
         W0, W1 = self.problem.wall_rows()
         return W0, self.unit * W1
 
-    def cruder(self, factor: float) -> Rescaled:
-        crude = self.problem.cruder(factor)
+    def with_base_flow_error(self, factor: float) -> Rescaled:
+        crude = self.problem.with_base_flow_error(factor)
         if crude is self.problem:
             return self
         if factor not in self._crude:
@@ -63,9 +63,12 @@ class Rescaled:
 
     @property
     def generic_sigma(self) -> complex:
-        return complex(getattr(self.problem, "generic_sigma", GENERIC)) / self.unit
+        return complex(GENERIC.of(self.problem)) / self.unit
 
     @property
-    def barrier(self) -> Barrier | None:
-        found = barrier_of(self.problem)
-        return None if found is None else found.rescaled(self.unit)
+    def asymptotics(self) -> tuple[tuple[AsymptoticPencil, int], ...]:
+        return tuple((pencil.rescaled(self.unit), k) for pencil, k in ASYMPTOTICS.of(self.problem))
+
+    @property
+    def crossings(self) -> tuple[tuple[NDArray[np.float64], ComplexArray], ...]:
+        return tuple((z, sigma / self.unit) for z, sigma in CROSSINGS.of(self.problem))

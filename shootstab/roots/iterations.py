@@ -6,8 +6,8 @@ import cmath
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from shootstab.discriminants.protocol import Discriminant, Value
-from shootstab.vocabulary.scaled import Scaled
+from shootstab.core.discriminant import Discriminant, Value
+from shootstab.core.scaled import Scaled
 
 SHRINKS = 0.1  # from step to step, near enough to a simple zero for its curvature to be used
 FORESIGHT = 0.1  # of the tolerance, what the step foreseen may be
@@ -61,7 +61,7 @@ def _newton_steps(discriminant: Discriminant, sigma: complex) -> Iterator[tuple[
     before: Value | None = None
     step_before = 0j
     while True:
-        value = discriminant.with_slope(sigma)
+        value = discriminant.with_derivative(sigma)
         step, ahead = value.newton_step, float("inf")
         if before is not None and abs(step) < SHRINKS * abs(step_before):
             bend = _curvature(before, value)

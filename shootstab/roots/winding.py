@@ -16,9 +16,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from shootstab.discriminants.protocol import Discriminant, Value
-from shootstab.vocabulary.errors import ConvergenceError
-from shootstab.vocabulary.regions import Region
+from shootstab.core.discriminant import Discriminant, Value
+from shootstab.core.errors import ConvergenceError
+from shootstab.core.regions import Region
 
 LONGEST = 1.2  # |Δ ln D| over one piece
 MISMATCH = 0.3  # between its two values
@@ -52,7 +52,7 @@ def wind(discriminant: Discriminant, region: Region, pieces: int = FIRST_PIECES)
 
     Raises ConvergenceError when a zero lies on the boundary, or so near to it that no sampling tells the side.
     """
-    values = follow(lambda t: discriminant.with_slope(region.boundary(t)), region.corners, True, pieces)
+    values = follow(lambda t: discriminant.with_derivative(region.boundary(t)), region.corners, True, pieces)
     count = whole_turns(sum(change(a, b).imag for a, b in pairwise(values)))
     centre = sum(v.sigma for v in values[:-1]) / (len(values) - 1)
     total = sum(_predicted(a, b) for a, b in pairwise(values))
@@ -71,7 +71,7 @@ def power_sums(pieces: Pieces, centre: complex, scale: float, most: int) -> NDAr
     for sign, values in pieces:
         sigma = np.array([v.sigma for v in values])
         h = np.diff(sigma)
-        slope = np.array([v.slope for v in values])
+        slope = np.array([v.logarithmic_derivative for v in values])
         gain = np.array([change(a, b) for a, b in pairwise(values)])
         first, last = (slope[:-1] * h)[:, None], (slope[1:] * h)[:, None]
         rate = first * (1 - 4 * t + 3 * t * t) + last * (3 * t * t - 2 * t) + gain[:, None] * (6 * t * (1 - t))
@@ -126,13 +126,13 @@ def _follow(evaluate: Callable[[float], Value], followed: list[tuple[float, Valu
 def _settled(a: Value, b: Value) -> bool:
     predicted = _predicted(a, b)
     chord = abs(b.sigma - a.sigma)
-    steep = max(abs(a.slope), abs(b.slope)) * chord
+    steep = max(abs(a.logarithmic_derivative), abs(b.logarithmic_derivative)) * chord
     return steep < 2 * LONGEST and abs(predicted) < LONGEST and abs(predicted - change(a, b)) < MISMATCH
 
 
 def _predicted(a: Value, b: Value) -> complex:
     """∫ d ln D from the derivatives at both ends."""
-    return 0.5 * (a.slope + b.slope) * (b.sigma - a.sigma)
+    return 0.5 * (a.logarithmic_derivative + b.logarithmic_derivative) * (b.sigma - a.sigma)
 
 
 def change(a: Value, b: Value) -> complex:

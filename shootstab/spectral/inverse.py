@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from shootstab.vocabulary.errors import ConvergenceError
+from shootstab.core.errors import ConvergenceError
 
 Matrix = NDArray[Any]
 SETTLED = 1e-14  # a step below this part of |σ| ends the iteration

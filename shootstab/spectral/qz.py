@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from shootstab.core.errors import InputError
 from shootstab.spectral import chebyshev
-from shootstab.vocabulary.errors import InputError
 
 Matrix = NDArray[Any]
 Assemble = Callable[[int], tuple[Matrix, Matrix]]
@@ -69,6 +69,11 @@ def spectrum(
     order = np.argsort(-raw[kept].real, kind="stable")
     kept = kept[order]
     return Spectrum(_by_growth(raw), M, raw[kept], drift[kept], tail[order], larger)
+
+
+def nearest(spectrum: Spectrum, guess: complex) -> complex:
+    """The raw eigenvalue next to guess."""
+    return complex(spectrum.raw[np.abs(spectrum.raw - guess).argmin()])
 
 
 def union(parts: list[Spectrum]) -> Spectrum:

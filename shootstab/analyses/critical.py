@@ -1,0 +1,80 @@
+"""The critical point of a family of problems: where, over all wavenumbers, the first mode begins to grow.
+
+The growth rate g = Re σ(R, α) and its slope ∂g/∂α vanish there. σ is analytic in α, so that its derivatives at a real α are sums over a
+small circle of complex ones, σ^(m)/m! = (1/N r^m) Σ_j σ(α + r ω^j) ω^{−jm}, exact to rounding over r^m: no difference that cancels.
+Newton's iteration on (g, ∂g/∂α) then has g_α, g_αα and, from a second circle, g_R and g_αR.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from shootstab.analyses.refine import refine
+from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.problems.protocol import Problem
+
+POINTS = 12
+CIRCLE = 0.05  # its radius, in α: what is left out of σ′ is of the order 0.05^12
+SHIFT = 1e-3  # relative change of R for the second circle
+STEPS = 12
+ROUGH = 1e-9  # relative accuracy of the modes on the way
+RTOL = 1e-12  # of the modes
+
+
+@dataclass(frozen=True)
+class Critical:
+    """R_c, α_c and the mode there, with bounds on the errors of both."""
+
+    reynolds: float
+    alpha: float
+    sigma: complex
+    reynolds_error: float
+    alpha_error: float
+
+
+def critical(family: Callable[[float, complex], Problem], reynolds: float, alpha: float, guess: complex, rtol: float = RTOL) -> Critical:
+    """The critical point next to (reynolds, alpha), following the mode next to guess.
+
+    family(R, α) makes the problem; α comes complex, and R may be any parameter that growth rises with. Raises ConvergenceError where
+    Newton's iteration does not settle or a mode is lost on the way.
+    """
+    if not (reynolds > 0.0 and alpha > 0.0):
+        raise InputError(f"reynolds = {reynolds!r}, alpha = {alpha!r}: allowed are numbers above 0, near the critical point")
+    sigma = complex(guess)
+    step, change_R = math.inf, np.zeros(2)
+    for turn in range(STEPS):
+        rough = max(rtol, ROUGH) if step > 1e3 * rtol else rtol
+        series, error = _circle(family, reynolds, alpha, sigma, rough)
+        sigma, g = complex(series[0]), series.real
+        if turn < 2:  # a chord does from then on
+            ahead, _ = _circle(family, reynolds * (1 + SHIFT), alpha, sigma, rough)
+            change_R = (ahead.real - g)[:2] / (reynolds * SHIFT)
+        jacobian = np.array([[change_R[0], g[1]], [change_R[1], 2 * g[2]]])
+        move = np.linalg.solve(jacobian, -g[:2])
+        reynolds, alpha = reynolds + float(move[0]), alpha + float(move[1])
+        step = abs(float(move[0])) / reynolds + abs(float(move[1])) / alpha
+        if rough == rtol and step < 1e2 * rtol:
+            wrong = np.abs(np.linalg.inv(jacobian)) @ np.array([error, error / (CIRCLE * alpha)]) + np.abs(move)
+            return Critical(reynolds, alpha, sigma, float(wrong[0]), float(wrong[1]))
+    raise ConvergenceError(f"no critical point found near {reynolds:.6g}, {alpha:.6g}: the last step was {step:.1e}")
+
+
+def _circle(
+    family: Callable[[float, complex], Problem], reynolds: float, alpha: float, guess: complex, rtol: float
+) -> tuple[np.ndarray, float]:
+    """σ^(m)/m! for m = 0, 1, 2 at a real α, and the largest error of the modes around it."""
+    radius = CIRCLE * alpha
+    turns = np.exp(2j * np.pi * np.arange(POINTS) / POINTS)
+    sigmas, error, sigma = [], 0.0, guess
+    for turn in turns.tolist():
+        mode = refine(family(reynolds, alpha + radius * turn), sigma, rtol)
+        if not math.isfinite(mode.error):
+            raise ConvergenceError(f"the mode is lost at reynolds = {reynolds:.6g}, alpha = {alpha + radius * turn:.6g}: {mode.status}")
+        sigma, error = complex(mode.sigma), max(error, float(mode.error))
+        sigmas.append(sigma)
+    m = np.arange(3)
+    return np.fft.fft(sigmas)[:3] / POINTS / radius**m, error

@@ -1,0 +1,183 @@
+"""How many modes a region holds, cut along the continuous spectrum.
+
+The contour is the boundary of the region, both sides of every part of the curve inside it, and small circles around the ends of the
+curve that lie inside. On the curve D has two values, one continued from each side, and both are computed there along bent paths. With z
+rising, the left side of the curve is the one of singular points above the real z-axis (σ_c is analytic, so it keeps orientation):
+
+    2πi n = Σ_boundary Δ ln D + Σ_curve (Δ ln D_left − Δ ln D_right) − Σ_ends ∮ d ln D.
+
+What lies inside the circles around the ends is not counted, and is named.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from shootstab.core.discriminant import Value
+from shootstab.core.regions import Disc, Region
+from shootstab.discriminants.continuation import Continuation, Undecidable
+from shootstab.essential_spectrum.interior import Continuum
+from shootstab.roots.winding import Pieces, change, follow, whole_turns
+
+END = 1e-5  # radius of the circles around the ends, in the extent of the curve
+OFF = 1e-9  # how far from a crossing, in t or in z, the two sides are told apart
+SLACK = 1e-2  # of a turn: the pieces of the contour meet to OFF only
+
+
+@dataclass(frozen=True)
+class RegionCount:
+    """count modes in the region outside the discs left_out, which surround ends of the continuous spectrum.
+
+    closure is how far from a whole number the turns of D's phase were; evaluations how often D was computed; pieces the contour.
+    """
+
+    count: int
+    closure: float
+    left_out: tuple[Disc, ...]
+    evaluations: int
+    pieces: Pieces = field(default=(), repr=False)
+
+
+def count_in_region(continuation: Continuation, region: Region) -> RegionCount:
+    """Count the modes in a region.
+
+    Raises Undecidable where the continuous spectrum runs over itself, or an end of it lies on the boundary; ConvergenceError where a mode
+    lies on the contour.
+    """
+    if continuation.barrier is not None and continuation.barrier.enters(region):
+        raise Undecidable("the continuous spectrum of an end at infinity enters the region")
+    if continuation.barrier is not None and continuation.barrier.beyond(region.boundary(0.0)):
+        raise Undecidable("the region lies beyond the continuous spectrum of an end at infinity")
+    curve = continuation.continuum
+    samples: list[list[Value]] = []
+    everywhere = _everywhere(continuation)
+    if curve is None:
+        samples.append(_around(everywhere, region, region.corners, closed=True))
+        return _closed(samples, [1], ())
+    inside = parts_inside(curve, region)
+    if inside and _runs_over_itself(curve):
+        raise Undecidable("the continuous spectrum runs over itself inside the region: nothing tells the sides apart")
+    ends = ends_inside(curve, region)
+    signs: list[int] = []
+    for first, last in _between_crossings(curve, region, inside):
+        stops = [first, *(t for t in region.corners if first < t < last), *(t + 1 for t in region.corners if first < t + 1 < last), last]
+        closed = last - first == 1.0
+        samples.append(_around(everywhere, region, stops, closed))
+        signs.append(1)
+    for low, high in inside:
+        below, above = outside_ends(curve, low, high, ends)
+        for side, sign in ((1, 1), (-1, -1)):
+            samples.append(follow(_on_the_curve(continuation, side), [below, above]))
+            signs.append(sign)
+    for disc, crossing in ends:
+        turn = disc.parameter(crossing)
+        samples.append(follow(lambda t, d=disc: everywhere(d.boundary(t % 1.0)), [turn + OFF, turn + 0.5, turn + 1 - OFF]))  # type: ignore[misc]
+        signs.append(-1)
+    return _closed(samples, signs, tuple(d for d, _ in ends))
+
+
+def _around(everywhere: Callable[[complex], Value], region: Region, stops: Sequence[float], closed: bool) -> list[Value]:
+    """Samples along the boundary, the stop of largest |σ| first: its mesh serves the others, which would grow to it."""
+    everywhere(max((region.boundary(t % 1.0) for t in stops), key=abs))
+    return follow(lambda t: everywhere(region.boundary(t % 1.0)), stops, closed)
+
+
+def _closed(samples: list[list[Value]], signs: list[int], left_out: tuple[Disc, ...]) -> RegionCount:
+    phase = sum(sign * sum(change(a, b).imag for a, b in pairwise(values)) for values, sign in zip(samples, signs, strict=True))
+    count = whole_turns(phase, SLACK)
+    pieces = tuple((sign, tuple(values)) for values, sign in zip(samples, signs, strict=True))
+    return RegionCount(count, abs(phase / (2 * math.pi) - count), left_out, sum(len(v) for v in samples), pieces)
+
+
+def _everywhere(continuation: Continuation) -> Callable[[complex], Value]:
+    """D off the curve, along whatever path suits σ: it is the same function."""
+    return lambda sigma: continuation.at(sigma).discriminant.with_derivative(sigma)
+
+
+def _on_the_curve(continuation: Continuation, side: int) -> Callable[[float], Value]:
+    """D on the curve as a function of z, continued from the side of singular points above (+1) or below (−1) the real z-axis."""
+
+    def value(z: float) -> Value:
+        sigma = complex(continuation.problem.continuum_at(np.array([z + 0j]))[0])
+        return continuation.beside(z, sigma, side).discriminant.with_derivative(sigma)
+
+    return value
+
+
+def parts_inside(curve: Continuum, region: Region) -> list[tuple[float, float]]:
+    """Intervals of z over which σ_c lies inside the region."""
+    held = np.array([region.contains(complex(s)) for s in curve.sigma])
+    flips = np.flatnonzero(held[1:] != held[:-1])
+    cuts = [_crossing(curve, region, float(curve.z[i]), float(curve.z[i + 1])) for i in flips]
+    bounds = ([float(curve.z[0])] if held[0] else []) + cuts + ([float(curve.z[-1])] if held[-1] else [])
+    return list(zip(bounds[::2], bounds[1::2], strict=True))
+
+
+def _crossing(curve: Continuum, region: Region, low: float, high: float) -> float:
+    """The z between two samples at which the curve crosses the boundary."""
+    at_low = region.contains(curve.at(low))
+    for _ in range(60):
+        middle = (low + high) / 2
+        if region.contains(curve.at(middle)) == at_low:
+            low = middle
+        else:
+            high = middle
+    return (low + high) / 2
+
+
+def _between_crossings(curve: Continuum, region: Region, inside: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Intervals of t on the boundary from just behind one crossing of the curve to just before the next."""
+    ends = {float(curve.z[0]), float(curve.z[-1])}
+    ts = sorted(region.parameter(curve.at(z)) for part in inside for z in part if z not in ends)
+    if not ts:
+        return [(0.0, 1.0)]
+    return [(a + OFF, b - OFF) for a, b in pairwise([*ts, ts[0] + 1.0])]
+
+
+def ends_inside(curve: Continuum, region: Region) -> list[tuple[Disc, complex]]:
+    """A circle around each end of the curve inside the region, and the point where the curve leaves it."""
+    found = []
+    for disc, order in zip(end_discs(curve), (1, -1), strict=True):
+        if not region.contains(disc.centre):
+            continue
+        if not all(region.contains(disc.boundary(k / 16)) for k in range(16)):
+            raise Undecidable(f"an end of the continuous spectrum, {disc.centre:.6g}, lies on the boundary of the region")
+        found.append((disc, _leaves(curve, disc, order)))
+    return found
+
+
+def end_discs(curve: Continuum) -> tuple[Disc, Disc]:
+    """The circles around the ends at the wall and at infinity, inside of which nothing is counted."""
+    radius = END * float(np.abs(curve.sigma - curve.sigma[-1]).max())
+    return Disc(complex(curve.sigma[0]), radius), Disc(complex(curve.sigma[-1]), radius)
+
+
+def _leaves(curve: Continuum, disc: Disc, order: int) -> complex:
+    """Where the curve, followed from its end in the disc, crosses the circle."""
+    outside = np.flatnonzero(np.abs(curve.sigma - disc.centre) >= disc.radius)
+    i = int(outside[0] if order > 0 else outside[-1])
+    low, high = sorted((float(curve.z[i]), float(curve.z[i - order])))
+    return curve.at(_crossing(curve, disc, low, high))
+
+
+def outside_ends(curve: Continuum, low: float, high: float, ends: list[tuple[Disc, complex]]) -> tuple[float, float]:
+    """The interval of z without what lies in the circles around the ends."""
+    for disc, crossing in ends:
+        z = curve.nearest(crossing)[1]
+        if disc.contains(curve.at(low)):
+            low = z
+        elif disc.contains(curve.at(high)):
+            high = z
+    return low, high
+
+
+def _runs_over_itself(curve: Continuum) -> bool:
+    """Whether the curve turns back along itself, as σ_c on the real axis does when it is not monotonic."""
+    d = np.diff(curve.sigma)
+    forward = (d[1:] * d[:-1].conj()).real
+    return bool((forward < 0.0).any())

@@ -1,0 +1,31 @@
+"""The bundled pseudospectral reference of a problem: the claims that `verify` judges when nobody else's are given."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shootstab.core.errors import InputError
+from shootstab.problems.capabilities import PSEUDOSPECTRAL, Pseudospectral
+from shootstab.problems.protocol import ComplexArray, Problem
+from shootstab.spectral.qz import Spectrum
+
+TRUNCATION = 80
+
+
+def spectrum(problem: Problem, M: int | None = None, filtered: bool = True) -> Spectrum:
+    """The spectrum at truncation M (80 by default); filtered against a second truncation 20 % larger, or one raw QZ.
+
+    Raises InputError for a problem that has no bundled reference.
+    """
+    M = TRUNCATION if M is None else M
+    if not 10 <= M <= 1000:
+        raise InputError(f"M = {M}: allowed is 10 to 1000")
+    twin: Pseudospectral = PSEUDOSPECTRAL.required(problem)
+    found: Spectrum = twin.spectrum(M, filtered)
+    return found
+
+
+def claims(problem: Problem, digits: int, M: int | None = None) -> ComplexArray:
+    """The eigenvalues (m,) that the reference itself holds to be right to so many digits: their drift is a tenth of the last one."""
+    found = spectrum(problem, M)
+    return np.asarray(found.eigenvalues[found.drift <= 0.1 * 10.0**-digits * np.abs(found.eigenvalues)])

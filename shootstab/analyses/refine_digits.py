@@ -1,0 +1,203 @@
+"""One mode to any number of digits: double precision finds and proves it, Taylor series give the digits.
+
+σ climbs a ladder of precisions, by secants, each rung about twice as precise as the one below. At the top everything is done
+otherwise once (working precision, order and step, far field, base flow), and what σ moves by is its error.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from time import perf_counter
+from typing import Any
+
+import mpmath
+
+from shootstab.analyses.refine_double import UNKNOWN, refine_double
+from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.progress import Clock, Progress
+from shootstab.core.records import CONVERGED, Budget, Mode
+from shootstab.multiprecision.arithmetic import Arithmetic
+from shootstab.multiprecision.backends import choose
+from shootstab.multiprecision.closed_form_integration import ClosedFormDigits
+from shootstab.multiprecision.integration import Base, MultiprecisionProblem
+from shootstab.multiprecision.secant import Secant, Values
+from shootstab.multiprecision.settings import Settings
+from shootstab.multiprecision.taylor_shooting import TaylorShooting
+from shootstab.problems.capabilities import CLOSED_FORM, MULTIPRECISION
+from shootstab.problems.protocol import Problem
+
+METHOD = "taylor"
+START = 1e-11  # relative accuracy of the double-precision mode
+NEAR = 0.5  # of the larger of the two, how far a mode may lie from the guess that means it
+DOUBLE = 12.5  # digits that it has
+LOWEST = 20.0  # digits of the first rung
+RISE = 2.3  # of digits from rung to rung: two secants double them and add those of the slope
+REACH = 2.7  # times the digits known are reached by three
+SPARE = 2  # digits computed beyond those asked for
+STAGE = 1.7  # time of a rung over that of a integration
+VARIANTS = 4
+SAFETY = 2.0  # on the changes that make the bound
+WANDER = 100.0  # double-precision error bounds that the mode may move by
+ATTEMPTS = 2
+
+
+def refine_digits(problem: Problem, guess: Any, digits: int, progress: Progress | None = None, arithmetic: str | None = None) -> Mode:
+    """The mode next to guess with |true − sigma| ≤ error and error ≤ 10^−digits |sigma| if its status is 'converged'.
+
+    sigma is an mpc. The problem is a chute or has a closed form (problems.closed.ClosedForm); its parameters mean the
+    shortest decimals that their floats stand for. arithmetic is 'flint' or 'mpmath', by default flint where it is installed.
+    progress(done, total, seconds left) is told how far it is. Where no mode is near, or the base flow does not determine it, the
+    status says so.
+    """
+    began = perf_counter()
+    if not 1 <= digits <= 10_000:
+        raise InputError(f"digits = {digits}: allowed is 1 to 10000")
+    guess, ring, problem_in_digits = complex(guess), choose(arithmetic), in_digits(problem)
+    seed = refine_double(problem, guess, rtol=START)
+    if not seed.converged and not seed.error <= 1e-6 * abs(seed.sigma):
+        return _failed(
+            seed, f"not converged: double precision finds no mode to start from ({seed.status.removeprefix('not converged: ')})", began
+        )
+    if abs(seed.sigma - guess) > NEAR * max(abs(seed.sigma), abs(guess)):
+        return _failed(
+            seed,
+            f"not converged: no mode is near the guess {guess:.6g}; the iteration goes to {seed.sigma:.6g}: start there if that is meant",
+            began,
+        )
+    search = Search(problem_in_digits, ring, seed, Clock(progress))
+    wanted = digits
+    try:
+        for _ in range(ATTEMPTS):
+            mode = search.mode(wanted, 10 ** -mpmath.mpf(digits))
+            if mode.converged or not mode.digits > 0.0:
+                break
+            wanted += math.ceil(digits - mode.digits) + 1
+    except ConvergenceError as error:
+        return _failed(seed, f"not converged: {error}", began)
+    return replace(mode, seconds=perf_counter() - began, continuum_distance=seed.continuum_distance)
+
+
+def in_digits(problem: Problem) -> MultiprecisionProblem:
+    """The problem as many digits take it: its own formulation, or its closed form on power series. Raises InputError if it has neither."""
+    own = MULTIPRECISION.of(problem)
+    made: MultiprecisionProblem = own() if own is not None else ClosedFormDigits(CLOSED_FORM.required(problem))
+    return made
+
+
+class Search:
+    """The mode in one arithmetic, from its double-precision value on; what is known of it grows."""
+
+    def __init__(self, problem_in_digits: MultiprecisionProblem, arithmetic: Arithmetic, seed: Mode, clock: Clock) -> None:
+        self._problem_in_digits, self._arithmetic, self._seed, self._clock = problem_in_digits, arithmetic, seed, clock
+        sigma = mpmath.mpmathify(seed.sigma)
+        self._real = problem_in_digits.real and abs(sigma.imag) <= seed.error
+        self._secant = Secant(sigma.real if self._real else mpmath.mpc(sigma))
+        self._known = DOUBLE
+        self.evaluations = seed.evaluations
+
+    def mode(self, digits: int, rtol: Any) -> Mode:
+        """The mode to about so many digits, with its error bound."""
+        precisions = _precisions(max(digits + SPARE, LOWEST), self._known)
+        self._clock.plan([STAGE * _cost(d) for d in precisions] + [_cost(precisions[-1])] * VARIANTS)
+        for d in precisions:
+            settings = Settings.of(d)
+            with self._arithmetic.working(settings.digits), mpmath.workdps(settings.digits):
+                base = self._problem_in_digits.base(self._arithmetic, settings, self._clock.tick)
+                shooting = self._shooting(settings, base)
+                self._secant.settle(partial(self._values, shooting), d, least=1 + (d == precisions[-1]))
+                self._require_near(self._secant.x)
+            self._known = d
+            self._clock.done()
+        return self._result(settings, self._budget(settings, base, shooting), rtol)
+
+    def _shooting(self, settings: Settings, base: Base) -> TaylorShooting:
+        integration = self._problem_in_digits.integration(self._arithmetic, settings, base)
+        return TaylorShooting(self._arithmetic, self._problem_in_digits.size, settings, integration, self._clock.tick)
+
+    def _values(self, shooting: TaylorShooting, sigma: Any) -> Values:
+        self.evaluations += 1
+        ring = self._arithmetic
+        return (ring.to_mpmath(shooting(ring.number(sigma) if self._real else ring.complex(sigma))),)
+
+    def _require_near(self, sigma: Any) -> None:
+        seed = self._seed
+        moved = abs(sigma - mpmath.mpmathify(seed.sigma))
+        if not moved <= WANDER * seed.error + 1e-10 * abs(seed.sigma):
+            raise ConvergenceError(
+                f"in high precision the iteration leaves the mode that double precision found, by {float(moved):.1e} with a bound of "
+                f"{float(seed.error):.1e}"
+            )
+
+    def _budget(self, settings: Settings, base: Base, shooting: TaylorShooting) -> Budget:
+        """What σ moves by when one thing is done better, each measured by the change of D at the same σ over D′.
+
+        Better courses also say by how much the base flow is off: a last integration is on one that is off by as much.
+        """
+        ring, secant = self._arithmetic, self._secant
+        sigma, (here,) = secant.last
+
+        def moved(better: Settings, other: Base) -> tuple[Any, Base]:
+            with ring.working(better.digits), mpmath.workdps(better.digits):
+                changed = self._shooting(better, other)
+                change = abs((self._values(changed, sigma)[0] - here) / secant.slope)
+                self._clock.done()
+                return _plain(SAFETY * change), changed.corrected_base()
+
+        varied = [moved(better, base) for better in (settings.finer(), settings.farther(), settings.more_precise())]
+        integration, far, rounding = (part for part, _ in varied)
+        with ring.working(settings.digits), mpmath.workdps(settings.digits):
+            other = _off(base, [shooting.corrected_base(), *(asked for _, asked in varied)])
+            root, epsilon = SAFETY * secant.error, abs(secant.x) * mpmath.mpf(10) ** -settings.digits
+        steady = 0.0
+        if other == base:  # there is none, or nothing found it to be off
+            self._clock.done()
+        else:
+            steady, _ = moved(settings, other)
+        return Budget(integration, far, steady, _plain(root), _plain(rounding + epsilon))
+
+    def _result(self, settings: Settings, parts: Budget, rtol: Any) -> Mode:
+        with mpmath.workdps(settings.digits):
+            error = _plain(mpmath.fsum(parts.as_dict().values()))
+            sigma = mpmath.mpc(self._secant.x)
+            status = CONVERGED if error <= rtol * abs(sigma) else f"not converged: the error bound {mpmath.nstr(error, 2)} is too large"
+            return Mode(sigma, error, parts, status, METHOD, self.evaluations, 0.0)
+
+
+def _precisions(top: float, known: float) -> list[float]:
+    """From top down in steps of RISE to where the digits known lead up in a few secants."""
+    precisions = [float(top)]
+    while precisions[0] > REACH * known:
+        precisions.insert(0, max(precisions[0] / RISE, LOWEST))
+    return precisions
+
+
+def _off(base: Base, asked: Sequence[Base]) -> Base:
+    """A base flow that is off by as much as the ones asked for differ: from base to the first one, and from that to each of the others.
+
+    The largest of these differences, scaled to the sum of their sizes: what changes together stays together.
+    """
+    ours, *others = asked
+    shifts = [[x - y for x, y in zip(one, two, strict=True)] for one, two in ((ours, base), *((other, ours) for other in others))]
+    sizes = [max((abs(x / y) for x, y in zip(shift, base, strict=True)), default=0) for shift in shifts]
+    largest, size = max(zip(shifts, sizes, strict=True), key=lambda pair: pair[1])
+    return tuple(y + x * (mpmath.fsum(sizes) / size) for x, y in zip(largest, base, strict=True)) if size else base
+
+
+def _cost(digits: float) -> float:
+    """Relative time of one integration: measured to grow about as (digits + 20)^2.3."""
+    return float((digits + 20) ** 2.3)
+
+
+def _plain(x: Any) -> Any:
+    """A double where one can hold it."""
+    return float(x) if x == 0 or 1e-290 < x < 1e290 else mpmath.mpf(x)
+
+
+def _failed(seed: Mode, status: str, began: float) -> Mode:
+    """A reason in place of digits; sigma is where double precision was."""
+    return replace(
+        seed, sigma=mpmath.mpc(seed.sigma), error=math.inf, budget=UNKNOWN, status=status, method=METHOD, seconds=perf_counter() - began
+    )

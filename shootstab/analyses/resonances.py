@@ -1,0 +1,59 @@
+"""Resonances: zeros of D continued through the continuous spectrum, beyond it. They are not eigenvalues."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shootstab.analyses.cut_region import ends_inside, outside_ends, parts_inside
+from shootstab.analyses.zeros import accurate_count, polish
+from shootstab.core.regions import Polygon, Region
+from shootstab.discriminants.continuation import Branch, Continuation
+from shootstab.roots.iterations import newton
+from shootstab.roots.search import Search, find
+from shootstab.roots.winding import wind
+
+DEPTH = 0.2  # how far beyond the real z-axis singular points are followed, in the scale of the curve
+STRIDE = 0.3  # from one strip of the curve to the next, in the same scale
+SAME = 1e-7  # relative distance below which two numbers mean one zero
+EDGE = 6  # points along a side of a strip
+
+
+def find_resonances(continuation: Continuation, region: Region) -> list[complex]:
+    """The resonances next to those parts of the continuous spectrum that lie in the region, on both sides of it.
+
+    The curve is covered by strips, images under σ_c of rectangles in the z-plane that reach DEPTH·scale beyond the real axis; the zeros in
+    each are those of the continuation that reaches it. The circles around the ends are left out. Empty without continuous spectrum.
+    """
+    curve = continuation.continuum
+    if curve is None:
+        return []
+    found: list[complex] = []
+    ends = ends_inside(curve, region)
+    for part in parts_inside(curve, region):
+        z, high = outside_ends(curve, *part, ends)
+        while z < high:
+            scale = curve.scale(z)
+            width = min(STRIDE * scale, high - z)
+            for side in (1, -1):
+                strip = _image(continuation, z, width, -side * DEPTH * scale)
+                branch = continuation.beside(z + width / 2, curve.at(z + width / 2), side)
+                for zero in _zeros(branch, strip):
+                    # a part of the system that is not singular has its modes on both sides: they are modes, not resonances
+                    own = newton(continuation.at(zero).discriminant, zero, 1e-10)
+                    if all(abs(zero - other) > SAME * abs(zero) for other in [own.sigma, *found]):
+                        found.append(zero)
+            z += width
+    return found
+
+
+def _image(continuation: Continuation, z: float, width: float, depth: float) -> Polygon:
+    """σ_c of the rectangle from z to z + width and from the real axis to depth·i."""
+    along, down = np.linspace(0.0, width, EDGE), np.linspace(0.0, depth, EDGE)
+    rim = np.concatenate((z + along, z + width + 1j * down[1:], z + 1j * depth + along[::-1][1:], z + 1j * down[::-1][1:-1]))
+    return Polygon(tuple(continuation.problem.continuum_at(rim.astype(np.complex128)).tolist()))
+
+
+def _zeros(branch: Branch, strip: Polygon) -> list[complex]:
+    D = branch.discriminant
+    search = Search(lambda region: wind(D, region), lambda disc: accurate_count(branch, disc), polish(D))
+    return [zero.sigma for zero in find(search, strip)]

@@ -1,0 +1,140 @@
+"""Whether a mode dominates: a count of the modes that grow faster than half as fast, and the search for those that are not known yet."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from shootstab.analyses.cut_region import count_in_region
+from shootstab.analyses.find import find_modes
+from shootstab.analyses.reference import spectrum
+from shootstab.analyses.sweep.following import land
+from shootstab.analyses.unstable import LAW, OUTWARDS, HalfDisc, bound, departure_from_law
+from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.discriminants.continuation import Continuation
+from shootstab.discriminants.frame import Frame
+from shootstab.discriminants.method import MeshedDiscriminant
+from shootstab.problems.protocol import Problem
+from shootstab.roots.search import Zero
+
+FLOOR = 1e-8
+CLEAR = 1e-7  # of the frequencies of the continuous spectrum: growth rates below it are not told from decay
+SHARE = 0.5  # of the growth rate of the dominant mode: modes above it are counted and followed
+NUDGES = (1.0, 0.83, 0.61)  # of a floor on which a mode lies
+RAISE, HIGHEST = 30.0, 1e-4  # where the continuous spectrum is too near for a count, the floor is raised
+COUNTING = Frame(rtol=1e-6)  # a phase needs few digits
+TRUNCATIONS = (40, 64)  # of the pseudospectral spectra that suggest modes
+SUGGESTED = 12
+SAME = 1e-5
+
+
+class WarmStartedContinuation(Continuation):
+    """An continuation whose branches on the real axis begin with the meshes of a neighbouring problem's."""
+
+    def __init__(self, problem: Problem, before: Continuation | None = None) -> None:
+        super().__init__(problem, COUNTING)
+        self._begin = {} if before is None else dict(before._real)
+
+    def _on_the_real_axis(self, size: int) -> MeshedDiscriminant:
+        before = self._begin.pop(size, None)
+        return super()._on_the_real_axis(size) if before is None else before.warm_started(self.problem)
+
+
+@dataclass(frozen=True)
+class DominantModes:
+    """All modes with Re σ > floor, by falling growth rate; their number is counted, and none lies beyond the radius (see unstable.py)."""
+
+    modes: tuple[complex, ...]
+    floor: float
+    radius: float
+    continuation: Continuation
+    evaluations: int
+
+
+def count_dominant(problem: Problem, known: Sequence[complex], floor: float, before: DominantModes | None = None) -> DominantModes:
+    """The modes that grow at least half as fast as the dominant one; known are some that were followed to here.
+
+    The count is made first with the known ones. If there are more, pseudospectral spectra suggest where they are, and at last the half-disc
+    is divided. Raises ConvergenceError where the count cannot be made or not all modes are found.
+    """
+    continuation = WarmStartedContinuation(problem, None if before is None else before.continuation)
+    modes = _distinct(known)
+    if before is None or not modes:
+        modes = _distinct([*modes, *_suggested(continuation, TRUNCATIONS[0])])
+    radius, least = _radius(continuation, before), lowest_floor(continuation, floor)
+    for attempt in range(len(TRUNCATIONS) + 2):
+        level = max(least, SHARE * max((m.real for m in modes), default=0.0))
+        count, level, spent = _counted(continuation, radius, level)
+        growing = [m for m in modes if m.real > level]
+        if count == len(growing):
+            growing.sort(key=lambda m: (-m.real, m.imag))
+            return DominantModes(tuple(growing), level, radius, continuation, spent)
+        if count < len(growing):
+            raise ConvergenceError(f"{count} modes are counted with Re sigma > {level:.2g}, but {len(growing)} found")
+        if attempt < len(TRUNCATIONS):
+            modes = _distinct([*modes, *_suggested(continuation, TRUNCATIONS[attempt])])
+        else:
+            zeros, _ = find_modes(continuation, HalfDisc(radius, level), [Zero(m) for m in growing])
+            modes = _distinct([*modes, *(z.sigma for z in zeros)])
+    raise ConvergenceError(f"{count} modes are counted with Re sigma > {level:.2g}, but only {len(growing)} found")
+
+
+def lowest_floor(continuation: Continuation, floor: float) -> float:
+    """The floor, or what the contour needs to keep clear of the continuous spectrum, which decays slower and slower towards infinity."""
+    curve = continuation.continuum
+    return floor if curve is None else max(floor, CLEAR * float(abs(curve.sigma.imag).max()))
+
+
+def _radius(continuation: Continuation, before: DominantModes | None) -> float:
+    """A radius beyond which D follows its law of growth: that of the neighbour if it holds here too."""
+    if before is not None:
+        discriminants = (continuation.at(before.radius * r).discriminant for r in OUTWARDS)
+        if all(departure_from_law(d, before.radius * r) < LAW for d, r in zip(discriminants, OUTWARDS, strict=True)):
+            return before.radius
+    return bound(continuation.method.on(continuation.problem))[0]
+
+
+def _counted(continuation: Continuation, radius: float, floor: float) -> tuple[int, float, int]:
+    """The number of modes with Re σ above the floor, or above a lower or higher one on which no mode and no singular point lies."""
+    level = floor
+    while True:
+        for nudge in NUDGES:
+            try:
+                found = count_in_region(continuation, HalfDisc(radius, nudge * level))
+            except ConvergenceError as error:
+                failure = error
+            else:
+                return found.count, nudge * level, found.evaluations
+        level *= RAISE
+        if level > max(HIGHEST, floor):
+            raise failure
+
+
+def suggested(problem: Problem) -> list[complex]:
+    """Growing zeros of D next to eigenvalues of a coarse pseudospectral discretization, the fastest first: there may be others."""
+    return _suggested(WarmStartedContinuation(problem), TRUNCATIONS[0])
+
+
+def _suggested(continuation: Continuation, truncation: int) -> list[complex]:
+    """Zeros of D next to the growing eigenvalues of a pseudospectral discretization: suggestions, which a count confirms or not."""
+    try:
+        raw = spectrum(continuation.problem, truncation, filtered=False).raw
+    except InputError:  # no reference for this problem
+        return []
+    growing = sorted(raw[raw.real > FLOOR], key=lambda s: -s.real)[:SUGGESTED]
+    landed = []
+    for guess in growing:
+        try:
+            landed.append(land(continuation.at(complex(guess)).discriminant, complex(guess)))
+        except ConvergenceError:
+            continue
+    return [s for s in landed if s is not None]
+
+
+def _distinct(modes: Sequence[complex]) -> list[complex]:
+    kept: list[complex] = []
+    for mode in modes:
+        if math.isfinite(abs(mode)) and all(abs(mode - other) > SAME * abs(mode) for other in kept):
+            kept.append(mode)
+    return kept

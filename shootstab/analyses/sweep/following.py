@@ -1,0 +1,105 @@
+"""A mode followed along a line of problems: predicted by extrapolation, corrected by Newton, in steps that shrink where they must."""
+
+from __future__ import annotations
+
+import cmath
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from shootstab.core.discriminant import Discriminant
+from shootstab.core.errors import ConvergenceError
+
+CONTRACTION = 0.25  # ratio of the second Newton step to the first: another zero would be about 1/CONTRACTION times further away
+SETTLED = 1e-11  # relative step at which Newton's next one is rounding
+NOISE = 1e-7  # relative steps below this need not shrink: they are the noise of D on its mesh
+ITERATIONS = 8
+HISTORY = 4  # points that the extrapolation runs through
+MISPREDICTED = 0.5  # of the way that σ went, what the prediction may be wrong by
+STILL = 0.02  # of |σ|, what it may be wrong by in any case
+DEEPEST = 6  # halvings of a step
+ARRIVED, FADED, LOST = "arrived", "faded", "lost"
+
+
+@dataclass
+class FollowedMode:
+    """A mode at the places (on the line) where it is known, in the order in which it was followed."""
+
+    places: list[float] = field(default_factory=list)
+    sigmas: list[complex] = field(default_factory=list)
+
+    def add(self, place: float, sigma: complex) -> None:
+        """One more place."""
+        self.places.append(place)
+        self.sigmas.append(sigma)
+
+    @property
+    def last(self) -> complex:
+        """σ where the followed has got to."""
+        return self.sigmas[-1]
+
+    def predicted(self, place: float) -> complex:
+        """Extrapolation by the polynomial through the last places, at most HISTORY."""
+        xs, ys = self.places[-HISTORY:], self.sigmas[-HISTORY:]
+        total = 0j
+        for i, (x, y) in enumerate(zip(xs, ys, strict=True)):
+            weight = 1.0
+            for j, other in enumerate(xs):
+                if j != i:
+                    weight *= (place - other) / (x - other)
+            total += weight * y
+        return total
+
+
+def land(discriminant: Discriminant, guess: complex) -> complex | None:
+    """The growing zero that is several times nearer to the guess than any other, by Newton; None if the steps do not shrink as it implies.
+
+    Next to a simple zero with its nearest neighbour at distance d, a step δ is followed by one of about δ²/d. On the left of the
+    imaginary axis, where D may be singular, it is not evaluated.
+    """
+    sigma, before = guess, float("inf")
+    for _ in range(ITERATIONS):
+        if not (cmath.isfinite(sigma) and sigma.real > 0.0):
+            return None
+        step = discriminant.with_derivative(sigma).newton_step
+        sigma += step
+        length = abs(step)
+        if length <= SETTLED * abs(sigma):
+            return sigma
+        if length > NOISE * abs(sigma) and length > CONTRACTION * before:
+            return None
+        if length <= NOISE * abs(sigma) and length > 0.5 * before:
+            return sigma
+        before = length
+    return None
+
+
+def follow(followed: FollowedMode, place: float, at: Callable[[float], Discriminant], deepest: int = DEEPEST) -> str:
+    """Follow a followed to a place, in halved steps where the whole one is not safe: ARRIVED, FADED where its growth rate is about to reach
+    zero before that place, or LOST where the smallest step is not safe either. The followed grows by every place on the way.
+    """
+    predicted = followed.predicted(place)
+    if len(followed.places) > 1 and predicted.real <= 0.0:
+        return FADED
+    found = _lands(followed, place, predicted, at)
+    if found is not None:
+        followed.add(place, found)
+        return ARRIVED
+    if deepest == 0:
+        return LOST
+    middle = (followed.places[-1] + place) / 2
+    reached = follow(followed, middle, at, deepest - 1)
+    return follow(followed, place, at, deepest - 1) if reached == ARRIVED else reached
+
+
+def _lands(followed: FollowedMode, place: float, predicted: complex, at: Callable[[float], Discriminant]) -> complex | None:
+    try:
+        found = land(at(place), predicted)
+    except ConvergenceError:  # D cannot be had there: the followed runs into the continuous spectrum
+        return None
+    if found is None or found.real <= 0.0:
+        return None
+    if len(followed.places) > 1:
+        wrong, way = abs(found - predicted), abs(found - followed.last)
+        if wrong > max(MISPREDICTED * way, STILL * abs(found)):
+            return None
+    return found

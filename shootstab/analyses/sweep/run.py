@@ -1,0 +1,131 @@
+"""A sweep: the grid's lines to the workers, their results to the store."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Generator, Iterator, Mapping
+from contextlib import closing
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.analyses.sweep.grid import Axis, Grid, Line, Point
+from shootstab.analyses.sweep.outcomes import FOLLOWED, NO_FLOW, NO_WAVE, NONE_GROWS, PROVED, UNRESOLVED, Outcome
+from shootstab.analyses.sweep.store import Store
+from shootstab.analyses.sweep.walk import Settings, walk
+from shootstab.analyses.sweep.workers import in_processes, on_cluster, serially
+from shootstab.core.errors import InputError
+from shootstab.problems.capabilities import FAMILY, Family
+from shootstab.problems.protocol import Problem
+
+Progress = Callable[[int, int], None]
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Swept:
+    """The outcome at every point of a grid; axes in the order in which they were given, the last one running fastest."""
+
+    axes: tuple[Axis, ...]
+    outcomes: Mapping[Point, Outcome]
+    settings: Settings
+    family: Family
+
+    @property
+    def grid(self) -> Grid:
+        """The points."""
+        return Grid(self.axes, self.family.sharing)
+
+    def rows(self) -> Iterator[tuple[Point, Outcome]]:
+        """Points and outcomes in the order of the grid; points that are not done yet are left out."""
+        return ((p, self.outcomes[p]) for p in self.grid.points if p in self.outcomes)
+
+    def array(self, of: Callable[[Outcome], Any], dtype: Any = np.float64, absent: Any = np.nan) -> NDArray[Any]:
+        """A quantity on the grid, one dimension an axis; `absent` where it is None."""
+        values = [of(self.outcomes[p]) for p in self.grid.points]
+        flat = np.array([absent if v is None else v for v in values], dtype=dtype)
+        return flat.reshape([len(axis.values) for axis in self.axes])
+
+    @property
+    def growth(self) -> NDArray[np.float64]:
+        """Re σ of the dominant mode; NaN where none grows or none is known."""
+        return self.array(lambda o: o.growth)
+
+    @property
+    def fastest(self) -> tuple[Point, Outcome] | None:
+        """The point of the largest growth rate, None where nothing grows anywhere."""
+        growing = [(p, o) for p, o in self.rows() if o.sigma is not None]
+        return max(growing, key=lambda row: row[1].growth or 0.0, default=None)
+
+    @property
+    def summary(self) -> dict[str, int]:
+        """How many points have each status, and at how many dominance, or that nothing grows, is proved by a count there."""
+        kinds = (PROVED, FOLLOWED, NONE_GROWS, NO_WAVE, NO_FLOW, UNRESOLVED)
+        said = [o.status.partition(":")[0] for o in self.outcomes.values()]
+        return {**{kind: said.count(kind) for kind in kinds}, "counted": sum(o.proved for o in self.outcomes.values())}
+
+    def bad_news(self) -> bool:
+        """Whether a point is unresolved."""
+        return self.summary[UNRESOLVED] > 0
+
+
+def sweep(
+    problem: Problem,
+    axes: Mapping[str, Any],
+    digits: int = 8,
+    every: int = 12,
+    floor: float = 1e-8,
+    workers: int | None = 1,
+    cluster: str | None = None,
+    out: str | Path | None = None,
+    progress: Progress | None = None,
+) -> Swept:
+    """The dominant growing mode over a grid of k_x, k_y, far_temperature, mass_flux, tan_theta, e, e_w, r; the rest is the problem's.
+
+    axes: name → number or numbers that rise or fall. Modes are followed along lines of neighbouring points, and counted at their ends, at
+    every `every`-th point and where one is lost (see walk.py): there dominance is proved, between it is continued. Modes with
+    Re σ ≤ floor do not count as growing. σ has so many digits at every point, or the point is unresolved. Its error is measured, the
+    integration's part at every point, the other parts at two points of each line of up to 64 and taken ten times at the others.
+
+    workers: processes of this machine, None: one a core; cluster: the address of a Dask scheduler, in place of them. With `out`, results
+    go to an SQLite file as they come (see store.py), and what is there already is not done again. progress(done, total).
+    Raises InputError for what cannot be swept.
+    """
+    family_of = FAMILY.required(problem)
+    if workers is not None and not 1 <= workers <= 1024:
+        raise InputError(f"workers = {workers}: allowed is 1 to 1024")
+    settings = Settings(digits, every, floor)
+    family = family_of(tuple(axes))
+    grid = Grid.of(axes, family)
+    with Store(None if out is None else Path(out), grid.names, _definition(grid, family, settings)) as store:
+        lines = grid.lines(store.done())
+        done = len(grid) - sum(len(line.points) for line in lines)
+        if progress is not None:
+            progress(done, len(grid))
+        with closing(_results(partial(walk, family, settings), lines, workers, cluster)) as results:
+            for line, outcomes in results:
+                store.add(line.points, outcomes)
+                done += len(line.points)
+                if progress is not None:
+                    progress(done, len(grid))
+        return Swept(grid.axes, store.results(), settings, family)
+
+
+def _results(
+    work: Callable[[Line], list[Outcome]], lines: list[Line], workers: int | None, cluster: str | None
+) -> Generator[tuple[Line, list[Outcome]], None, None]:
+    if cluster is not None:
+        return on_cluster(work, lines, cluster)
+    count = os.cpu_count() or 1 if workers is None else workers
+    return serially(work, lines) if count == 1 or len(lines) < 2 else in_processes(work, lines, count)
+
+
+def _definition(grid: Grid, family: Family, settings: Settings) -> dict[str, Any]:
+    """What makes two sweeps the same, for JSON."""
+    axes = {axis.name: list(axis.values) for axis in grid.axes}
+    swept = {name: value for name, value in family.as_dict().items() if name not in axes}
+    return {"format": FORMAT, "axes": axes, "problem": swept, **asdict(settings)}

@@ -1,0 +1,117 @@
+"""How many modes grow: a count over the whole right half-plane, closed by a bound on |σ| that the growth of D gives.
+
+For large |σ| the solutions vary on the short scale σ^(−1/2), and ln D = 2A σ^(1/2) + B ln σ + …, so that q(σ) = σ D′/D = A σ^(1/2) + B + …
+in the right half-plane. Next to a zero q is infinite: where q follows that law over an arc, and over the next ones out to 64 times
+the radius, no zero hides beyond. The half-disc inside is then counted.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shootstab.analyses.cut_region import RegionCount, count_in_region
+from shootstab.core.discriminant import Discriminant
+from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.regions import Rectangle
+from shootstab.discriminants.continuation import Continuation
+from shootstab.discriminants.frame import Frame
+from shootstab.discriminants.method import Method
+from shootstab.problems.protocol import Problem
+
+ANGLES = np.linspace(-0.5, 0.5, 9) * math.pi
+LAW = 0.05  # relative departure of q from its law that is allowed on every arc
+OUTWARDS = (1.0, 4.0, 16.0, 64.0)  # radii, in that of the bound, on which the law is checked
+SMALLEST, LARGEST = 1e-2, 1e6
+
+
+@dataclass(frozen=True)
+class HalfDisc:
+    """|σ| < radius, Re σ > floor ≥ 0."""
+
+    radius: float
+    floor: float
+
+    @property
+    def _angle(self) -> float:
+        return math.acos(self.floor / self.radius)
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        return (0.0, 0.5, 1.0)
+
+    @property
+    def hull(self) -> tuple[complex, ...]:
+        return Rectangle(complex(self.floor, -self.radius), complex(self.radius, self.radius)).vertices
+
+    def boundary(self, t: float) -> complex:
+        """The arc from below for t < 1/2, then the straight side down; its points are dense towards the middle, where scales are short."""
+        if t <= 0.5:
+            return cmath.rect(self.radius, (4 * t - 1) * self._angle)
+        height = self.radius * math.sin(self._angle)
+        return complex(self.floor, height * (3 - 4 * t) ** 3)
+
+    def parameter(self, sigma: complex) -> float:
+        height = self.radius * math.sin(self._angle)
+        if sigma.real > 2 * self.floor:
+            return (cmath.phase(sigma) / self._angle + 1) / 4
+        y = sigma.imag / height
+        return (3 - math.copysign(abs(y) ** (1 / 3), y)) / 4
+
+    def contains(self, sigma: complex) -> bool:
+        return sigma.real > self.floor and abs(sigma) < self.radius
+
+    def as_dict(self) -> dict[str, Any]:
+        return {"shape": "half-disc", "radius": self.radius, "floor": self.floor}
+
+
+@dataclass(frozen=True)
+class Unstable:
+    """count modes have Re σ > floor; none has |σ| > radius, where q departs from its law by no more than departure."""
+
+    count: int
+    floor: float
+    radius: float
+    departure: float
+    counted: RegionCount
+
+
+def count_unstable(problem: Problem, floor: float = 1e-8, method: Method | None = None) -> Unstable:
+    """The number of modes with Re σ > floor.
+
+    Raises ConvergenceError where no radius is found beyond which D follows its law of growth.
+    """
+    if not 0.0 < floor < SMALLEST:
+        raise InputError(f"floor = {floor!r}: allowed is a number above 0 and below {SMALLEST:g}")
+    used = method or Frame(rtol=1e-8)
+    radius, departure = bound(used.on(problem))
+    counted = count_in_region(Continuation(problem, used), HalfDisc(radius, floor))
+    return Unstable(counted.count, floor, radius, departure, counted)
+
+
+def bound(discriminant: Discriminant) -> tuple[float, float]:
+    """A radius beyond which D follows its law of growth in the right half-plane, and the largest departure seen."""
+    radius = SMALLEST
+    while radius <= LARGEST:
+        departure = max(departure_from_law(discriminant, radius * r) for r in OUTWARDS[:1])
+        if departure < LAW:
+            departure = max(departure_from_law(discriminant, radius * r) for r in OUTWARDS)
+            if departure < LAW:
+                return radius, departure
+        radius *= 4.0
+    raise ConvergenceError(f"D does not follow a law of growth up to |sigma| = {LARGEST:g}: no bound on unstable modes is found")
+
+
+def departure_from_law(discriminant: Discriminant, radius: float) -> float:
+    """max |q − A σ^(1/2) − B|/max |q| on the arc, with A and B fitted to it."""
+    sigmas = radius * np.exp(1j * ANGLES)
+    q = np.array([s * discriminant.with_derivative(complex(s)).logarithmic_derivative for s in sigmas])
+    if not np.isfinite(q).all():
+        return math.inf
+    basis = np.stack((np.sqrt(sigmas), np.ones_like(sigmas)), axis=1)
+    fit = basis @ np.linalg.lstsq(basis, q, rcond=None)[0]
+    return float(np.abs(q - fit).max() / np.abs(q).max())

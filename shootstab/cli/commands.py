@@ -1,0 +1,271 @@
+"""The commands: each asks its question and hands the answer to the JSON or to the table."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from argparse import Namespace
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from shootstab.core.errors import InputError
+from shootstab.core.regions import Disc, Polygon, Rectangle, Region
+from shootstab.io import scenes as scene_files
+from shootstab.io.conventions import Convention
+from shootstab.io.files import require_writable, write_whole
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+DONE, BAD_NEWS = 0, 1
+
+# what the command line calls the methods: module and class
+METHODS = {
+    "frame": ("shootstab.discriminants.frame", "Frame"),
+    "compound": ("shootstab.discriminants.compound", "Compound"),
+    "riccati": ("shootstab.discriminants.riccati", "Riccati"),
+}
+
+
+def verify(options: Namespace) -> int:
+    """A verdict on each eigenvalue in the file, or on those of the bundled reference."""
+    from shootstab.cli.terminal import progress
+    from shootstab.io import documents, readers
+
+    if options.eigenvalues is not None and options.truncation is not None:
+        raise InputError("-M is the truncation of the bundled reference: allowed only without EIGENVALUES")
+    if options.plot is not None:
+        from shootstab.cli import plots
+
+        plots.require(options.plot)
+    if options.dataset is not None and options.eigenvalues is None:
+        raise InputError("--dataset: allowed only with EIGENVALUES")
+    convention = _convention(options)
+    if options.unstable and convention.unit.imag != 0.0:
+        raise InputError(f"--unstable: allowed with growth rates only, not with --as {convention.kind}")
+    region = None if options.region is None else _rectangle(options.region)
+    given = None if options.eigenvalues is None else convention.read(readers.read(options.eigenvalues, options.dataset))
+    own = scene_files.load(options.scene)
+    scene = own.seen(convention)
+    from shootstab.analyses.missing import unstable_box
+    from shootstab.analyses.reference import claims
+    from shootstab.analyses.verify import verify as question
+
+    with progress(f"verifying {scene.name}") as told:
+        if given is None:
+            claimed = claims(own.problem, options.digits, options.truncation)
+            # the reference claims that these are modes, not that there are no others
+            region = region or (unstable_box(own.problem, claimed) if convention.plain else None)
+            given = (claimed / convention.unit).tolist()
+        report = question(scene.problem, given, digits=options.digits, region=region, progress=told, unstable=options.unstable)
+    report = convention.shown(report)
+    if options.plot is not None:
+        from shootstab.cli import plots
+
+        plots.save(report, scene, options.plot)
+
+    def tables() -> list[RenderableType]:
+        from shootstab.cli import tables
+
+        return tables.report(report, scene)
+
+    document = documents.report(report)
+    if not convention.plain:
+        document["convention"] = convention.formula
+    _answer(options, document, tables)
+    return BAD_NEWS if report.bad_news(options.strict) else DONE
+
+
+def refine(options: Namespace) -> int:
+    """One mode, with its error bar."""
+    from shootstab.io import documents
+
+    convention = _convention(options)
+    if convention.conjugate:
+        raise InputError("--conjugate: allowed with verify; here give the conjugate guess")
+    scene = scene_files.load(options.scene).seen(convention)
+    from shootstab.analyses.refine import refine as question
+    from shootstab.cli.terminal import progress
+
+    with progress(f"refining {scene.name}") as told:
+        hear = None if told is None else lambda done, total, left: told(done, total)
+        found = question(scene.problem, options.guess, options.rtol, options.digits, _method(options), hear)
+
+    def tables() -> list[RenderableType]:
+        from shootstab.cli import tables
+
+        return tables.mode(found, scene)
+
+    document = documents.mode(found)
+    if not convention.plain:
+        document["convention"] = convention.formula
+    _answer(options, document, tables)
+    return DONE if found.converged else BAD_NEWS
+
+
+def _convention(options: Namespace) -> Convention:
+    """What the user says that his numbers are."""
+    given = {name: getattr(options, name)[0] for name in ("alpha", "length", "velocity") if getattr(options, name) is not None}
+    if options.kind is None and (given or options.sign is not None or options.conjugate):
+        raise InputError("--alpha, --sign, --conjugate, --length and --velocity: allowed with --as growth, frequency or phase-speed")
+    return Convention(options.kind or "growth", options.sign, conjugate=options.conjugate, **given)
+
+
+def _method(options: Namespace) -> Any:
+    """The method of that name, with the tolerance for the digits asked for; None leaves the choice to `refine`."""
+    if options.method is None:
+        return None
+    from shootstab.analyses.refine_double import tolerance_for
+
+    module, method = METHODS[options.method]
+    rtol = options.rtol if options.digits is None else 10.0**-options.digits
+    return getattr(importlib.import_module(module), method)(rtol=tolerance_for(rtol))
+
+
+def count(options: Namespace) -> int:
+    """How many modes a region holds."""
+    from shootstab.io import documents
+
+    if options.floor is not None and options.region != "half-plane":
+        raise InputError("--floor: allowed only with --region half-plane")
+    region = _region(options)
+    scene = scene_files.load(options.scene)
+    if region is None:
+        from shootstab.analyses.unstable import HalfDisc, count_unstable
+
+        growing = count_unstable(scene.problem, *(options.floor or ()))
+        region, found = HalfDisc(growing.radius, growing.floor), growing.counted
+    else:
+        from shootstab.analyses.count import counted
+
+        found = counted(scene.problem, region)
+    shape = region
+
+    def tables() -> list[RenderableType]:
+        from shootstab.cli import tables
+
+        return tables.count(shape, found, scene)
+
+    _answer(options, documents.count(region, found), tables)
+    return DONE
+
+
+def find(options: Namespace) -> int:
+    """All modes in a region; with --resonances also the zeros beyond the continuous spectrum."""
+    from shootstab.io import documents
+
+    region = _region(options)
+    assert region is not None
+    scene = scene_files.load(options.scene)
+    from shootstab.analyses.find import find as question
+
+    found = question(scene.problem, region, resonances=options.resonances)
+
+    def tables() -> list[RenderableType]:
+        from shootstab.cli import tables
+
+        return tables.found(found, region, scene)
+
+    _answer(options, documents.found(found, region), tables)
+    return DONE
+
+
+def _region(options: Namespace) -> Region | None:
+    """The region that is asked about; None is a half-plane."""
+    wanted = {"rectangle": ("corners",), "polygon": ("corners",), "disc": ("centre", "radius"), "half-plane": ()}[options.region]
+    for name in ("corners", "centre", "radius"):
+        if (getattr(options, name) is not None) != (name in wanted):
+            needed = " and ".join(f"--{w}" for w in wanted) or "nothing but --floor"
+            raise InputError(f"--region {options.region}: needed is {needed}, and no other")
+    if options.region == "half-plane":
+        return None
+    if options.region == "disc":
+        return Disc(complex(*options.centre), options.radius[0])
+    if len(options.corners) % 2 or (options.region == "rectangle" and len(options.corners) != 4):
+        raise InputError("--corners: allowed are RE,IM pairs, two for a rectangle and three or more for a polygon")
+    if options.region == "rectangle":
+        return _rectangle(options.corners)
+    return Polygon(tuple(complex(*options.corners[i : i + 2]) for i in range(0, len(options.corners), 2)))
+
+
+def _rectangle(corners: tuple[float, float, float, float]) -> Rectangle:
+    return Rectangle(complex(*corners[:2]), complex(*corners[2:]))
+
+
+def steady(options: Namespace) -> int:
+    """The steady flow of the scene."""
+    from shootstab.io import documents
+
+    scene = scene_files.load(options.scene)
+    flow = scene.flow
+    if flow is None:
+        raise InputError(f"{options.scene}: has no steady flow of grains: allowed is a scene with a [flow]")
+    document = documents.steady(flow)
+
+    def tables() -> list[RenderableType]:
+        from shootstab.cli import tables
+
+        return tables.steady(flow, document["profiles"], scene)
+
+    _answer(options, document, tables)
+    return DONE
+
+
+def spectrum(options: Namespace) -> int:
+    """The pseudospectral spectrum."""
+    from shootstab.io import documents
+
+    scene = scene_files.load(options.scene)
+    from shootstab.analyses.reference import spectrum as question
+
+    found = question(scene.problem, M=options.truncation)
+
+    def tables() -> list[RenderableType]:
+        from shootstab.cli import tables
+
+        return tables.spectrum(found, options.raw, scene)
+
+    _answer(options, documents.spectrum(found, options.raw), tables)
+    return DONE
+
+
+def scenes(options: Namespace) -> int:
+    """What is built in."""
+    if options.json is not None:
+        built_in = [{"name": name, "description": description} for name, (description, _) in scene_files.BUILT_IN.items()]
+        _write_json(options, {"scenes": built_in})
+    if options.json != "-":
+        for name, (description, _) in scene_files.BUILT_IN.items():
+            print(f"{name:<16}{description}")
+    return DONE
+
+
+def prepare(options: Namespace) -> None:
+    """Refuse a file that could not be written before any work is done."""
+    for path in (options.json, getattr(options, "plot", None)):
+        if path is not None and path != "-":
+            require_writable(Path(path))
+
+
+def _answer(options: Namespace, document: dict[str, Any], tables: Callable[[], list[RenderableType]]) -> None:
+    """JSON where it was asked for, and tables on standard output unless JSON takes it."""
+    if options.json is not None:
+        _write_json(options, document)
+    if options.json != "-":
+        from shootstab.cli.terminal import show
+
+        show(tables())
+
+
+def _write_json(options: Namespace, document: dict[str, Any]) -> None:
+    from shootstab.io import documents
+
+    text = documents.text(document)
+    if options.json == "-":
+        sys.stdout.write(text)
+    else:
+        write_whole(Path(options.json), lambda path: path.write_text(text, encoding="utf-8"))
+
+
+answer = _answer  # commands that live in modules of their own answer in the same way

@@ -1,0 +1,138 @@
+"""Growth rates over one parameter as curves, or over two as a map, with the points at which dominance was proved."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from shootstab.analyses.sweep.outcomes import NO_FLOW, UNRESOLVED
+from shootstab.cli import plots
+from shootstab.core.errors import InputError
+from shootstab.io.files import write_whole
+
+if TYPE_CHECKING:
+    from shootstab.analyses.sweep import Swept
+    from shootstab.analyses.sweep.grid import Axis
+    from shootstab.io.scenes import Scene
+
+# in units of the grain diameter d, the grain density and g cosθ
+LABELS = {
+    "kx": "downslope wavenumber $k_x$ d",
+    "ky": "cross-slope wavenumber $k_y$ d",
+    "far_temperature": r"far temperature $T_\infty$ / (d g cosθ)",
+    "mass_flux": r"mass flux $Q_0$ / $\sqrt{d^3 g\,\cosθ}$",
+    "tan_theta": r"slope $\tan\theta$",
+    "e": "restitution between grains e",
+    "e_w": "restitution with the base $e_w$",
+    "r": "roughness of the base r",
+}
+LEVELS = 14
+BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "0.55"
+MARKS_ON_A_MAP = 400  # proved points that are marked on a map; more would hide it
+
+
+def require(path: Path, axes: Mapping[str, Sequence[float]]) -> None:
+    """Raise InputError if no picture can be drawn here, or none of so many parameters."""
+    plots.require(path)
+    varied = [name for name, values in axes.items() if len(values) > 1]
+    if not 1 <= len(varied) <= 2:
+        raise InputError(f"--plot: {len(varied)} parameters vary: allowed are 1 or 2")
+
+
+def save(found: Swept, scene: Scene, path: Path) -> None:
+    """Draw the sweep into a png, pdf or svg file, told by its suffix."""
+    figure = draw(found, scene)
+    write_whole(path, lambda file: figure.savefig(file, dpi=160))
+
+
+def draw(found: Swept, scene: Scene) -> Any:
+    """The picture, as a matplotlib Figure."""
+    from matplotlib.figure import Figure
+
+    varied = [axis for axis in found.axes if len(axis.values) > 1]
+    one = len(varied) == 1
+    figure = Figure(figsize=(7.2, 6.4) if one else (7.4, 5.6), layout="constrained")
+    (_curves if one else _map)(figure, found, varied, scene.unit)
+    fixed = ", ".join(f"{a.name} = {a.values[0]:g}" for a in found.axes if len(a.values) == 1)
+    figure.suptitle(f"{scene.name}{': ' + fixed if fixed else ''}\n{_sentence(found)}", fontsize="medium")
+    return figure
+
+
+def _sentence(found: Swept) -> str:
+    if found.fastest is None:
+        return "nothing grows"
+    point, outcome = found.fastest
+    where = ", ".join(f"{n} = {v:.5g}" for n, v in zip(found.grid.names, point, strict=True))
+    assert outcome.sigma is not None
+    sign = "-" if outcome.sigma.imag < 0 else "+"
+    frequency = f" {sign} {abs(outcome.sigma.imag):.6g}i" if outcome.sigma.imag else ""
+    return f"fastest growth: σ = {outcome.sigma.real:.6g}{frequency} at {where}"
+
+
+def _unit(unit: str) -> str:
+    return f" / {unit}" if unit else ""
+
+
+def _curves(figure: Any, found: Swept, varied: Sequence[Axis], unit: str) -> None:
+    """Re σ above, Im σ below; where nothing grows there is a line at zero, where nothing is known there is a gap."""
+    (axis,) = varied
+    x = np.array(axis.values)
+    growth = found.growth.ravel()
+    frequency = found.array(lambda o: None if o.sigma is None else o.sigma.imag).ravel()
+    proved = found.array(lambda o: o.proved, dtype=np.bool_).ravel()
+    unknown = found.array(lambda o: o.status.startswith((UNRESOLVED, NO_FLOW)), dtype=np.bool_).ravel()
+    still = np.where(np.isnan(growth) & ~unknown, 0.0, np.nan)
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    above.plot(x, growth, "-", color=BLUE, linewidth=1.6, label="dominant mode, followed")
+    above.plot(x[proved], growth[proved], "o", color=BLUE, markersize=5, label="dominance proved by a count")
+    if np.isfinite(still).any():
+        above.plot(x, still, "-", color=GREY, linewidth=1.6, label="no growing mode")
+        above.plot(x[proved], still[proved], "s", color=GREY, markersize=4.5, label="the same, proved by a count")
+    if unknown.any():
+        above.plot(x[unknown], np.zeros(unknown.sum()), "x", color=ORANGE, markersize=6, label="no flow, or unresolved")
+    below.plot(x, frequency, "-", color=BLUE, linewidth=1.6)
+    above.set_ylabel(f"growth rate Re σ{_unit(unit)}")
+    below.set_ylabel(f"Im σ{_unit(unit)}")
+    below.set_xlabel(LABELS[axis.name])
+    for panel in (above, below):
+        panel.grid(True, linewidth=0.4, alpha=0.4)
+        panel.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3))
+    above.legend(frameon=False, fontsize="small")
+
+
+def _map(figure: Any, found: Swept, varied: Sequence[Axis], unit: str) -> None:
+    """Contours of Re σ; white where nothing grows, hatched where nothing is known. The last axis that varies is drawn upwards."""
+    from matplotlib.ticker import MaxNLocator
+
+    across, up = varied
+    growth = np.squeeze(found.growth, axis=tuple(i for i, a in enumerate(found.axes) if len(a.values) == 1)).T
+    unknown = found.array(lambda o: o.status.startswith((UNRESOLVED, NO_FLOW)), dtype=np.bool_).reshape(found.growth.shape)
+    unknown = np.squeeze(unknown, axis=tuple(i for i, a in enumerate(found.axes) if len(a.values) == 1)).T
+    x, y = np.array(across.values), np.array(up.values)
+    panel = figure.subplots()
+    if np.isfinite(growth).any():
+        filled = np.where(np.isnan(growth), 0.0, growth)
+        ticks = MaxNLocator(LEVELS).tick_values(0.0, float(np.nanmax(growth)))
+        levels = np.concatenate(([1e-9 * ticks[-1]], ticks[1:]))  # nothing is drawn where nothing grows
+        drawn = panel.contourf(x, y, filled, levels=levels, cmap="viridis")
+        panel.contour(x, y, filled, levels=levels[1:], colors="white", linewidths=0.5)
+        figure.colorbar(drawn, ax=panel, label=f"growth rate Re σ{_unit(unit)}", ticks=ticks[::2])
+    if unknown.any():
+        ys, xs = np.nonzero(unknown)
+        panel.plot(x[xs], y[ys], "x", color=ORANGE, markersize=4, label="no flow, or unresolved")
+    proved = np.array([p for p, o in found.rows() if o.proved])
+    if 0 < len(proved) <= MARKS_ON_A_MAP:
+        names = found.grid.names
+        i, j = names.index(across.name), names.index(up.name)
+        panel.plot(proved[:, i], proved[:, j], ".", color="black", markersize=2.5, label="modes counted", zorder=3)
+    if found.fastest is not None:
+        place = dict(zip(found.grid.names, found.fastest[0], strict=True))
+        panel.plot(place[across.name], place[up.name], "*", color="white", markeredgecolor="black", markersize=12, clip_on=False, zorder=4)
+    panel.set_xlabel(LABELS[across.name])
+    panel.set_ylabel(LABELS[up.name])
+    panel.ticklabel_format(style="sci", scilimits=(-2, 3))
+    if panel.get_legend_handles_labels()[0]:
+        panel.legend(loc="upper right", frameon=True, framealpha=0.85, fontsize="small")

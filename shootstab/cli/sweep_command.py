@@ -1,0 +1,229 @@
+"""`shootstab sweep`: its options, its JSON, its table, and the files that its results go to.
+
+JSON: {"axes": {name: [values]}, "digits", "every", "floor", "summary": {status: points, "counted": points}, "fastest": a point or null,
+"points": [{each parameter by its name, "sigma": {"re", "im"} or null, "error", "status", "proved", "floor", "evaluations"}]}.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import re
+from argparse import Namespace
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from shootstab.cli.commands import BAD_NEWS, DONE, answer
+from shootstab.io import scenes as scene_files
+from shootstab.io.files import require_writable, write_whole
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from shootstab.analyses.sweep import Swept
+    from shootstab.analyses.sweep.outcomes import Outcome
+    from shootstab.io.scenes import Scene
+
+# option: (parameter, what it is)
+PARAMETERS = {
+    "--kx": ("kx", "downslope wavenumber"),
+    "--ky": ("ky", "cross-slope wavenumber"),
+    "--far-temperature": ("far_temperature", "T_∞ of the flow"),
+    "--mass-flux": ("mass_flux", "Q0 of the flow"),
+    "--tan-theta": ("tan_theta", "slope"),
+    "--e": ("e", "restitution between grains"),
+    "--e-w": ("e_w", "restitution with the base"),
+    "--r": ("r", "roughness of the base"),
+}
+COLUMNS = ("re", "im", "error", "status", "proved", "floor", "evaluations")
+MOST_LISTED = 70  # points that the table lists; more are summed up
+MOST_VALUES = 1_000_000
+
+
+def options(parser: argparse.ArgumentParser, integer: Callable[[int, int], Any], plot_path: Callable[[str], Path]) -> None:
+    """Add what `sweep` takes."""
+    for option, (name, says) in PARAMETERS.items():
+        parser.add_argument(option, dest=name, type=_values, metavar="A:B:N", help=f"{says}: N values from A to B, or one value")
+    parser.add_argument("--digits", type=integer(1, 11), default=8, metavar="N", help="digits of σ at every point (default 8)")
+    parser.add_argument("--every", type=integer(1, 1000), default=12, metavar="N", help="count modes at every N-th point (default 12)")
+    parser.add_argument("--floor", type=_floor, default=1e-8, metavar="X", help="a mode grows if Re σ > X (default 1e-8)")
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--workers", type=integer(1, 1024), metavar="N", help="processes (default: one a core)")
+    where.add_argument("--dask", metavar="ADDRESS", help="the scheduler of a Dask cluster that does the work")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="SQLite file for the results; one that exists is completed")
+    parser.add_argument("--export", type=_export_path, metavar="FILE", help="write the results as csv or npz")
+    parser.add_argument("--plot", type=plot_path, metavar="FILE", help="draw growth rates over one or two parameters: png, pdf or svg")
+
+
+def sweep(options: Namespace) -> int:
+    """The dominant mode over wavenumbers and flows."""
+    axes = {name: getattr(options, name) for name, _ in PARAMETERS.values() if getattr(options, name) is not None}
+    for path in (options.out, options.export):
+        if path is not None:
+            require_writable(path)
+    if options.plot is not None:
+        from shootstab.cli import maps
+
+        maps.require(options.plot, axes)
+    scene = scene_files.load(options.scene)
+    from shootstab.analyses.sweep import sweep as question
+    from shootstab.cli.terminal import progress
+
+    with progress(f"sweeping {scene.name}") as told:
+        found = question(
+            scene.problem,
+            axes,
+            digits=options.digits,
+            every=options.every,
+            floor=options.floor,
+            workers=options.workers,
+            cluster=options.dask,
+            out=options.out,
+            progress=told,
+        )
+    if options.export is not None:
+        write_whole(options.export, lambda path: _EXPORTS[options.export.suffix.lower()](found, path))
+    if options.plot is not None:
+        from shootstab.cli import maps
+
+        maps.save(found, scene, options.plot)
+    answer(options, document(found), lambda: tables(found, scene))
+    return BAD_NEWS if found.bad_news() else DONE
+
+
+def document(found: Swept) -> dict[str, Any]:
+    """For JSON."""
+    names = found.grid.names
+    fastest = found.fastest
+    return {
+        "axes": {axis.name: list(axis.values) for axis in found.axes},
+        "digits": found.settings.digits,
+        "every": found.settings.every,
+        "floor": found.settings.floor,
+        "summary": found.summary,
+        "fastest": None if fastest is None else {**dict(zip(names, fastest[0], strict=True)), **_said(fastest[1])},
+        "points": [{**dict(zip(names, point, strict=True)), **_said(outcome)} for point, outcome in found.rows()],
+    }
+
+
+def _said(outcome: Outcome) -> dict[str, Any]:
+    from shootstab.io.notation import as_strings
+
+    return {
+        "sigma": None if outcome.sigma is None else as_strings(outcome.sigma, outcome.error),
+        "error": outcome.error,
+        "status": outcome.status,
+        "proved": outcome.proved,
+        "floor": outcome.floor,
+        "evaluations": outcome.evaluations,
+    }
+
+
+def tables(found: Swept, scene: Scene) -> list[RenderableType]:
+    """The points if they are few, a sentence on them, and the fastest mode."""
+    from rich.box import SIMPLE
+    from rich.table import Table
+    from rich.text import Text
+
+    from shootstab.io.notation import held_complex
+
+    parts: list[RenderableType] = []
+    if len(found.outcomes) <= MOST_LISTED:
+        table = Table(title=Text(f"{scene.name}: {scene.description}"), title_justify="left", box=SIMPLE, pad_edge=False)
+        sigma = f"dominant σ / {scene.unit}" if scene.unit else "dominant σ"
+        for heading in (*found.grid.names, sigma, "error", "status"):
+            table.add_column(Text(heading), no_wrap=True, justify="right" if heading == "error" else "left")
+        for point, outcome in found.rows():
+            known = outcome.sigma is not None
+            table.add_row(
+                *(f"{v:.8g}" for v in point),
+                held_complex(outcome.sigma, outcome.error) if known else "–",
+                f"{outcome.error:.1e}" if known else "",
+                Text(outcome.status),
+            )
+        parts.append(table)
+    counts = found.summary
+    counted = counts.pop("counted")
+    said = ", ".join(f"{n} {status}" for status, n in counts.items() if n)
+    parts.append(Text(f"{len(found.outcomes)} points: {said}; modes were counted at {counted}."))
+    if found.fastest is not None:
+        point, outcome = found.fastest
+        where = ", ".join(f"{n} = {v:.8g}" for n, v in zip(found.grid.names, point, strict=True))
+        parts.append(Text(f"Fastest growth: σ = {held_complex(outcome.sigma, outcome.error)} at {where}."))
+    return parts
+
+
+# files
+
+
+def _csv(found: Swept, path: Path) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow((*found.grid.names, *COLUMNS))
+        for point, o in found.rows():
+            re_, im = ("", "") if o.sigma is None else (repr(o.sigma.real), repr(o.sigma.imag))
+            rest = (o.error, o.status, int(o.proved), o.floor, o.evaluations)
+            writer.writerow((*map(repr, point), re_, im, *("" if x is None else x for x in rest)))
+
+
+def _npz(found: Swept, path: Path) -> None:
+    """One array for each axis by its name, and on the grid: re, im, error (NaN where absent), status, proved."""
+    import numpy as np
+
+    arrays: dict[str, Any] = {axis.name: np.array(axis.values) for axis in found.axes}
+    with path.open("wb") as file:
+        np.savez(
+            file,
+            **arrays,
+            re=found.growth,
+            im=found.array(lambda o: None if o.sigma is None else o.sigma.imag),
+            error=found.array(lambda o: o.error),
+            status=found.array(lambda o: o.status, dtype=np.str_),
+            proved=found.array(lambda o: o.proved, dtype=np.bool_),
+        )
+
+
+_EXPORTS: dict[str, Callable[[Swept, Path], None]] = {".csv": _csv, ".npz": _npz}
+
+
+# the values of options, refused in words
+
+
+def _values(text: str) -> tuple[float, ...]:
+    from shootstab.io.notation import floats_from
+
+    parts = text.split(":")
+    try:
+        if len(parts) not in (1, 3):
+            raise ValueError
+        ends = floats_from(",".join(parts[:2]), len(parts[:2]))
+        if len(parts) == 1:
+            return ends
+        if not re.fullmatch(r"\d{1,7}", parts[2], re.ASCII) or not 2 <= int(parts[2]) <= MOST_VALUES or ends[0] == ends[1]:
+            raise ValueError
+    except ValueError:
+        allowed = f"a number, or A:B:N with A other than B and N from 2 to {MOST_VALUES}"
+        raise argparse.ArgumentTypeError(f"{text!r}: allowed is {allowed}") from None
+    (a, b), n = ends, int(parts[2])
+    # 15 digits: 0.015 and not 0.015000000000000003
+    return tuple(float(f"{a + (b - a) * i / (n - 1):.15g}") for i in range(n))
+
+
+def _floor(text: str) -> float:
+    from shootstab.io.notation import floats_from
+
+    try:
+        (value,) = floats_from(text, 1)
+    except ValueError:
+        value = 0.0
+    if not 0.0 < value < 1e-2:
+        raise argparse.ArgumentTypeError(f"{text!r}: allowed is a number above 0 and below 0.01")
+    return value
+
+
+def _export_path(text: str) -> Path:
+    path = Path(text)
+    if path.suffix.lower() not in _EXPORTS:
+        raise argparse.ArgumentTypeError(f"{text!r}: allowed is a file name that ends in {' or '.join(_EXPORTS)}")
+    return path

@@ -1,0 +1,203 @@
+"""Tables that a person can read. A number is shown to the digits that its error leaves, an error to two."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from rich.box import SIMPLE
+from rich.console import RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from shootstab.core.records import (
+    CONFIRMED,
+    CONTINUUM,
+    INACCURATE,
+    SPURIOUS,
+    UNRESOLVED,
+    Mode,
+    Report,
+    Verdict,
+    digits_between,
+)
+from shootstab.core.regions import Region
+from shootstab.io.notation import claimed_digits, held, held_complex
+
+if TYPE_CHECKING:
+    from shootstab.analyses.cut_region import RegionCount
+    from shootstab.analyses.find import Found
+    from shootstab.io.scenes import Scene
+    from shootstab.models.chute import Flow
+
+COLOURS = {CONFIRMED: "green", INACCURATE: "yellow", SPURIOUS: "red", CONTINUUM: "cyan", UNRESOLVED: "magenta", "missing": "bold red"}
+ABSENT = "–"
+FLOW_DIGITS = 1e-12  # the relative accuracy of a steady flow
+
+Parts = list[RenderableType]
+
+
+def report(found: Report, scene: Scene) -> Parts:
+    """Verdicts and missing modes, the reasons, and one sentence."""
+    table = _table(f"{scene.name}: {scene.description}", _sigma("claimed σ", scene), "verdict", f"mode {scene.symbol}", "error", "digits")
+    for number, verdict in enumerate(found.verdicts, 1):
+        cells = _mode_cells(verdict.sigma, verdict.error) if verdict.sigma is not None else (ABSENT, ABSENT)
+        table.add_row(str(number), claimed_digits(verdict.claimed, found.digits), _coloured(verdict.verdict), *cells, _agreement(verdict))
+    for mode in found.missing:
+        table.add_row("", ABSENT, _coloured("missing"), *_mode_cells(mode.sigma, mode.error), ABSENT)
+    return [table, *_reasons(found), Text(_sentence(found))]
+
+
+def _mode_cells(sigma: Any, error: float | None) -> tuple[str, str]:
+    return held_complex(sigma, error), _two_figures(error)
+
+
+def _agreement(verdict: Verdict) -> str:
+    """Digits agreed; where the difference is below the error of the mode, at least as many as the mode has."""
+    if verdict.digits_agreed is None or verdict.sigma is None:
+        return ABSENT
+    known = digits_between(verdict.error or 0.0, abs(verdict.sigma))
+    return f"≥{known:.1f}" if verdict.digits_agreed >= known - 1e-9 else f"{verdict.digits_agreed:.1f}"
+
+
+def _reasons(found: Report) -> Parts:
+    reasons: Parts = []
+    for number, verdict in enumerate(found.verdicts, 1):
+        if verdict.verdict != CONFIRMED:
+            reasons.append(Text.assemble(f"{number:>4}  ", _coloured(verdict.verdict), f": {verdict.why}"))
+    reasons += [Text.assemble("      ", ("not searched", "magenta"), f": {what}") for what in found.undecided]
+    return [*reasons, Text("")] if reasons else []
+
+
+def _sentence(found: Report) -> str:
+    """How many of each, and where modes were looked for."""
+    total, counts = len(found.verdicts), dict(found.summary)
+    missing, confirmed = counts.pop("missing"), counts.pop(CONFIRMED)
+    others = "".join(f", {n} {verdict}" for verdict, n in counts.items() if n)
+    lost = "no missing mode was found" if missing == 0 else f"{missing} mode{'s are' if missing > 1 else ' is'} missing"
+    where = f" ({found.searched})" if found.searched else ""
+    return f"{confirmed} of {total} eigenvalue{'s' * (total != 1)} confirmed to {found.digits} digits{others}; {lost}{where}."
+
+
+def mode(found: Mode, scene: Scene) -> Parts:
+    """One mode and what its error is made of."""
+    parts = ", ".join(f"{name.replace('_', ' ')} {_two_figures(value)}" for name, value in found.budget.as_dict().items())
+    rows = {
+        _sigma("σ", scene): held_complex(found.sigma, found.error),
+        "error": f"{_two_figures(found.error)}  ({parts})",
+        "digits": f"{found.digits:.1f}",
+        "status": found.status,
+        "method": f"{found.method}, {found.evaluations} evaluations, {found.seconds:.2g} s, {found.path} path in z",
+    }
+    if found.system:
+        rows["system"] = found.system
+    if found.multiplicity > 1:
+        rows["multiplicity"] = f"{found.multiplicity}: so many eigenvalues, equal or not told apart, lie within the error"
+    if math.isfinite(found.continuum_distance):
+        rows["continuous spectrum"] = f"at a distance of {_two_figures(found.continuum_distance)}"
+    return [_pairs(f"{scene.name}: {scene.description}", rows)]
+
+
+def count(region: Region, found: RegionCount, scene: Scene) -> Parts:
+    """One sentence, and what was left out."""
+    said = f"{scene.name}: {found.count} mode{'s' * (found.count != 1)} inside the {_shape(region)}."
+    parts: Parts = [Text(f"{said} The phase of D closed to {found.closure:.0e} of a turn, in {found.evaluations} evaluations.")]
+    if found.left_out:
+        parts += [
+            Text(f"Not counted: what lies within {d.radius:.1e} of the end {d.centre:.6g} of the continuous spectrum.")
+            for d in found.left_out
+        ]
+    return parts
+
+
+def found(answer: Found, region: Region, scene: Scene) -> Parts:
+    """A table of modes, the resonances under it, and the count."""
+    table = _table(f"{scene.name}: {scene.description}", _sigma("mode σ", scene), "error", "digits", "multiplicity", "off the continuum")
+    for number, m in enumerate(answer.modes, 1):
+        away = _two_figures(m.continuum_distance) if math.isfinite(m.continuum_distance) else ABSENT
+        table.add_row(str(number), held_complex(m.sigma, m.error), _two_figures(m.error), f"{m.digits:.1f}", str(m.multiplicity), away)
+    parts: Parts = [table] if answer.modes else []
+    if answer.resonances is not None:
+        listed = ", ".join(f"{complex(r):.8g}" for r in answer.resonances) or "none"
+        parts.append(Text(f"Resonances beyond the continuous spectrum, which are not modes: {listed}."))
+    return [*parts, *count(region, answer.counted, scene)]
+
+
+def _shape(region: Region) -> str:
+    form = region.as_dict()
+    if form["shape"] == "disc":
+        return f"disc of radius {form['radius']:g} around {_pair(form['centre'])}"
+    if form["shape"] == "half-disc":
+        return f"half-plane Re σ > {form['floor']:.1e} (none has |σ| > {form['radius']:g})"
+    return f"{form['shape']} with corners {' and '.join(_pair(c) for c in form['corners'])}"
+
+
+def _pair(corner: Mapping[str, str]) -> str:
+    return f"({float(corner['re']):g}, {float(corner['im']):g})"
+
+
+def steady(flow: Flow, profiles: Mapping[str, Sequence[float]], scene: Scene) -> Parts:
+    """The flow's numbers, and its profiles at eleven heights."""
+    numbers = {
+        "far temperature T∞": flow.far_temperature,
+        "ν at the base": flow.base["nu"],
+        "T at the base": flow.base["T"],
+        "u at the base (slip)": flow.base["u"],
+        "mass flux Q0": flow.mass_flux,
+        "hold-up M0": flow.hold_up,
+        "centre of mass h0": flow.centre_of_mass,
+    }
+    rows = {name: held(value, abs(value) * FLOW_DIGITS) for name, value in numbers.items()}
+    table = _table("profiles, in units of d and g cosθ", "z", "ν", "T", "u", numbered=False)
+    step = (len(profiles["z"]) - 1) // 10
+    for row in zip(*(profiles[name][::step] for name in ("z", "nu", "T", "u")), strict=True):
+        table.add_row(*(f"{value:.6g}" for value in row))
+    return [_pairs(f"{scene.name}: {scene.description}", rows), table]
+
+
+def spectrum(found: Any, raw: bool, scene: Scene) -> Parts:
+    """The filtered spectrum with what it passed, or all that QZ gave."""
+    if raw:
+        table = _table(f"{scene.name}: {scene.description}, unfiltered", _sigma("σ", scene))
+        for number, sigma in enumerate(found.raw, 1):
+            table.add_row(str(number), held_complex(complex(sigma), abs(complex(sigma)) * 1e-12 or None))
+        return [table, Text(f"{len(found.raw)} eigenvalues of the pencil at truncation {found.truncation}, {len(found.eigenvalues)} pass.")]
+    table = _table(f"{scene.name}: {scene.description}", _sigma("σ", scene), "drift", "tail")
+    for number, (sigma, drift, tail) in enumerate(zip(found.eigenvalues, found.drift, found.tail, strict=True), 1):
+        shown = held_complex(complex(sigma), float(drift) or None)
+        table.add_row(str(number), shown, _two_figures(drift), _two_figures(tail))
+    sentence = f"{len(found.eigenvalues)} of {len(found.raw)} eigenvalues at truncation {found.truncation} pass both filters."
+    return [table, Text(sentence)]
+
+
+def _sigma(title: str, scene: Scene) -> str:
+    title = title.replace("σ", scene.symbol)
+    return f"{title} / {scene.unit}" if scene.unit else title
+
+
+def _two_figures(value: float | None) -> str:
+    return ABSENT if value is None else f"{float(value):.1e}"
+
+
+def _coloured(verdict: str) -> Text:
+    return Text(verdict, style=COLOURS[verdict])
+
+
+def _table(title: str, *headings: str, numbered: bool = True) -> Table:
+    table = Table(title=Text(title), title_justify="left", box=SIMPLE, pad_edge=False)
+    if numbered:
+        table.add_column("#", justify="right", no_wrap=True)
+    for heading in headings:
+        numeric = heading in ("error", "digits", "multiplicity", "drift", "tail", "z", "ν", "T", "u")
+        table.add_column(Text(heading), justify="right" if numeric else "left", no_wrap=True)
+    return table
+
+
+def _pairs(title: str, rows: Mapping[str, str]) -> Table:
+    table = Table(title=Text(title), title_justify="left", box=None, show_header=False, pad_edge=False)
+    table.add_column(no_wrap=True, style="dim")
+    table.add_column(no_wrap=True)
+    for name, value in rows.items():
+        table.add_row(Text(name), Text(value))
+    return table

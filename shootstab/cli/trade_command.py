@@ -1,0 +1,142 @@
+"""`shootstab trade`: work against accuracy of every method, as table, JSON and picture.
+
+JSON: {"truth": {"re", "im"}, "bound", "guess": {"re", "im"}, "rungs": [{"method", "parameter", "resolution", "sigma": {"re", "im"},
+"error", "relative_error", "by_bound", "seconds", "memory", "work"}], "recommendation"}. memory is in bytes, null where it is not known.
+"""
+
+from __future__ import annotations
+
+import argparse
+from argparse import Namespace
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from shootstab.cli.commands import DONE, answer
+from shootstab.io import scenes as scene_files
+from shootstab.io.files import write_whole
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from shootstab.analyses.work_precision import Measurement, WorkPrecision
+    from shootstab.io.scenes import Scene
+
+# colour (Okabe and Ito's), marker, dashes
+STYLES = {
+    "qz": ("#D55E00", "s", "-"),
+    "qz, paper's grid": ("#D55E00", "s", ":"),
+    "inverse iteration": ("#E69F00", "D", "-"),
+    "inverse iteration, paper's grid": ("#E69F00", "D", ":"),
+    "frame": ("#0072B2", "o", "-"),
+    "compound": ("#009E73", "^", "-"),
+    "riccati": ("#56B4E9", "v", "-"),
+    "taylor series": ("#CC79A7", "*", "-"),
+}
+
+
+def options(parser: argparse.ArgumentParser, guess: Callable[[str], complex], plot_path: Callable[[str], Path]) -> None:
+    """Add what `trade` takes."""
+    parser.add_argument("--guess", type=guess, metavar="RE[,IM]", help="the mode (default: the fastest-growing one of the reference)")
+    parser.add_argument("--plot", type=plot_path, metavar="FILE", help="draw time and memory against error: png, pdf or svg")
+
+
+def trade(options: Namespace) -> int:
+    """Work against accuracy, for every method."""
+    if options.plot is not None:
+        from shootstab.cli import plots
+
+        plots.require(options.plot)
+    scene = scene_files.load(options.scene)
+    from shootstab.analyses.work_precision import trade as question
+    from shootstab.cli.terminal import progress
+
+    with progress(f"measuring {scene.name}") as told:
+        found = question(scene.problem, options.guess, told)
+    if options.plot is not None:
+        figure = draw(found, scene)
+        write_whole(options.plot, lambda file: figure.savefig(file, dpi=160))
+    answer(options, document(found), lambda: tables(found, scene))
+    return DONE
+
+
+def document(found: WorkPrecision) -> dict[str, Any]:
+    """For JSON."""
+    from shootstab.io.notation import as_strings
+
+    return {
+        "truth": as_strings(found.truth, found.bound),
+        "bound": found.bound,
+        "guess": as_strings(found.guess),
+        "rungs": [
+            {
+                "method": r.method,
+                "parameter": r.parameter,
+                "resolution": r.resolution,
+                "sigma": as_strings(r.sigma, r.error),
+                "error": r.error,
+                "relative_error": r.relative,
+                "by_bound": r.by_bound,
+                "seconds": r.seconds,
+                "memory": r.memory or None,
+                "work": r.work,
+            }
+            for r in found.measurements
+        ],
+        "recommendation": found.recommendation,
+    }
+
+
+def tables(found: WorkPrecision, scene: Scene) -> list[RenderableType]:
+    """Every rung, and what follows."""
+    from rich.box import SIMPLE
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(title=Text(f"{scene.name}: {scene.description}"), title_justify="left", box=SIMPLE, pad_edge=False)
+    for heading in ("method", "resolution", "relative error", "time", "memory", "D or factorizations"):
+        table.add_column(Text(heading), no_wrap=True, justify="left" if heading in ("method", "resolution") else "right")
+    last = ""
+    for r in found.measurements:
+        if last and r.method != last:
+            table.add_section()
+        error = f"{'< ' if r.by_bound else ''}{r.relative:.1e}"
+        memory = f"{r.memory / 1e6:.1f} MB" if r.memory else "–"
+        table.add_row(r.method, resolution(r), error, f"{1e3 * r.seconds:.2f} ms", memory, str(r.work))
+        last = r.method
+    return [table, Text(found.recommendation)]
+
+
+def resolution(rung: Measurement) -> str:
+    """In words: M = 48, rtol 1e-09, 15 digits."""
+    if rung.parameter == "M":
+        return f"M = {rung.resolution:.0f}"
+    return f"{rung.resolution:.0f} digits" if rung.parameter == "digits" else f"rtol {rung.resolution:.0e}"
+
+
+def draw(found: WorkPrecision, scene: Scene) -> Any:
+    """Time and memory against the relative error, as a matplotlib Figure; better is to the right and down."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11, 5.4), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    for method, (colour, marker, dashes) in STYLES.items():
+        measurements = [r for r in found.measurements if r.method == method]
+        if not measurements:
+            continue
+        style = {"color": colour, "marker": marker, "linestyle": dashes, "markersize": 5, "linewidth": 1.3, "label": method}
+        errors = [r.relative for r in measurements]
+        left.plot(errors, [r.seconds for r in measurements], **style)
+        if all(r.memory for r in measurements):
+            right.plot(errors, [r.memory / 1e6 for r in measurements], **style)
+    for panel, label in ((left, "time / s"), (right, "peak memory / MB")):
+        panel.set_xscale("log")
+        panel.set_yscale("log")
+        panel.set_xlabel("true relative error of σ")
+        panel.set_ylabel(label)
+        panel.grid(True, which="major", linewidth=0.4, alpha=0.5)
+        panel.invert_xaxis()
+    handles, labels = left.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False, fontsize="small")
+    figure.suptitle(f"{scene.name}: one mode from a guess of three digits\n{scene.description}", fontsize="medium")
+    return figure

@@ -1,0 +1,1 @@
+"""Results, regions, numbers and power series: the nouns of every other package."""

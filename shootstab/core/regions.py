@@ -1,0 +1,233 @@
+"""Regions of the σ-plane, each with a closed boundary run through counter-clockwise for t from 0 to 1."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from shootstab.core.errors import InputError
+
+SIDES = 12  # of the polygon around a disc
+
+
+class Region(Protocol):
+    """A bounded part of the σ-plane."""
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        """The values of t, from 0 to 1, at which the boundary is not smooth."""
+        ...
+
+    @property
+    def hull(self) -> tuple[complex, ...]:
+        """The corners of a convex polygon that holds the region, counter-clockwise."""
+        ...
+
+    def boundary(self, t: float) -> complex:
+        """The boundary point at t in [0, 1]."""
+        ...
+
+    def parameter(self, sigma: complex) -> float:
+        """The t of the boundary point nearest to sigma."""
+        ...
+
+    def contains(self, sigma: complex) -> bool:
+        """Whether sigma lies inside."""
+        ...
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        ...
+
+
+@dataclass(frozen=True)
+class Disc:
+    """|σ − centre| < radius."""
+
+    centre: complex
+    radius: float
+
+    def __post_init__(self) -> None:
+        if not (cmath.isfinite(self.centre) and 0.0 < self.radius < math.inf):
+            raise InputError(f"disc with centre {self.centre} and radius {self.radius}: allowed are finite numbers, the radius above 0")
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        return (0.0, 1.0)
+
+    @property
+    def hull(self) -> tuple[complex, ...]:
+        reach = self.radius / math.cos(math.pi / SIDES)
+        return tuple(self.centre + cmath.rect(reach, 2 * math.pi * k / SIDES) for k in range(SIDES))
+
+    def boundary(self, t: float) -> complex:
+        return self.centre + self.radius * cmath.exp(2j * math.pi * t)
+
+    def parameter(self, sigma: complex) -> float:
+        return (cmath.phase(sigma - self.centre) / (2 * math.pi)) % 1.0
+
+    def contains(self, sigma: complex) -> bool:
+        return abs(sigma - self.centre) < self.radius
+
+    def as_dict(self) -> dict[str, Any]:
+        return {"shape": "disc", "centre": {"re": str(self.centre.real), "im": str(self.centre.imag)}, "radius": self.radius}
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """The rectangle with these opposite corners, lower left and upper right."""
+
+    lower_left: complex
+    upper_right: complex
+
+    def __post_init__(self) -> None:
+        a, b = complex(self.lower_left), complex(self.upper_right)
+        if not (cmath.isfinite(a) and cmath.isfinite(b) and a.real < b.real and a.imag < b.imag):
+            raise InputError(f"rectangle from {a} to {b}: allowed are finite corners, lower left first, upper right second")
+
+    @property
+    def vertices(self) -> tuple[complex, ...]:
+        """The four corners, counter-clockwise from the lower left."""
+        a, b = complex(self.lower_left), complex(self.upper_right)
+        return a, complex(b.real, a.imag), b, complex(a.real, b.imag)
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        return (0.0, 0.25, 0.5, 0.75, 1.0)
+
+    @property
+    def hull(self) -> tuple[complex, ...]:
+        return self.vertices
+
+    def boundary(self, t: float) -> complex:
+        return _along(self.vertices, t)
+
+    def parameter(self, sigma: complex) -> float:
+        return _nearest(self.vertices, sigma)
+
+    def contains(self, sigma: complex) -> bool:
+        a, b = complex(self.lower_left), complex(self.upper_right)
+        return a.real < sigma.real < b.real and a.imag < sigma.imag < b.imag
+
+    def as_dict(self) -> dict[str, Any]:
+        corners = [{"re": str(c.real), "im": str(c.imag)} for c in (complex(self.lower_left), complex(self.upper_right))]
+        return {"shape": "rectangle", "corners": corners}
+
+
+@dataclass(frozen=True)
+class Polygon:
+    """The inside of a closed polygon that does not cross itself, its vertices in counter-clockwise or clockwise order."""
+
+    points: tuple[complex, ...]
+
+    def __post_init__(self) -> None:
+        points = tuple(complex(p) for p in self.points)
+        if len(points) < 3 or not all(cmath.isfinite(p) for p in points) or _area(points) == 0.0:
+            raise InputError(f"polygon {points}: allowed are three or more finite corners that are not on one line")
+        object.__setattr__(self, "points", points if _area(points) > 0.0 else points[::-1])
+
+    @property
+    def vertices(self) -> tuple[complex, ...]:
+        """The corners, counter-clockwise."""
+        return self.points
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        return tuple(i / len(self.points) for i in range(len(self.points) + 1))
+
+    @property
+    def hull(self) -> tuple[complex, ...]:
+        return _convex(self.points)
+
+    def boundary(self, t: float) -> complex:
+        return _along(self.points, t)
+
+    def parameter(self, sigma: complex) -> float:
+        return _nearest(self.points, sigma)
+
+    def contains(self, sigma: complex) -> bool:
+        inside = False
+        for p, q in zip(self.points, self.points[1:] + self.points[:1], strict=True):
+            crosses = (p.imag > sigma.imag) != (q.imag > sigma.imag)
+            if crosses and sigma.real < p.real + (q.real - p.real) * (sigma.imag - p.imag) / (q.imag - p.imag):
+                inside = not inside
+        return inside
+
+    def as_dict(self) -> dict[str, Any]:
+        return {"shape": "polygon", "corners": [{"re": str(c.real), "im": str(c.imag)} for c in self.points]}
+
+
+def _along(vertices: tuple[complex, ...], t: float) -> complex:
+    """The point at t on a closed polygon, every side taking the same share of t."""
+    sides = len(vertices)
+    side = min(int(sides * t), sides - 1)
+    start, end = vertices[side], vertices[(side + 1) % sides]
+    return start + (sides * t - side) * (end - start)
+
+
+def _nearest(vertices: tuple[complex, ...], sigma: complex) -> float:
+    """The t of the point of a closed polygon nearest to sigma."""
+    best, where = math.inf, 0.0
+    for side, start in enumerate(vertices):
+        edge = vertices[(side + 1) % len(vertices)] - start
+        s = min(1.0, max(0.0, ((sigma - start) * edge.conjugate()).real / abs(edge) ** 2))
+        off = abs(sigma - start - s * edge)
+        if off < best:
+            best, where = off, (side + s) / len(vertices)
+    return where
+
+
+def _area(points: tuple[complex, ...]) -> float:
+    """Twice the signed area, from the first corner: far from the origin a small one must not vanish."""
+    sides = [p - points[0] for p in points]
+    return sum((p.conjugate() * q).imag for p, q in zip(sides, sides[1:] + sides[:1], strict=True))
+
+
+def halves(region: Region, cut: float) -> tuple[Polygon, Polygon]:
+    """The hull of a region cut in two across its longer side, at this fraction of it."""
+    vertices = region.hull
+    turn = 1.0 + 0j
+    re, im = [v.real for v in vertices], [v.imag for v in vertices]
+    if max(re) - min(re) < max(im) - min(im):
+        turn = -1j  # cut across the imaginary direction
+    turned = [turn * v for v in vertices]
+    low, high = min(v.real for v in turned), max(v.real for v in turned)
+    at = low + cut * (high - low)
+    sides = (_clipped(turned, at, 1.0), _clipped(turned, at, -1.0))
+    lower, upper = (Polygon(tuple(v / turn for v in side)) for side in sides)
+    return lower, upper
+
+
+def size(region: Region) -> float:
+    """The diameter of the hull."""
+    vertices = region.hull
+    return max(abs(p - q) for p in vertices for q in vertices)
+
+
+def _clipped(vertices: list[complex], at: float, sign: float) -> list[complex]:
+    """The part of a convex polygon with sign·(Re − at) ≤ 0."""
+    out: list[complex] = []
+    for p, q in zip(vertices, vertices[1:] + vertices[:1], strict=True):
+        inside, ahead = sign * (p.real - at) <= 0.0, sign * (q.real - at) <= 0.0
+        if inside:
+            out.append(p)
+        if inside != ahead and p.real != at and q.real != at:
+            out.append(complex(at, p.imag + (q.imag - p.imag) * (at - p.real) / (q.real - p.real)))
+    return out
+
+
+def _convex(points: tuple[complex, ...]) -> tuple[complex, ...]:
+    """The convex hull, counter-clockwise, by Andrew's monotone chain."""
+
+    def chain(ordered: list[complex]) -> list[complex]:
+        out: list[complex] = []
+        for p in ordered:
+            while len(out) > 1 and ((out[-1] - out[-2]).conjugate() * (p - out[-2])).imag <= 0.0:
+                out.pop()
+            out.append(p)
+        return out[:-1]
+
+    ordered = sorted(set(points), key=lambda p: (p.real, p.imag))
+    return tuple(chain(ordered) + chain(ordered[::-1]))

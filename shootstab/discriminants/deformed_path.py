@@ -1,0 +1,46 @@
+"""Paths of integration in the complex z-plane.
+
+Where σ comes close to the continuous spectrum, a singular point z_s of the system (det C(z_s; σ) = 0) comes close to the real axis. The
+coefficients are analytic, so the path may leave the real axis around it. A path that passes z_s on the same side as the real axis gives
+D itself; one that passes on the other side gives D continued analytically through the continuous spectrum.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.problems.protocol import ComplexArray
+
+PIECES = 3  # first steps on each leg
+
+
+@dataclass(frozen=True)
+class DeformedPath:
+    """A detour through centre + i·height that leaves the real axis half_width before the centre and returns as far behind it.
+
+    height > 0 passes above the centre in the z-plane, height < 0 below.
+    """
+
+    centre: float
+    half_width: float
+    height: float
+
+    def deform(self, nodes: NDArray[np.float64]) -> ComplexArray:
+        """The mesh with the detour in it; the ends stay where they are, and a leg that would overshoot ends there."""
+        start, wall = nodes[0], nodes[-1]
+        along = 1.0 if wall > start else -1.0
+        leave = max(along * start, along * self.centre - self.half_width) * along
+        back = min(along * wall, along * self.centre + self.half_width) * along
+        apex = complex(self.centre, self.height)
+        before = nodes[along * nodes < along * leave - 1e-9 * self.half_width]
+        behind = nodes[along * nodes > along * back + 1e-9 * self.half_width]
+        out = np.linspace(leave, apex, PIECES + 1)
+        inward = np.linspace(apex, back, PIECES + 1)[1:]
+        return np.concatenate((before, out, inward, behind)).astype(np.complex128)
+
+    def __str__(self) -> str:
+        side = "below" if self.height < 0.0 else "above"
+        return f"through z = {self.centre:.4g} {'-' if self.height < 0 else '+'} {abs(self.height):.3g}i, {side} the singular point"

@@ -1,0 +1,138 @@
+"""A problem on a fixed mesh: what does not depend on σ, computed once.
+
+At every Runge–Kutta abscissa the pencil is reduced to
+
+    A(σ) = C⁻¹D = X0 + σ X1 + V γ(σ)⁻¹ τ(σ),   γ = G0 + σ G1,   τ = T0 + σ T1 + σ² T2.
+
+The rows of C that σ does not enter fix ψ′ up to the null space V of those rows; the m rows that it does enter fix the rest. m is 0 for most
+problems and 1 for the chute, and det C vanishes where det γ does: nothing is divided by that is not singular in truth.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.core.errors import InputError
+from shootstab.kernels.elimination import solve_each
+from shootstab.kernels.reduced_system import ReducedSystem
+from shootstab.kernels.tableau import STAGES
+from shootstab.kernels.tableau import C as ABSCISSAE
+from shootstab.problems.protocol import ComplexArray, Pencil, Problem
+
+
+@dataclass(frozen=True, eq=False)
+class SampledSystem:
+    """nodes (N+1,) from the far end to the wall; the reduced system on the N steps, in complex numbers."""
+
+    nodes: ComplexArray
+    system: ReducedSystem
+
+    @cached_property
+    def real(self) -> ReducedSystem | None:
+        """The system in real numbers, None if it is not real."""
+        return self.system.in_real_numbers()
+
+    def numbers(self, sigma: complex, *arrays: ComplexArray) -> tuple[Any, ...]:
+        """The system, σ and copies of arrays for a kernel: as real numbers where all of them are, and complex ones otherwise."""
+        if sigma.imag == 0.0 and not any(a.imag.any() for a in arrays) and self.real is not None:
+            return self.real, sigma.real, *(a.real.copy() for a in arrays)
+        return self.system, sigma, *(a.astype(np.complex128, order="C") for a in arrays)
+
+
+def sample_system(problem: Problem, nodes: NDArray[np.complexfloating]) -> SampledSystem:
+    """The sampled of a problem on a mesh.
+
+    Raises InputError where the pencil is of the wrong shape, not finite, or of deficient rank.
+    """
+    at: ComplexArray = np.asarray(nodes, dtype=np.complex128)
+    return SampledSystem(at, _sampled(problem, at[:-1], np.diff(at)))
+
+
+def resample(problem: Problem, nodes: NDArray[np.complexfloating], known: SampledSystem) -> SampledSystem:
+    """The same as `sample_system`, where the problem is known on another mesh of the same path: the steps that both have are copied."""
+    at: ComplexArray = np.asarray(nodes, dtype=np.complex128)
+    places = {step: i for i, step in enumerate(pairwise(known.nodes.tolist()))}
+    old = np.array([places.get(step, -1) for step in pairwise(at.tolist())])
+    fresh = np.flatnonzero(old < 0)
+    if 2 * len(fresh) > len(old):
+        return sample_system(problem, at)
+    P, V, G = (a[old] for a in known.system.numbers)
+    if len(fresh):
+        new = _sampled(problem, at[:-1][fresh], np.diff(at)[fresh])
+        if not all(map(np.array_equal, new.structure, known.system.structure)):
+            return sample_system(problem, at)  # an entry vanishes on one of the two
+        P[fresh], V[fresh], G[fresh] = new.numbers
+    return SampledSystem(at, known.system._replace(P=P, V=V, G=G))
+
+
+def _sampled(problem: Problem, starts: ComplexArray, h: ComplexArray) -> ReducedSystem:
+    """The system on steps of these lengths from these points, in the order of the path."""
+    order = np.argsort(ABSCISSAE)
+    points: ComplexArray = starts[:, None] + h[:, None] * ABSCISSAE[order]
+    reduced = reduce_pencil(problem.pencil(points.ravel()), problem.size)
+    back = np.argsort(order)
+    return sample(h, *(a.reshape(len(h), STAGES, *a.shape[1:])[:, back] for a in reduced))
+
+
+def sample(h: ComplexArray, X: ComplexArray, V: ComplexArray, G: ComplexArray, T: ComplexArray) -> ReducedSystem:
+    """The reduced system at the abscissae of N steps of lengths h, in the form that the kernels take.
+
+    X (N, 12, 2, n, n), V (N, 12, n, m), G (N, 12, 2, m, m), T (N, 12, 3, m, n).
+    """
+    n, m = V.shape[2:]
+    lengths = h[:, None, None, None]
+    stacked = np.zeros((len(h), STAGES, 3, n + m, n), dtype=np.complex128)
+    stacked[:, :, :2, :n] = X * lengths[..., None]
+    stacked[:, :, :, n:] = T
+    present = (stacked != 0.0).any(axis=(0, 1))
+    row, column = np.nonzero(present.any(axis=0))
+    start = np.searchsorted(row, np.arange(n + m + 1))
+    linear, quadratic = (np.flatnonzero(present[power, row, column]) for power in (1, 2))
+    carries = np.flatnonzero(V.any(axis=(0, 1, 3)))
+    entries = stacked[:, :, :, row, column]
+    P = np.concatenate((entries[:, :, 0], entries[:, :, 1, linear], entries[:, :, 2, quadratic]), axis=2)
+    numbers = map(np.ascontiguousarray, (P, V[:, :, carries] * lengths, G))
+    return ReducedSystem(*(a.astype(np.uint64) for a in (start, column, linear, quadratic, carries)), *numbers)  # type: ignore[arg-type]
+
+
+def reduce_pencil(pencil: Pencil, n: int) -> tuple[ComplexArray, ComplexArray, ComplexArray, ComplexArray]:
+    """X (p, 2, n, n), V (p, n, m), G (p, 2, m, m), T (p, 3, m, n) at p points."""
+    matrices = pencil.C0, pencil.C1, pencil.D0, pencil.D1
+    for name, M in zip(("C0", "C1", "D0", "D1"), matrices, strict=True):
+        if M.shape[1:] != (n, n):
+            raise InputError(f"the pencil's {name} has shape {M.shape[1:]}: allowed is ({n}, {n})")
+        if not np.isfinite(M).all():
+            raise InputError(f"the pencil's {name} is not finite at every point")
+    C0, C1, D0, D1 = matrices
+    moving = np.flatnonzero((C1 != 0).any(axis=(0, 2)))
+    fixed = np.setdiff1d(np.arange(n), moving)
+    m, p = len(moving), len(C0)
+    if m == 0 and (np.eye(n) == C0).all():  # nothing to solve
+        none = np.zeros((p, n, 0), dtype=np.complex128)
+        return np.stack((D0, D1), 1), none, np.zeros((p, 2, 0, 0), dtype=np.complex128), np.zeros((p, 3, 0, n), dtype=np.complex128)
+    columns = np.flatnonzero((C1 != 0).any(axis=(0, 1)))
+    # complete the fixed rows by rows E to a regular matrix; with E on the columns of C1, C1 X vanishes
+    E = np.zeros((p, m, n), dtype=np.complex128)
+    if len(columns) == m:
+        E[:, np.arange(m), columns] = 1.0
+    else:
+        E[:] = np.linalg.qr(C0[:, fixed].conj().transpose(0, 2, 1), mode="complete")[0][:, :, n - m :].conj().transpose(0, 2, 1)
+    complete = np.concatenate((C0[:, fixed], E), axis=1)
+    right = np.zeros((p, n, 2 * n + m), dtype=np.complex128)
+    right[:, : n - m, :n], right[:, : n - m, n : 2 * n] = D0[:, fixed], D1[:, fixed]
+    right[:, n - m :, 2 * n :] = np.eye(m)
+    solve_each(complete, right)
+    if not np.isfinite(right).all():
+        raise InputError("the pencil's C has rows of deficient rank, whatever sigma is")
+    X0, X1, V = np.split(right, (n, 2 * n), axis=2)
+    G0, G1 = C0[:, moving] @ V, C1[:, moving] @ V
+    T0 = D0[:, moving] - C0[:, moving] @ X0
+    T1 = D1[:, moving] - C0[:, moving] @ X1 - C1[:, moving] @ X0
+    T2 = -C1[:, moving] @ X1
+    return np.stack((X0, X1), 1), V, np.stack((G0, G1), 1), np.stack((T0, T1, T2), 1)

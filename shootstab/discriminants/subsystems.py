@@ -1,0 +1,226 @@
+"""Only what a problem requires: the independent parts into which it falls, each of lower order, and real where phases make it so.
+
+Equations, states, decaying solutions and wall rows that no entry connects are independent, and D is the product of the parts' D. In a part
+whose entries are all real or imaginary, states and the rest are multiplied by powers of i so that as much as possible becomes real: for
+k_x = 0 that is v → iv. The signs and phases are kept account of: the product is the D of the whole.
+
+For the chute k_y = 0 leaves a part of order 6 with 3 decaying solutions, and v̂ alone with order 2 and 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.core.errors import InputError, ShootstabError
+from shootstab.problems.capabilities import GENERIC
+from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil, Problem
+
+SAMPLES = 9  # points at which the pencil is asked which entries it has
+I_POWERS = np.array([1, 1j])
+
+
+class Coupled(InputError):  # noqa: N818 - it is a finding, not a fault
+    """What was taken for independent parts is not."""
+
+
+@dataclass(frozen=True, eq=False)
+class Subsystem:
+    """Some states of a problem with the equations, decaying solutions and wall rows that belong to them, each with a phase 0 or 1.
+
+    Again a problem: state j of the whole is i^phase times that of the part, and so for the rest.
+    """
+
+    whole: Problem
+    states: NDArray[np.int64]
+    equations: NDArray[np.int64]
+    solutions: NDArray[np.int64]
+    rows: NDArray[np.int64]
+    phases: tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]
+
+    @property
+    def size(self) -> int:
+        return len(self.states)
+
+    @property
+    def decaying(self) -> int:
+        return len(self.solutions)
+
+    @property
+    def factor(self) -> complex:
+        """What the determinant of the part is to be multiplied with: i^(phases of the rows − phases of the solutions)."""
+        turns = int(self.phases[3].sum() - self.phases[2].sum()) % 4
+        return (1 + 0j, 1j, -1 + 0j, -1j)[turns]
+
+    def pencil(self, z: ComplexArray) -> Pencil:
+        """Raises Coupled where a state of the part meets an equation outside it: the samples have missed that."""
+        of_states, of_equations = self.phases[:2]
+        turn = I_POWERS[of_equations].conj()[:, None] * I_POWERS[of_states]
+        matrices = self.whole.pencil(z)
+        parts: tuple[ComplexArray, ...] = matrices.C0, matrices.C1, matrices.D0, matrices.D1
+        if self.size < self.whole.size:
+            for M in parts:
+                _require_apart("pencil", M, self.equations, self.states)
+            parts = tuple(M[:, self.equations[:, None], self.states] for M in parts)
+        return Pencil(*(M * turn for M in parts))
+
+    def start(self, sigma: complex, tolerance: float) -> float:
+        return self.whole.start(sigma, tolerance)
+
+    def far_frame(self, z: float, sigma: complex) -> FarFrame:
+        """The scale goes with the parts' number of solutions: only its sum over the parts counts."""
+        far = _far_frame(self.whole, z, sigma)
+        share = far.log_scale * len(self.solutions) / self.whole.decaying
+        turn, frame, tangent = self._turn_of_frame, far.frame, far.tangent
+        if frame.shape != turn.shape:
+            _require_apart("far frame", frame[None], self.states, self.solutions)
+            frame, tangent = (Y[self.states[:, None], self.solutions] for Y in (frame, tangent))
+        return FarFrame(frame * turn, tangent * turn, share, far.error)
+
+    @cached_property
+    def _turn_of_frame(self) -> ComplexArray:
+        """The phases (n, k) that make of the whole's frame that of the part."""
+        return np.asarray(I_POWERS[self.phases[0]].conj()[:, None] * I_POWERS[self.phases[2]])
+
+    def mesh(self, start: float) -> NDArray[np.float64]:
+        return self.whole.mesh(start)
+
+    def wall_rows(self) -> tuple[ComplexArray, ComplexArray]:
+        turn = I_POWERS[self.phases[3]].conj()[:, None] * I_POWERS[self.phases[0]]
+        for W in self.whole.wall_rows():
+            _require_apart("wall rows", W[None], self.rows, self.states)
+        W0, W1 = (W[self.rows[:, None], self.states] * turn for W in self.whole.wall_rows())
+        return W0, W1
+
+    def with_base_flow_error(self, factor: float) -> Problem:
+        crude = self.whole.with_base_flow_error(factor)
+        return self if crude is self.whole else replace(self, whole=crude)
+
+    def heights(self, points: int) -> NDArray[np.float64] | None:
+        return self.whole.heights(points)
+
+    def continuum_at(self, z: ComplexArray) -> ComplexArray:
+        return self.whole.continuum_at(z)
+
+
+def _require_apart(name: str, matrices: ComplexArray, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> None:
+    """Raise Coupled if one of the matrices (m, p, q) has entries in these columns that are not in these rows."""
+    if np.count_nonzero(matrices[:, :, columns]) != np.count_nonzero(matrices[:, rows[:, None], columns]):
+        raise Coupled(f"the {name} couples parts of the problem that are apart elsewhere: allowed is one structure for all z and sigma")
+
+
+@lru_cache(maxsize=2)
+def _far_frame(problem: Problem, z: float, sigma: complex) -> FarFrame:
+    """Kept for the other parts, which ask for the same."""
+    return problem.far_frame(z, sigma)
+
+
+@dataclass(frozen=True, eq=False)
+class Decoupling:
+    """The parts of a problem; D of the whole is factor times the product of theirs."""
+
+    members: tuple[Subsystem, ...]
+    factor: complex
+
+    def applied_to(self, problem: Problem) -> tuple[Subsystem, ...]:
+        """The same parts of another problem of the same structure."""
+        return tuple(replace(part, whole=problem) for part in self.members)
+
+
+@lru_cache(maxsize=64)
+def decouple(problem: Problem) -> Decoupling | None:
+    """The parts of a problem, None if it is one part without phases, or one of which samples cannot be had.
+
+    What is wrong with the latter is said when it is used.
+    """
+    n, k = problem.size, problem.decaying
+    try:
+        blocks = _entries(problem)
+    except ShootstabError:
+        return None
+    # nodes: states, equations, solutions, wall rows
+    first = np.array([0, n, 2 * n, 2 * n + k])
+    edges = [
+        (int(a) + first[at], int(j), entries[:, a, j])
+        for entries, at in zip(blocks, (1, 2, 3), strict=True)
+        for a, j in zip(*np.nonzero(entries.any(axis=0)), strict=True)
+    ]
+    component, phase, consistent = _two_colouring(2 * n + 2 * k, edges)
+    members = []
+    for name in dict.fromkeys(component[:n].tolist()):
+        nodes = np.flatnonzero(component == name)
+        turned = phase if consistent[name] else np.zeros_like(phase)
+        kinds = [nodes[(nodes >= low) & (nodes < high)] for low, high in zip(first, (*first[1:], 2 * n + 2 * k), strict=True)]
+        states, equations, solutions, rows = (kind - low for kind, low in zip(kinds, first, strict=True))
+        if len(states) != len(equations) or len(solutions) != len(rows):
+            return None
+        phases = tuple(turned[kind] for kind in kinds)
+        members.append(Subsystem(problem, states, equations, solutions, rows, phases))  # type: ignore[arg-type]
+    if len(members) == 1 and not any(phase.any() for phase in members[0].phases):
+        return None
+    sign = _sign(np.concatenate([m.rows for m in members])) * _sign(np.concatenate([m.solutions for m in members]))
+    factor = complex(sign)
+    for m in members:
+        factor *= m.factor
+    return Decoupling(tuple(m for m in members if m.decaying > 0), factor)
+
+
+def _entries(problem: Problem) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """Samples of the pencil (m, n, n), of the far frame as (m, k, n), and the wall rows (m, k, n).
+
+    A problem whose decaying space does not exist at every σ names one at which it does.
+    """
+    sigma = GENERIC.of(problem)
+    start = problem.start(sigma, 1e-14)
+    mesh = problem.mesh(start)
+    z = mesh[0] + (mesh[-1] - mesh[0]) * np.linspace(0.0, 1.0, SAMPLES)
+    pencil = problem.pencil(z.astype(np.complex128))
+    far = problem.far_frame(start, sigma)
+    W0, W1 = problem.wall_rows()
+    frame = np.stack((far.frame, far.tangent)).transpose(0, 2, 1)
+    return np.concatenate((pencil.C0, pencil.C1, pencil.D0, pencil.D1)), frame, np.stack((W0, W1))
+
+
+def _two_colouring(
+    nodes: int, edges: Iterable[tuple[int, int, ComplexArray]]
+) -> tuple[NDArray[np.int64], NDArray[np.int64], dict[int, bool]]:
+    """component (nodes,), phase (nodes,) and, by component, whether phases make its entries real.
+
+    A real entry asks for equal phases at its ends, an imaginary one for different ones; an entry that is neither allows none.
+    """
+    neighbours: list[list[tuple[int, int | None]]] = [[] for _ in range(nodes)]
+    for a, b, values in edges:
+        turn = 0 if not values.imag.any() else 1 if not values.real.any() else None
+        neighbours[a].append((b, turn))
+        neighbours[b].append((a, turn))
+    component, phase = np.full(nodes, -1), np.zeros(nodes, dtype=np.int64)
+    consistent: dict[int, bool] = {}
+    for seed in range(nodes):
+        if component[seed] >= 0:
+            continue
+        component[seed], todo, consistent[seed] = seed, [seed], True
+        while todo:
+            node = todo.pop()
+            for other, turn in neighbours[node]:
+                wanted = (phase[node] + (turn or 0)) % 2
+                if component[other] < 0:
+                    component[other], phase[other] = seed, wanted
+                    todo.append(other)
+                if turn is None or phase[other] != wanted:
+                    consistent[seed] = False
+    return component, phase, consistent
+
+
+def _sign(order: NDArray[np.int64]) -> int:
+    """The sign of a permutation."""
+    order, sign = order.copy(), 1
+    for i in range(len(order)):
+        while order[i] != i:
+            j = order[i]
+            order[i], order[j] = order[j], order[i]
+            sign = -sign
+    return sign

@@ -1,0 +1,66 @@
+"""Continuous spectra that no path in z leads around: those of ends at infinity, which the limiting matrix gives.
+
+σ lies on one where a solution neither grows nor decays, det[D0 + σ D1 − iℓ (C0 + σ C1)] = 0 for a real ℓ. There the decaying space is not
+analytic in σ, or it is and what it decays like is not: nothing is counted across such a curve, nor beyond it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from shootstab.core.regions import Region
+from shootstab.essential_spectrum.asymptotic import essential_curve
+from shootstab.essential_spectrum.curves import Curve, curve_through
+from shootstab.problems.capabilities import ASYMPTOTICS, CROSSINGS
+from shootstab.problems.protocol import ComplexArray, Problem
+from shootstab.problems.splitting import AsymptoticPencil
+
+
+@dataclass(frozen=True, eq=False)
+class Barrier:
+    """The curves, and the limiting pencils of the ends with the number of solutions that decay there."""
+
+    curves: tuple[Curve, ...]
+    asymptotics: tuple[tuple[AsymptoticPencil, int], ...]
+
+    def distance(self, sigma: complex) -> float:
+        """The distance of σ to the nearest of the curves."""
+        return min(curve.distance(sigma) for curve in self.curves)
+
+    @property
+    def points(self) -> ComplexArray:
+        """Points on all curves."""
+        return np.concatenate([curve.begin for curve in self.curves])
+
+    @property
+    def rightmost(self) -> float:
+        """The largest real part on it."""
+        return float(self.points.real.max(initial=-np.inf))
+
+    def enters(self, region: Region) -> bool:
+        """Whether a part of it lies in the region."""
+        edge = np.array([region.boundary(t) for t in np.linspace(0.0, 1.0, 65)])
+        points = self.points
+        low, high = complex(edge.real.min(), edge.imag.min()), complex(edge.real.max(), edge.imag.max())
+        near = points[(points.real >= low.real) & (points.real <= high.real) & (points.imag >= low.imag) & (points.imag <= high.imag)]
+        return any(region.contains(complex(s)) for s in near)
+
+    def beyond(self, sigma: complex) -> bool:
+        """Whether a solution that counts as decaying grows at σ, or one that does not decays."""
+        for pencil, k in self.asymptotics:
+            rates = pencil.rates(sigma).real
+            if (k > 0 and rates[k - 1] >= 0.0) or (k < len(rates) and rates[k] <= 0.0):
+                return True
+        return False
+
+
+@lru_cache(maxsize=32)
+def barrier_of(problem: Problem) -> Barrier | None:
+    """The barrier of a problem, None if it has none."""
+    asymptotics = ASYMPTOTICS.of(problem)
+    curves = [essential_curve(pencil) for pencil, _ in asymptotics]
+    curves += [curve_through(sigma, z) for z, sigma in CROSSINGS.of(problem)]
+    return Barrier(tuple(curves), tuple(asymptotics)) if curves else None

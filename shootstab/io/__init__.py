@@ -1,0 +1,1 @@
+"""Files: scenes, spectra in everybody's formats, JSON."""

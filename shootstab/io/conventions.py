@@ -1,0 +1,91 @@
+"""What the numbers of a spectrum mean: named by the user, never guessed, and never evaluated as code.
+
+The problems here carry exp(σt + iαx). Somebody else's number v, in units of length L and velocity V of his own (both in those of the
+problem), is
+
+    growth        exp(± v t)                          σ = ± v V/L                       + by default
+    frequency     exp(i(αx ± v t))                    σ = ± i v V/L                     − by default
+    phase-speed   exp(iα(x ± v t))                    σ = ± i α v V/L, α in 1/L         − by default
+
+and where his waves go as exp(−iαx), the complex conjugate of all that: the spectrum of a real problem for −α is the conjugate of that
+for α.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from shootstab.core.errors import InputError
+from shootstab.core.records import Report
+
+KINDS = ("growth", "frequency", "phase-speed")
+SYMBOLS = {"growth": "σ", "frequency": "ω", "phase-speed": "c"}
+SIGNS = {"growth": "+", "frequency": "-", "phase-speed": "-"}
+
+
+@dataclass(frozen=True)
+class Convention:
+    """kind, the sign of time in the exponent, α in the user's units (for a phase speed), his units, and whether his waves are exp(−iαx)."""
+
+    kind: str = "growth"
+    sign: str | None = None
+    alpha: float | None = None
+    length: float = 1.0
+    velocity: float = 1.0
+    conjugate: bool = False
+
+    def __post_init__(self) -> None:
+        if self.kind not in KINDS:
+            raise InputError(f"--as {self.kind}: allowed is {', '.join(KINDS)}")
+        if self.sign not in (None, "+", "-"):
+            raise InputError(f"--sign {self.sign}: allowed is + or -")
+        for name, value in (("length", self.length), ("velocity", self.velocity)):
+            if not 0.0 < value < math.inf:
+                raise InputError(f"--{name} {value:g}: allowed is a finite number above 0")
+        if self.kind == "phase-speed" and self.alpha is None:
+            raise InputError("--as phase-speed: needs the wavenumber, --alpha")
+        if self.alpha is not None and self.kind != "phase-speed":
+            raise InputError(f"--alpha: allowed with --as phase-speed only, a {self.kind} does not depend on it")
+        if self.alpha is not None and not (math.isfinite(self.alpha) and self.alpha != 0.0):
+            raise InputError(f"--alpha {self.alpha:g}: allowed is a finite number other than 0")
+
+    @property
+    def unit(self) -> complex:
+        """σ/v."""
+        size = (1.0 if (self.sign or SIGNS[self.kind]) == "+" else -1.0) * self.velocity / self.length
+        if self.kind == "growth":
+            return complex(size)
+        return 1j * size * (1.0 if self.alpha is None else self.alpha)
+
+    @property
+    def symbol(self) -> str:
+        """What v is called."""
+        return SYMBOLS[self.kind]
+
+    @property
+    def plain(self) -> bool:
+        """Whether v is σ itself."""
+        return self.unit == 1.0 and not self.conjugate
+
+    @property
+    def formula(self) -> str:
+        """The mode that v stands for, in words for a heading."""
+        sign = self.sign or SIGNS[self.kind]
+        time = {"growth": f"exp({sign}σt)", "frequency": f"exp(i(αx {sign} ωt))", "phase-speed": f"exp(iα(x {sign} ct))"}[self.kind]
+        return time + (", waves exp(-iαx)" if self.conjugate else "")
+
+    def read(self, values: Iterable[complex]) -> list[complex]:
+        """Numbers that a problem with eigenvalue v may be asked about: conjugates of them where waves are exp(−iαx)."""
+        return [complex(v).conjugate() if self.conjugate else complex(v) for v in values]
+
+    def shown(self, report: Report) -> Report:
+        """A report on such numbers, in the user's own."""
+        if not self.conjugate:
+            return report
+        verdicts = (
+            replace(v, claimed=v.claimed.conjugate(), sigma=None if v.sigma is None else complex(v.sigma).conjugate())
+            for v in report.verdicts
+        )
+        return replace(report, verdicts=tuple(verdicts), missing=tuple(replace(m, sigma=m.sigma.conjugate()) for m in report.missing))

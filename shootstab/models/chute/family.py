@@ -1,0 +1,171 @@
+"""Steady flows by mass flux. T_∞ is the natural parameter of the family; a mass flux may belong to several members."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from shootstab.core.errors import InputError, NoFlowError
+from shootstab.models.chute.parameters import Chute
+from shootstab.models.chute.steady import TOLERANCE, Flow, descend
+
+BRANCHES = ("high", "mid", "low")
+SCAN = (1e-2, 1e3, 121)  # T_∞ from, to, points: 24 a size_class
+SCOUTING = 1e-9  # the tolerance of flows that only tell where to look
+DOUBT = 1e-5  # of the mass flux: flows that miss it by no more say nothing unless they are as good as can be
+
+
+def flows(chute: Chute, mass_flux: float) -> list[Flow]:
+    """Every flow with this mass flux and 0.01 ≤ T_∞ ≤ 1000, in the order of rising T_∞.
+
+    Two flows closer in T_∞ than a tenth of a size_class's third, next to a fold, are seen because the extrema of Q0(T_∞) are located too.
+    """
+    if not 0.0 < mass_flux < np.inf:
+        raise InputError(f"mass_flux = {mass_flux!r}: allowed is a finite number above 0")
+    found, nearest = _brackets(chute, mass_flux, SCOUTING)
+    if not (nearest > DOUBT * mass_flux and all(_changes_sign(chute, mass_flux, *b) for b in found)):
+        found, _ = _brackets(chute, mass_flux, TOLERANCE)
+    return [_solve(chute, mass_flux, *b) for b in found]
+
+
+def _brackets(chute: Chute, mass_flux: float, tolerance: float) -> tuple[list[tuple[float, float]], float]:
+    """Intervals of ln T_∞ with one flow each, and how near to zero the misfit came at the ends of intervals; flows with this tolerance."""
+
+    def misfit(x: float) -> float:
+        return _flux(chute, x, tolerance) - mass_flux
+
+    logs = np.linspace(np.log(SCAN[0]), np.log(SCAN[1]), SCAN[2])
+    at = np.array([misfit(x) for x in logs])
+    brackets, inner_values = [], []
+    for i in range(len(logs) - 1):
+        exists = np.isfinite(at[i : i + 2])
+        if not exists.all():
+            if exists.any():  # the family ends between these points
+                inside, outside = (i, i + 1) if exists[0] else (i + 1, i)
+                end = _last_member(misfit, logs[inside], logs[outside])
+                if (misfit(end) < 0.0) != (at[inside] < 0.0):
+                    brackets.append((min(end, logs[inside]), max(end, logs[inside])))
+                inner_values.append(misfit(end))
+            continue
+        inner = _fold_between(misfit, logs, at, i)
+        points = [logs[i], *inner, logs[i + 1]]
+        inner_values += [misfit(x) for x in inner]
+        below = [misfit(x) < 0.0 for x in points]
+        # a misfit of exactly zero counts as positive, so that a flow that sits on a point of the scan is found once
+        brackets += [(points[j], points[j + 1]) for j in range(len(points) - 1) if below[j] != below[j + 1]]
+    return brackets, float(np.nanmin(np.abs([*at, *inner_values, np.inf])))
+
+
+def _changes_sign(chute: Chute, mass_flux: float, low: float, high: float) -> bool:
+    return (_flux(chute, low, TOLERANCE) - mass_flux) * (_flux(chute, high, TOLERANCE) - mass_flux) < 0.0
+
+
+def steady_by_flux(chute: Chute, mass_flux: float, branch: str | None) -> Flow:
+    """The flow with this mass flux; branch picks one of several by T_∞: high, mid, low."""
+    found = flows(chute, mass_flux)
+    if not found:
+        raise NoFlowError(f"mass_flux = {mass_flux:g}: no steady flow with 0.01 <= far_temperature <= 1000 and these parameters carries it")
+    temperatures = ", ".join(f"{f.far_temperature:.6g}" for f in found)
+    if branch is None:
+        if len(found) > 1:
+            raise InputError(
+                f"mass_flux = {mass_flux:g} has {len(found)} flows, far_temperature {temperatures}: "
+                f"branch is needed, one of {', '.join(_names(len(found)))}"
+            )
+        return found[0]
+    names = _names(len(found))
+    if branch not in names:
+        raise InputError(
+            f"branch = {branch!r}: mass_flux = {mass_flux:g} has {len(found)} flows, far_temperature {temperatures}: "
+            f"allowed is {', '.join(names)}"
+        )
+    return found[names[::-1].index(branch)]
+
+
+def member(found: list[Flow], flow: Flow) -> str | None:
+    """The branch of a flow among those of its mass flux, None where it is the only one."""
+    if len(found) < 2:
+        return None
+    nearest = min(range(len(found)), key=lambda i: abs(found[i].far_temperature - flow.far_temperature))
+    return _names(len(found))[::-1][nearest]
+
+
+def _names(count: int) -> tuple[str, ...]:
+    """What the members are called, hottest first."""
+    named = {1: ("high",), 2: ("high", "low"), 3: BRANCHES}
+    return named.get(count) or tuple(str(i) for i in range(count, 0, -1))
+
+
+@lru_cache(maxsize=8192)
+def _flux(chute: Chute, log_temperature: float, tolerance: float) -> float:
+    """Q0 of the flow with this ln T_∞, NaN where there is none; the scan is the same for every mass flux that is asked for."""
+    try:
+        return descend(chute, float(np.exp(log_temperature)), tolerance).mass_flux
+    except NoFlowError:
+        return float("nan")
+
+
+def _last_member(misfit: Callable[[float], float], inside: float, outside: float) -> float:
+    """The ln T_∞ next to the end of the family between inside, where a flow exists, and outside, where none does."""
+    for _ in range(40):
+        middle = (inside + outside) / 2
+        if np.isfinite(misfit(middle)):
+            inside = middle
+        else:
+            outside = middle
+    return inside
+
+
+def _fold_between(misfit: Callable[[float], float], logs: np.ndarray, at: np.ndarray, i: int) -> list[float]:
+    """The extremum of Q0 in [x_i, x_{i+1}] if Q0 − mass_flux comes near zero there without changing sign between the points."""
+    from scipy.optimize import minimize_scalar
+
+    if i == 0 or i + 2 >= len(logs) or at[i] * at[i + 1] < 0.0:
+        return []
+    before, here, after = np.diff(at[i - 1 : i + 3])
+    if not np.isfinite([before, here, after]).all() or before * after > 0.0:
+        return []
+    sign = np.sign(at[i])
+    best = minimize_scalar(lambda x: sign * misfit(x), bounds=(logs[i], logs[i + 1]), method="bounded", options={"xatol": 1e-9})
+    return [float(best.x)]
+
+
+def _solve(chute: Chute, mass_flux: float, low: float, high: float) -> Flow:
+    from scipy.optimize import brentq
+
+    x = brentq(lambda x: _flux(chute, x, TOLERANCE) - mass_flux, low, high, xtol=1e-15, rtol=1e-15)
+    return replace(descend(chute, float(np.exp(x))), asked_flux=mass_flux)
+
+
+def with_base_flow_error(flow: Flow, factor: float) -> Flow:
+    """The same flow, of the same T_∞ or the same mass flux, integrated with a tolerance larger by this factor.
+
+    The inputs are as good as the given ones: some of them, chosen at random, are one unit smaller in their last bit, for a decimal is
+    rounded when it becomes a double.
+    """
+    tolerance = factor * flow.tolerance
+    rng = np.random.default_rng(round(8 * factor))
+    given = flow.chute
+    e, e_w, r, tan_theta, nu_max = (_last_bit(x, rng) for x in (given.e, given.e_w, given.r, given.tan_theta, given.nu_max))
+    chute = replace(given, e=e, e_w=e_w, r=r, tan_theta=tan_theta, nu_max=nu_max)
+    other = descend(chute, _last_bit(flow.far_temperature, rng), tolerance)
+    if flow.asked_flux is None:
+        return other
+    # one Newton step in ln T_∞ brings the flux back
+    shift = (flow.asked_flux - other.mass_flux) / _flux_rate(flow)
+    return replace(descend(chute, other.far_temperature * (1 + shift), tolerance), asked_flux=flow.asked_flux)
+
+
+def _last_bit(x: float, rng: np.random.Generator) -> float:
+    return float(np.nextafter(x, 0.0)) if rng.random() < 0.5 else x
+
+
+@lru_cache(maxsize=8)
+def _flux_rate(flow: Flow) -> float:
+    """dQ0/d ln T_∞."""
+    step = 1e-5
+    ahead = descend(flow.chute, flow.far_temperature * (1 + step))
+    return (ahead.mass_flux - flow.mass_flux) / step

@@ -1,0 +1,181 @@
+"""The decaying space of the perturbations at infinity, as a convergent series in ν0 (DESIGN.md 2, Far field).
+
+In x = ν0 the system is C̃(x) x dψ/dx = D(x) ψ with C̃ = (ν0′/ν0) C, and infinity is a regular singular point. The decaying
+space is the range of P(x) x^Λ, P = Σ P_m x^m, where Λ = T_∞ diag(B, K), B = K I − s sᵀ/(7K), s = (i k_x, i k_y, −K), and
+
+    (m C̃_0 − D_0) P_m + C̃_0 P_m Λ = Σ_{j≥1} [D_j P_{m−j} − C̃_j ((m−j) P_{m−j} + P_{m−j} Λ)].
+
+Λ = K T_∞ I + N with N² = 0 (because s·s = 0), and no eigenvalue of m + Λ is one of the system's: no logarithms, although Λ is
+defective. The leading order P_0 x^Λ is (2.20)–(2.22); this form is regular as k_x → 0 or k_y → 0, where (2.16) is not.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.core.series import Series, constant
+from shootstab.kernels.frobenius import Sparse, row_sizes, series_terms, series_value, sparse
+from shootstab.models.chute.background import Background, background
+from shootstab.models.chute.balance import slopes
+from shootstab.models.chute.first_order_system import DECAYING, SIZE, pencil_entries
+from shootstab.models.chute.parameters import Chute
+
+ComplexArray = NDArray[np.complex128]
+Terms = NDArray[np.inexact]
+TERMS = 12  # more cost more than the steps they save
+# With v̂ and all that goes with it multiplied by i the series is real where k_x and σ's imaginary part are zero
+TURNED_STATES, TURNED_EQUATIONS, TURNED_SOLUTIONS = [2, 6], [2, 6], [1]
+
+
+def flow_series(chute: Chute, far_temperature: Any, far_velocity: Any, terms: int, pi: Any) -> tuple[Series, Series, Series, Series]:
+    """(ν, T, u, Q) of the steady flow as series in ν0, by fixed-point iteration that gains one order a turn.
+
+    x dT/dx = T′/(ν0′/ν0) and so on; for Q the term −Q on the right is moved to the left.
+    """
+    nothing = 0 * far_temperature
+    nu = Series((nothing, 1 + nothing, *(nothing,) * (terms - 2)))
+    T, u, Q = constant(far_temperature, terms), constant(far_velocity, terms), constant(nothing, terms)
+    for _ in range(1, terms):
+        decay, T_z, u_z, Q_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.nu_max, chute.model, pi)
+        T_x, u_x, Q_x = T_z / decay, u_z / decay, Q_z / decay + Q
+        T = Series((far_temperature, *(T_x[m] / m for m in range(1, terms))))
+        u = Series((far_velocity, *(u_x[m] / m for m in range(1, terms))))
+        Q = Series((nothing, *(Q_x[m] / (m + 1) for m in range(1, terms))))
+    return nu, T, u, Q
+
+
+@lru_cache(maxsize=16)
+def _far_background(chute: Chute, far_temperature: float, far_velocity: float) -> Background:
+    """The steady flow far up, in doubles: the same for all waves on it."""
+    return background(chute, *flow_series(chute, far_temperature, far_velocity, TERMS, math.pi), math.pi)
+
+
+class FarField:
+    """The series of one flow and one wave; P_m for a σ on demand."""
+
+    def __init__(self, chute: Chute, far_temperature: float, far_velocity: float, kx: float, ky: float) -> None:
+        bg = _far_background(chute, far_temperature, far_velocity)
+        decay = bg.decay[0]
+        C0, C1, D0, D1 = pencil_entries(bg, chute.tan_theta, kx, ky)
+        self.exponents = far_temperature * decay_matrix(kx, ky)
+        self.trace = float(np.trace(self.exponents).real)
+        self._conductivity = float(bg.K[0][0])
+        self._far_temperature, self._far_velocity = far_temperature, far_velocity
+        self._kx, self._ky = kx, ky
+        # Λ = rate·I + left rightᵀ
+        left = np.array([1j * kx, 1j * ky, -math.hypot(kx, ky), 0.0])
+        constant, pole = self._first()
+        # a basis of which only the third column has the pole at Ω = 0: else the columns are parallel where Ω is small
+        basis = np.eye(DECAYING, dtype=np.complex128)
+        basis[2, :2] = -pole[0, :2] / pole[0, 2]
+        at_zero = np.zeros_like(pole)
+        at_zero[0, 2] = pole[0, 2]
+        states, equations, solutions = _turns(SIZE, TURNED_STATES), _turns(SIZE, TURNED_EQUATIONS), _turns(DECAYING, TURNED_SOLUTIONS)
+        of_system = equations.conj()[:, None] * states
+        of_frame = states.conj()[:, None] * solutions
+        series = _Series(
+            sparse(of_system * np.stack([_matrices({k: v * decay for k, v in part.items()}) for part in (C0, C1)])),
+            sparse(of_system * np.stack([_matrices(part) for part in (D0, D1)])),
+            self.exponents[3, 3].real,
+            solutions.conj() * (2 * left - basis @ left),  # the inverse of basis, applied
+            -far_temperature / (7 * math.hypot(kx, ky)) * (left @ basis) * solutions,
+            constant @ basis * of_frame,
+            at_zero * of_frame,
+        )
+        self._series, self._real, self._back = series, series.in_real_numbers(), of_frame.conj()
+
+    def _first(self) -> tuple[ComplexArray, ComplexArray]:
+        """P_0 = constant + pole/Ω, Ω = σ + i k_x u_∞, each (8, 4): columns û, v̂, ŵ, T̂ at infinity."""
+        B = self.exponents / self._far_temperature
+        P, pole = np.zeros((SIZE, DECAYING), dtype=np.complex128), np.zeros((SIZE, DECAYING), dtype=np.complex128)
+        P[1:5, :] = np.eye(4)
+        P[5, :3], P[6, :3] = -B[0, :3], -B[1, :3]
+        P[7, 3] = self._conductivity * B[3, 3]
+        # conservation of mass gives ν̂/ν0
+        pole[0, :3] = B[2, :3] - np.array([1j * self._kx, 1j * self._ky, -1 / self._far_temperature])
+        return P, pole
+
+    def terms(self, sigma: complex, tangent: bool = True) -> tuple[Terms, Terms]:
+        """P_m and, if tangent, dP_m/dσ, each (TERMS, 8, 4); with the phases of v̂, and real where they can be."""
+        sigma = complex(sigma)
+        if self._real is not None and sigma.imag == 0.0:
+            return self._real.terms(sigma.real, sigma.real, tangent)
+        return self._series.terms(sigma, sigma + 1j * self._kx * self._far_velocity, tangent)
+
+    def reach(self, sigma: complex, tolerance: float) -> float:
+        """The largest ν0 at which the terms left out stay below the tolerance, row by row."""
+        sizes = _row_sizes(self.terms(sigma, False)[0])
+        m = np.arange(TERMS - 4, TERMS)
+        with np.errstate(divide="ignore"):
+            bounds = np.where(sizes[m] > 0.0, (tolerance / sizes[m]) ** (1.0 / m), np.inf)
+        return float(min(bounds.min(), 1e-2))
+
+    def at(self, nu: float, sigma: complex) -> tuple[ComplexArray, ComplexArray, float]:
+        """Σ P_m ν0^m, its σ-derivative, and a bound on its relative error from the last terms."""
+        P, dP = self.terms(sigma)
+        sizes = _row_sizes(P)
+        tail = max(sizes[m] * nu**m for m in range(TERMS - 4, TERMS))
+        return series_value(P, nu) * self._back, series_value(dP, nu) * self._back, float(tail)
+
+
+class _Series(NamedTuple):
+    """What the series is made of, all real or all complex; P_0 = constant + pole/Ω."""
+
+    C: Sparse
+    D: Sparse
+    rate: float
+    left: NDArray[np.inexact]
+    right: NDArray[np.inexact]
+    constant: NDArray[np.inexact]
+    pole: NDArray[np.inexact]
+
+    def terms(self, sigma: complex, omega: complex, tangent: bool) -> tuple[Terms, Terms]:
+        """P_m and, if tangent, dP_m/dσ."""
+        P = np.zeros((TERMS, SIZE, DECAYING), dtype=self.constant.dtype)
+        dP = np.zeros_like(P)
+        first = self.pole / omega
+        P[0], dP[0] = self.constant + first, first / -omega
+        series_terms(self.C, self.D, sigma, self.rate, self.left, self.right, P, dP, tangent)
+        return P, dP
+
+    def in_real_numbers(self) -> _Series | None:
+        """None if it is not real."""
+        arrays = (*self.C[2:], *self.D[2:], *self[3:])
+        if any(a.imag.any() for a in arrays):
+            return None
+        C, D = (Sparse(*lists[:2], *(a.real.copy() for a in lists[2:])) for lists in (self.C, self.D))
+        return _Series(C, D, self.rate, *(a.real.copy() for a in self[3:]))
+
+
+def _turns(count: int, turned: list[int]) -> ComplexArray:
+    """The phases (count,): i for what is turned, 1 for the rest."""
+    phases = np.ones(count, dtype=np.complex128)
+    phases[turned] = 1j
+    return phases
+
+
+def decay_matrix(kx: float, ky: float) -> ComplexArray:
+    """diag(B, K) (4, 4): û, v̂, ŵ decay as e^{−Bz} and T̂ as e^{−Kz}, (2.20)–(2.22) in the form of DESIGN.md 1.3."""
+    K = math.hypot(kx, ky)
+    s = np.array([1j * kx, 1j * ky, -K, 0.0])
+    return np.asarray(K * np.eye(4) - np.outer(s, s) / (7 * K), dtype=np.complex128)
+
+
+def _row_sizes(P: Terms) -> NDArray[np.float64]:
+    """The size of each term (m,): the largest entry of each row against that row's largest entry in the first."""
+    sizes = np.empty(len(P))
+    row_sizes(P, sizes)
+    return sizes
+
+
+def _matrices(entries: dict[tuple[int, int], Any]) -> ComplexArray:
+    """(TERMS, 8, 8) from entries that are series in ν0."""
+    out = np.zeros((TERMS, SIZE, SIZE), dtype=np.complex128)
+    for (i, j), entry in entries.items():
+        out[:, i, j] = [complex(c) for c in entry.coefficients]
+    return out

@@ -1,0 +1,186 @@
+"""The steady chute flow to any number of digits: its series at infinity, Taylor steps down, and the base.
+
+From the far field, T, u and Q are convergent series in ν0; below, ν, T, u, Q and Φ = ∫_z^∞ ν (u − u_∞) dz are Taylor series in z.
+All recurrences come from evaluating `slopes` on series. u is taken relative to u_∞ until the slip at the base fixes it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from shootstab.core.errors import ConvergenceError
+from shootstab.core.series import Series
+from shootstab.models.chute import constitutive as law
+from shootstab.models.chute.balance import slip, slopes
+from shootstab.models.chute.parameters import Chute
+from shootstab.multiprecision.arithmetic import TAIL_TERMS, Arithmetic
+from shootstab.multiprecision.relaxed_series import RelaxedSeries, RelaxedSystem
+from shootstab.multiprecision.settings import Settings, step_limit
+
+NEWTONS = 60
+HIGHEST = -7.0  # log2 of the ν0 at which the way down begins, at most
+FLUX = 4  # the place of Φ in a state (ν, T, u, Q, Φ)
+State = list[Any]
+
+
+def far_series(arithmetic: Arithmetic, chute: Chute, far_temperature: Any, terms: int) -> list[list[Any]]:
+    """Coefficients in x = ν0 of (ν, T, u − u_∞, Q, Φ).
+
+    x dT/dx = T′/(ν0′/ν0) and so on. On the right of that for Q, Q_m cancels, and nothing else of order m counts: every order is computed
+    with zeros for its unknowns first, and again with what came out.
+    """
+    zero, one = arithmetic.number(0), arithmetic.number(1)
+    graph = RelaxedSystem(arithmetic)
+    nu, T, u, Q = (graph.unknown() for _ in range(4))
+    decay, T_z, u_z, Q_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.nu_max, chute.model, arithmetic.pi)
+    T_x, u_x, Q_x, drift = T_z / decay, u_z / decay, Q_z / decay + Q, u / decay
+    first = (zero, far_temperature, zero, zero)
+    for m in range(terms):
+        _set(m, (nu, one if m == 1 else zero), *((y, zero if m else y0) for y, y0 in zip((T, u, Q), first[1:], strict=True)))
+        graph.extend(m)
+        if m > 0:
+            slope = [T_x.coefficients[m] / m, u_x.coefficients[m] / m, Q_x.coefficients[m] / (m + 1)]
+            _set(m, *zip((T, u, Q), map(arithmetic.rounded, slope), strict=True))
+            graph.extend(m)
+    flux = [zero, *(-drift.coefficients[m - 1] / m for m in range(1, terms))]
+    return [*(y.coefficients for y in (nu, T, u, Q)), flux]
+
+
+def _set(m: int, *values: tuple[RelaxedSeries, Any]) -> None:
+    for node, value in values:
+        del node.coefficients[m:]
+        node.coefficients.append(value)
+
+
+def evaluate(arithmetic: Arithmetic, coefficients: list[Any], x: Any) -> Any:
+    """Σ c_m x^m by Horner's rule."""
+    total = coefficients[-1]
+    for c in coefficients[-2::-1]:
+        total = arithmetic.rounded(total * x + c)
+    return total
+
+
+@dataclass(frozen=True)
+class Base:
+    """Where the flow ends: the state there, u_∞ that the slip asks for, and the mass flux Q0."""
+
+    state: State
+    far_velocity: Any
+    mass_flux: Any
+
+
+class Descent:
+    """The flow of one T_∞ on its way down from ν0 = start, expanded where it has arrived.
+
+    length, a double, is how far the base lies below the start.
+    """
+
+    def __init__(self, arithmetic: Arithmetic, chute: Chute, settings: Settings, state: State, length: float) -> None:
+        self.arithmetic, self.chute, self.settings = arithmetic, chute, settings
+        self.state, self.remaining = state, length
+        self._graph = RelaxedSystem(arithmetic)
+        self._y = [self._graph.unknown() for _ in range(4)]
+        nu, T, u, Q = self._y
+        decay, *rest = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.nu_max, chute.model, arithmetic.pi)
+        self._slopes = [nu * decay, *rest, -(nu * u)]
+
+    def expand(self) -> tuple[list[list[Any]], float]:
+        """Taylor coefficients in z of the state here, and the step (a positive double) up to which they hold."""
+        settings, arithmetic = self.settings, self.arithmetic
+        self._graph.clear()
+        for node, value in zip(self._y, self.state, strict=False):
+            node.coefficients.append(value)
+        flux = [self.state[FLUX]]
+        for m in range(settings.order - 1):
+            self._graph.extend(m)
+            nexts = [arithmetic.rounded(s.coefficients[m] / (m + 1)) for s in self._slopes]
+            _set(m + 1, *zip(self._y, nexts, strict=False))
+            flux.append(nexts[FLUX])
+        series = [*(list(y.coefficients) for y in self._y), flux]
+        return series, 2.0 ** min(self._limits(series))
+
+    def _limits(self, series: list[list[Any]]) -> list[float]:
+        nu, T, u, Q = (self.arithmetic.log2(c[0]) for c in series[:4])
+        scales = nu, T, max(u, T / 2), max(Q, nu + T / 2)
+        return [_limit(self.arithmetic, c, s, self.settings.tolerance) for c, s in zip(series[:4], scales, strict=True)]
+
+    def advance(self, series: list[list[Any]], step: Any) -> None:
+        """Go to the end of a step (negative, downwards)."""
+        self.state = [evaluate(self.arithmetic, c, step) for c in series]
+        self.remaining += float(self.arithmetic.to_mpmath(step))
+
+    def to_base(self, series: list[list[Any]]) -> Any:
+        """The step that ends at the base: Newton on the energy condition, from where doubles see it."""
+        arithmetic = self.arithmetic
+        x = arithmetic.number(-self.remaining)
+        slopes_of = [[m * c for m, c in enumerate(y)][1:] for y in series[:4]]
+        goal = -0.9 * arithmetic.log2(arithmetic.number(10)) * self.settings.digits + math.log2(abs(self.remaining) + 1e-300)
+        best = math.inf
+        for _ in range(NEWTONS):
+            pairs = [Series((evaluate(arithmetic, y, x), evaluate(arithmetic, s, x))) for y, s in zip(series, slopes_of, strict=False)]
+            defect = energy_defect(self.chute, pairs[0], pairs[1], pairs[3], arithmetic.pi)
+            step = arithmetic.rounded(defect[0] / defect[1])
+            x = arithmetic.rounded(x - step)
+            size = arithmetic.log2(step)
+            if size < goal or (size < goal / 2 and size >= best):
+                return x
+            best = size
+        raise ConvergenceError("the base of the flow cannot be located: its energy condition is met by grazing")
+
+    def at_base(self) -> Base:
+        """The base, if the flow has arrived there: u_∞ from the slip, Q0 = Φ + u_∞ p."""
+        arithmetic, chute = self.arithmetic, self.chute
+        nu, T, u, Q, flux = self.state
+        g0, _ = law.radial(nu, chute.nu_max, chute.model)
+        u_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.nu_max, chute.model, arithmetic.pi)[2]
+        far_velocity = arithmetic.rounded(slip(nu, T, u_z, g0, chute.r, chute.tan_theta, arithmetic.pi) - u)
+        pressure = nu * law.f1(nu, g0, chute.ep) * T
+        return Base(self.state, far_velocity, arithmetic.rounded(flux + far_velocity * pressure))
+
+
+def energy_defect(chute: Chute, nu: Any, T: Any, Q: Any, pi: Any) -> Any:
+    """q/p − tanθ u_slip + Δ √T, zero at the base, for numbers and series."""
+    delta = law.wall_dissipation(chute.r, chute.e_w, pi)
+    g0, _ = law.radial(nu, chute.nu_max, chute.model)
+    u_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.nu_max, chute.model, pi)[2]
+    u = slip(nu, T, u_z, g0, chute.r, chute.tan_theta, pi)
+    return Q / (law.f1(nu, g0, chute.ep) * T) - chute.tan_theta * u + delta * T**0.5
+
+
+def start_of(arithmetic: Arithmetic, series: list[list[Any]], settings: Settings) -> float:
+    """log2 of the largest ν0 at which the far-field series hold."""
+    T = series[1][0]
+    log_T = arithmetic.log2(T)
+    scales = (log_T, log_T / 2, 1.5 * log_T)
+    limits = [_limit(arithmetic, c, s, settings.far_tolerance) for c, s in zip(series[1:4], scales, strict=True)]
+    return min(*limits, HIGHEST) - settings.far_shift
+
+
+def _limit(arithmetic: Arithmetic, series: list[Any], scale: float, tolerance: float) -> float:
+    return step_limit([arithmetic.log2(x) for x in series[-TAIL_TERMS:]], len(series), scale, tolerance)
+
+
+def descend(
+    arithmetic: Arithmetic,
+    chute: Chute,
+    far_temperature: Any,
+    settings: Settings,
+    height: Callable[[float], float],
+    progress: Callable[[], None],
+) -> Base:
+    """The base of the flow that decays to T_∞; height(ν0) is where doubles see that ν0."""
+    series = far_series(arithmetic, chute, far_temperature, settings.far_terms)
+    start = arithmetic.number(2.0 ** start_of(arithmetic, series, settings))
+    descent = Descent(
+        arithmetic, chute, settings, [evaluate(arithmetic, c, start) for c in series], height(2.0 ** start_of(arithmetic, series, settings))
+    )
+    while True:
+        progress()
+        y, h = descent.expand()
+        if h >= descent.remaining:
+            descent.advance(y, descent.to_base(y))
+            return descent.at_base()
+        descent.advance(y, arithmetic.number(-h))

@@ -1,0 +1,237 @@
+"""The chute to any number of digits: exact parameters, the steady flow for the exact mass flux, its far field and its pencil."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from typing import Any
+
+import mpmath
+
+from shootstab.core.errors import ConvergenceError
+from shootstab.core.series import Series
+from shootstab.models.chute import constitutive as law
+from shootstab.models.chute import first_order_system as system
+from shootstab.models.chute.background import Background, background, fields
+from shootstab.models.chute.multiprecision_flow import Base as FlowBase
+from shootstab.models.chute.multiprecision_flow import Descent, descend, evaluate, far_series, start_of
+from shootstab.models.chute.parameters import Chute
+from shootstab.models.chute.perturbations import Perturbations
+from shootstab.models.chute.wall import wall_rows
+from shootstab.multiprecision.arithmetic import TAIL_TERMS, Arithmetic, Matrix, exact, simplified
+from shootstab.multiprecision.integration import Base, Expansion, Progress
+from shootstab.multiprecision.linear_step import affine
+from shootstab.multiprecision.regular_singular_end import decaying_series
+from shootstab.multiprecision.secant import Secant, Values
+from shootstab.multiprecision.settings import Settings, step_limit
+from shootstab.multiprecision.taylor import Taylor, real_series
+
+SPANWISE = (2, 6)  # v̂ and v̂′, which k_x = 0 makes imaginary
+ROUGH = 0.72  # of the digits of a flow, those at which its response to T_∞ is found first
+WANDER = 1e-6  # relative change of T_∞ beyond which the double-precision flow was another one
+FLATTEST = 1e-5  # |d ln Q0/d ln T_∞| below which a flow lies at a fold of the family: doubles cannot tell there which one is meant
+
+
+class ChuteDigits:
+    """A chute problem; what is known of T_∞ improves from one precision to the next."""
+
+    size = system.SIZE
+
+    def __init__(self, problem: Perturbations) -> None:
+        self.problem = problem
+        self._secant: Secant | None = None
+
+    @property
+    def real(self) -> bool:
+        """k_x = 0: with v → iv everything is real."""
+        return self.problem.kx == 0.0
+
+    def chute(self, arithmetic: Arithmetic) -> Chute:
+        """The parameters as exact decimals."""
+        c = self.problem.flow.chute
+        e, e_w, r, tan_theta, nu_max = (arithmetic.number(exact(x)) for x in (c.e, c.e_w, c.r, c.tan_theta, c.nu_max))
+        return Chute(e, e_w, r, tan_theta, nu_max, c.radial, c.wall)
+
+    def integration(self, arithmetic: Arithmetic, settings: Settings, base: Base) -> ChuteIntegration:
+        """See protocol.MultiprecisionProblem."""
+        return ChuteIntegration(self, arithmetic, settings, base)
+
+    def base(self, arithmetic: Arithmetic, settings: Settings, progress: Progress) -> Base:
+        """(T_∞, u_∞): for a given mass flux by secants on Q0(T_∞), from a rougher precision on; u_∞ comes along."""
+        flow = self.problem.flow
+
+        def end(at: Settings, T: Any) -> FlowBase:
+            return descend(arithmetic, self.chute(arithmetic), arithmetic.number(T), at, flow.height, progress)
+
+        def found(at: Settings, T: Any) -> Values:
+            base = end(at, T)
+            return self.misfit(arithmetic, base.mass_flux), arithmetic.to_mpmath(base.far_velocity)
+
+        if flow.asked_flux is None:
+            T = arithmetic.to_mpmath(arithmetic.number(exact(flow.far_temperature)))
+            return T, arithmetic.to_mpmath(end(settings, T).far_velocity)
+        secant = self._secant or Secant(mpmath.mpf(flow.far_temperature))
+        try:
+            for at in (settings,) if self._secant else (Settings.of(ROUGH * settings.tolerance + 1.0), settings):
+                with arithmetic.working(at.digits), mpmath.workdps(at.digits):
+                    secant.settle(partial(found, at), at.tolerance)
+        except ConvergenceError:
+            raise self._undetermined(secant) from None
+        if not abs(secant.slope * secant.x) > FLATTEST or not abs(secant.x / flow.far_temperature - 1) < WANDER:
+            raise self._undetermined(secant)
+        self._secant = secant
+        return secant.x, *secant.others
+
+    def misfit(self, arithmetic: Arithmetic, mass_flux: Any) -> Any:
+        """Q0 relative to what was asked for, minus one."""
+        assert self.problem.flow.asked_flux is not None
+        asked = arithmetic.number(exact(self.problem.flow.asked_flux))
+        return arithmetic.to_mpmath(arithmetic.rounded((mass_flux - asked) / asked))
+
+    def corrected_base(self, arithmetic: Arithmetic, end: FlowBase, base: Base) -> Base:
+        """(T_∞, u_∞) after one secant step from those of a flow that ended so."""
+        T, _ = base
+        u = arithmetic.to_mpmath(end.far_velocity)
+        if self._secant is None:
+            return T, u
+        rate, drift = self._secant.slopes
+        step = self.misfit(arithmetic, end.mass_flux) / rate
+        return T - step, u - drift * step
+
+    def _undetermined(self, secant: Secant) -> ConvergenceError:
+        rate = float(secant.slope * secant.x)
+        return ConvergenceError(
+            "the mass flux does not determine the base flow to this many digits: the flow lies at a fold of the family, "
+            f"where the mass flux hardly changes with far_temperature (d ln Q0/d ln T = {rate:.1e})"
+        )
+
+
+class ChuteIntegration:
+    """One way down a chute flow of known T_∞ and u_∞. See protocol.Integration."""
+
+    def __init__(self, problem_in_digits: ChuteDigits, arithmetic: Arithmetic, settings: Settings, base: Base) -> None:
+        self.arithmetic, self.chute, self.settings = arithmetic, problem_in_digits.chute(arithmetic), settings
+        self._problem_in_digits, self._base, self._problem = problem_in_digits, base, problem_in_digits.problem
+        self._kx, self._ky = (arithmetic.complex(exact(k)) for k in (self._problem.kx, self._problem.ky))
+        self._rotated = problem_in_digits.real
+        self._far_temperature, self._far_velocity = map(arithmetic.number, base)
+        self._series = far_series(arithmetic, self.chute, self._far_temperature, settings.far_terms)
+        self._frames: dict[str, list[Matrix]] = {}
+        self._place: list[list[Any]] | None = None
+
+    def begin(self, sigma: Any) -> None:
+        """The start is guessed from the radius of convergence that doubles see, and moved out until the series holds."""
+        log_start = min(start_of(self.arithmetic, self._series, self.settings), self._guess(sigma))
+        while True:
+            self._start = self.arithmetic.number(2.0**log_start)
+            self._far_pencil = self._scaled_pencil(self._series, self._start, self.settings.far_terms, in_nu=True)
+            self._frames = {}
+            limit = self._limit(self._decaying(sigma))
+            if limit >= 0.0:
+                break
+            log_start += limit - 0.02
+        state = [evaluate(self.arithmetic, c, self._start) for c in self._series]
+        self._descent = Descent(self.arithmetic, self.chute, self.settings, state, self._problem.flow.height(2.0**log_start))
+
+    def _guess(self, sigma: Any) -> float:
+        """log2 of a start: doubles, whose last terms (16th to 19th) lie below 10^−14, see the radius as about 10^(14/18) times theirs."""
+        z = self._problem.start(complex(self.arithmetic.to_mpmath(sigma)), 1e-14)
+        gain = 14 / 18 - self.settings.far_tolerance / self.settings.far_terms
+        return float(self._problem.flow.at(z)[0].real) / math.log(2) + gain * math.log2(10) - self.settings.far_shift
+
+    def _limit(self, terms: list[Matrix]) -> float:
+        """log2 of the fraction of the start at which the terms left out are small, row by row."""
+        limits = []
+        for i in range(system.SIZE):
+            first, last = ([max(map(self.arithmetic.log2, P[i])) for P in part] for part in (terms[:2], terms[-TAIL_TERMS:]))
+            scale = max(first)
+            if scale > -math.inf:
+                limits.append(step_limit(last, len(terms), scale, self.settings.far_tolerance))
+        return min(limits)
+
+    def far_frame(self, sigma: Any) -> tuple[Matrix, Any]:
+        terms = self._decaying(sigma)
+        cells = range(system.DECAYING)
+        frame = [
+            [self.arithmetic.rounded(sum((P[i][q] for P in reversed(terms)), self.arithmetic.number(0))) for q in cells]
+            for i in range(system.SIZE)
+        ]
+        return frame, self._start ** (4 * self._wavenumber * self._far_temperature)
+
+    def expand(self, longest: float) -> Expansion:
+        if self._place is None:
+            self._place, self._reach = self._descent.expand()
+        h = min(self._reach, longest)
+        at_wall = h >= self._descent.remaining
+        self._step = self._descent.to_base(self._place) if at_wall else self.arithmetic.number(-h)
+        C0, C1, D0, D1, _ = self._scaled_pencil(self._place, self._step, self.settings.order)
+        return Expansion(self._step, C0, C1, D0, D1, at_wall)
+
+    def advance(self) -> None:
+        assert self._place is not None
+        self._descent.advance(self._place, self._step)
+        self._place = None
+
+    def wall_rows(self) -> tuple[Matrix, Matrix]:
+        nu, T, u, Q, _ = (self.arithmetic.complex(x) for x in self._descent.state)
+        bg = background(self.chute, nu, T, u + self._far_velocity, Q, self.arithmetic.pi)
+        rows = wall_rows(self.chute, bg, self._kx, self._ky, self.arithmetic.pi)
+        W0, W1 = ([[self._turned(row[j], 2 if i == 2 else 0, j) for j in range(system.SIZE)] for i, row in enumerate(W)] for W in rows)
+        return W0, W1
+
+    def corrected_base(self) -> Base:
+        return self._problem_in_digits.corrected_base(self.arithmetic, self._descent.at_base(), self._base)
+
+    @property
+    def _wavenumber(self) -> Any:
+        return simplified(self.arithmetic, (self._kx * self._kx + self._ky * self._ky) ** 0.5)
+
+    def _scaled_pencil(self, series: list[list[Any]], unit: Any, terms: int, in_nu: bool = False) -> tuple[Any, ...]:
+        """C0, C1, D0, D1 and ν0′/ν0 as series in z/unit, or in ν0/unit."""
+        powers = [self.arithmetic.number(1)]
+        for _ in range(terms - 1):
+            powers.append(self.arithmetic.rounded(powers[-1] * unit))
+        nu, T, u, Q = (real_series(self.arithmetic, [c * p for c, p in zip(y, powers, strict=True)]) for y in series[:4])
+        plain = fields(self.chute, nu, T, u + self._far_velocity, Q, self.arithmetic.pi)
+        # d/dz with z = unit t, or with ν0 = unit t: (ν0′/ν0) t d/dt
+        rate = plain.decay if in_nu else 1 / unit
+        bg = Background(**{name: Series((F, rate * F.derivative(int(in_nu)))) for name, F in vars(plain).items()})
+        parts = system.pencil_entries(bg, self.chute.tan_theta, self._kx, self._ky)
+        return *({at: self._turned(e, *at) for at, e in part.items()} for part in parts), bg.decay[0]
+
+    def _turned(self, entry: Any, i: int, j: int) -> Any:
+        """An entry after v → iv, if k_x = 0."""
+        if self._rotated and (i in SPANWISE) != (j in SPANWISE):
+            entry = (entry if isinstance(entry, Taylor) else self.arithmetic.complex(entry)) * (-1j if i in SPANWISE else 1j)
+        return entry if isinstance(entry, Taylor) else simplified(self.arithmetic, entry)
+
+    def _decaying(self, sigma: Any) -> list[Matrix]:
+        """P_m ν^m at the start."""
+        key = str(sigma)
+        if key not in self._frames:
+            C0, C1, D0, D1, decay = self._far_pencil
+            C0, C1 = ({at: e * decay for at, e in part.items()} for part in (C0, C1))
+            C, D = affine(C0, C1, sigma), affine(D0, D1, sigma)
+            K = self._wavenumber
+            s = [1j * self._kx, 1j * self._ky, -self.arithmetic.complex(K)]
+            B = [[-s[i] * s[j] / (7 * K) + (K if i == j else 0) for j in range(3)] for i in range(3)]
+            leading, exponents = self._leading(sigma, B, K)
+            rate = K * self._far_temperature
+            self._frames = {key: decaying_series(self.arithmetic, C, D, leading, rate, exponents, self.settings.far_terms)}
+        return self._frames[key]
+
+    def _leading(self, sigma: Any, B: Matrix, K: Any) -> tuple[Matrix, Matrix]:
+        """P_0, with columns û, v̂, ŵ, T̂ at infinity, and N = Λ − K T_∞ I, N² = 0; see problems.chute.far_field."""
+        T, zero, one = self._far_temperature, self.arithmetic.number(0), self.arithmetic.number(1)
+        omega = sigma + 1j * self._kx * self._far_velocity
+        divergence = [-B[2][0] + 1j * self._kx, -B[2][1] + 1j * self._ky, -B[2][2] - 1 / T]
+        P = [[zero] * 4 for _ in range(system.SIZE)]
+        for q in range(3):
+            P[0][q], P[5][q], P[6][q] = -divergence[q] / omega, -B[0][q], -B[1][q]
+        for q in range(4):
+            P[1 + q][q] = one
+        P[7][3] = law.coefficients(zero, self.chute.ep, self.chute.nu_max, self.chute.model, self.arithmetic.pi).g3[0] * T**0.5 * K
+        N = [[(B[i][j] - (K if i == j else 0)) * T for j in range(3)] + [zero] for i in range(3)] + [[zero] * 4]
+        turn = (0, 2, 0, 0)  # column 1 of the frame belongs to v̂
+        P = [[self._turned(x, i, turn[q]) for q, x in enumerate(row)] for i, row in enumerate(P)]
+        return P, [[self._turned(x, turn[i], turn[q]) for q, x in enumerate(row)] for i, row in enumerate(N)]

@@ -1,0 +1,112 @@
+"""The problem that belongs to values of k_x, k_y, T_∞, Q0, tanθ, e, e_w and r, all else taken from one chute problem."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field, replace
+from functools import lru_cache
+from typing import Any
+
+from shootstab.analyses.sweep.outcomes import NO_FLOW, NO_WAVE
+from shootstab.core.errors import InputError
+from shootstab.models.chute.family import flows, member, steady_by_flux
+from shootstab.models.chute.parameters import Chute
+from shootstab.models.chute.perturbations import Perturbations
+from shootstab.models.chute.steady import Flow, descend
+
+WAVE = ("kx", "ky")
+GRAINS = ("tan_theta", "e", "e_w", "r")
+COMMON = ("kx", "ky", "far_temperature", "mass_flux", "branch")
+NAMES = (*WAVE, "far_temperature", "mass_flux", *GRAINS)
+
+
+@dataclass(frozen=True)
+class ChuteFamily:
+    """A family of chute problems: its grains and its wave, and the flow by far temperature or by mass flux and branch."""
+
+    chute: Chute
+    kx: float
+    ky: float
+    far_temperature: float | None
+    mass_flux: float | None
+    branch: str | None
+    member: Callable[[Flow, float, float], Perturbations] = field(compare=False, repr=False)
+
+    @property
+    def sharing(self) -> tuple[str, ...]:
+        """k_x and k_y: all waves have one steady flow."""
+        return WAVE
+
+    @classmethod
+    def around(
+        cls, flow: Flow, kx: float, ky: float, names: tuple[str, ...], make: Callable[[Flow, float, float], Perturbations]
+    ) -> ChuteFamily:
+        """The family of the problem make(flow, kx, ky) in which these parameters vary.
+
+        A flow that was chosen by its mass flux keeps it, and its branch, where grains or the slope vary. Raises InputError for a name
+        that is none of NAMES, for one that comes twice, and for far_temperature beside mass_flux.
+        """
+        for name in names:
+            if name not in NAMES:
+                raise InputError(f"{name}: cannot be swept: allowed is one of {', '.join(NAMES)}")
+            if names.count(name) > 1:
+                raise InputError(f"{name}: given {names.count(name)} times: allowed is once")
+        if "far_temperature" in names and "mass_flux" in names:
+            raise InputError("far_temperature and mass_flux: allowed is one of them, for each determines the other")
+        keeps_flux = flow.asked_flux is not None and bool(set(names) & set(GRAINS)) and "far_temperature" not in names
+        if not keeps_flux and "mass_flux" not in names:
+            return cls(flow.chute, kx, ky, flow.far_temperature, None, None, make)
+        # the flux may be anything here, but the flow that was asked for says which branch is meant
+        flux = flow.asked_flux if flow.asked_flux is not None else flow.mass_flux
+        return cls(flow.chute, kx, ky, None, flux, member(flows(flow.chute, flux), flow), make)
+
+    def checked(self, values: Mapping[str, float]) -> None:
+        """Raise InputError where a value can be no parameter of a chute."""
+        self._chute(values)
+        if "far_temperature" in values:
+            Chute.require_temperature(values["far_temperature"])
+        if "mass_flux" in values and not values["mass_flux"] > 0.0:
+            raise InputError(f"mass_flux = {values['mass_flux']!r}: allowed is a finite number above 0")
+
+    def flow(self, values: Mapping[str, float]) -> Flow:
+        """The steady flow at these values, kept for the next wave on it. Raises InputError (NoFlowError among them) if there is none."""
+        chute = self._chute(values)
+        if self.far_temperature is not None or "far_temperature" in values:
+            return _by_temperature(chute, values.get("far_temperature", self.far_temperature or 0.0))
+        return _by_flux(chute, values.get("mass_flux", self.mass_flux or 0.0), self.branch)
+
+    def wave(self, values: Mapping[str, float]) -> tuple[float, float]:
+        """(k_x, k_y) at these values."""
+        return values.get("kx", self.kx), values.get("ky", self.ky)
+
+    def absent(self, values: Mapping[str, float]) -> str | None:
+        """'no wave' for k_x = k_y = 0; 'no flow: …' with the reason where there is none, or none on the branch that was asked for."""
+        if self.wave(values) == (0.0, 0.0):
+            return NO_WAVE
+        try:
+            self.flow(values)
+        except InputError as error:
+            return f"{NO_FLOW}: {error}"
+        return None
+
+    def problem(self, values: Mapping[str, float]) -> Perturbations:
+        """The problem at these values; raises as `flow` does, and for k_x = k_y = 0."""
+        return self.member(self.flow(values), *self.wave(values))
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON: what the members have in common."""
+        return {"chute": asdict(self.chute), **{name: getattr(self, name) for name in COMMON}}
+
+    def _chute(self, values: Mapping[str, float]) -> Chute:
+        changed = {name: values[name] for name in GRAINS if name in values}
+        return replace(self.chute, **changed) if changed else self.chute  # type: ignore[arg-type]
+
+
+@lru_cache(maxsize=16)
+def _by_temperature(chute: Chute, far_temperature: float) -> Flow:
+    return descend(chute, far_temperature)
+
+
+@lru_cache(maxsize=16)
+def _by_flux(chute: Chute, mass_flux: float, branch: str | None) -> Flow:
+    return steady_by_flux(chute, mass_flux, branch)

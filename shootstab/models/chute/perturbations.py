@@ -1,0 +1,123 @@
+"""Perturbations of a steady chute flow with wavenumbers kx, ky, behind the problem protocol: all that shooting asks for."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.core.errors import InputError
+from shootstab.models.chute import first_order_system as system
+from shootstab.models.chute.background import Background, background, fields
+from shootstab.models.chute.family import with_base_flow_error
+from shootstab.models.chute.far_field import FarField
+from shootstab.models.chute.steady import Flow
+from shootstab.models.chute.wall import wall_rows
+from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
+
+
+@dataclass(frozen=True, eq=False)
+class Perturbations:
+    """Normal modes exp(σt + i k_x x + i k_y y) on a steady flow; order 8, four decaying solutions, four wall rows.
+
+    Units: grain diameter and √(d/(g cosθ)) for 1/σ.
+    """
+
+    flow: Flow
+    kx: float
+    ky: float
+    _crude: dict[float, Self] = field(default_factory=dict, repr=False)
+    _nu: dict[float, float] = field(default_factory=dict, repr=False)  # ν0 at the heights where a far frame was asked for
+
+    def __post_init__(self) -> None:
+        for name, value in (("kx", self.kx), ("ky", self.ky)):
+            if not math.isfinite(value):
+                raise InputError(f"{name} = {value!r}: allowed is a finite number")
+        if self.kx == 0.0 and self.ky == 0.0:
+            raise InputError("kx = 0 and ky = 0: allowed is any pair but this one, at which nothing decays")
+
+    @property
+    def size(self) -> int:
+        return system.SIZE
+
+    @property
+    def decaying(self) -> int:
+        return system.DECAYING
+
+    def pencil(self, z: ComplexArray) -> Pencil:
+        """The scaled first-order system (see system.py); off the real axis the flow is continued along the path of the points."""
+        return Pencil(*(_dense(e, len(z)) for e in system.pencil_entries(self._background(z), self.flow.chute.tan_theta, self.kx, self.ky)))
+
+    def start(self, sigma: complex, tolerance: float) -> float:
+        """Where the series of the far field holds to the tolerance."""
+        return self.flow.height(self._far.reach(sigma, tolerance))
+
+    def far_frame(self, z: float, sigma: complex) -> FarFrame:
+        if z not in self._nu:
+            self._nu[z] = math.exp(self.flow.at(z)[0].real)
+        nu = self._nu[z]
+        frame, tangent, error = self._far.at(nu, sigma)
+        log_scale = self._far.trace * math.log(nu)
+        return FarFrame(frame, tangent, log_scale, error)
+
+    def mesh(self, start: float) -> NDArray[np.float64]:
+        """Every eighth point of the steady flow's own integration."""
+        inside = self.flow.nodes[self.flow.nodes < start]
+        return np.concatenate(([start], inside[:-1][::8], [0.0]))
+
+    def wall_rows(self) -> tuple[ComplexArray, ComplexArray]:
+        base = _scalars(self._background(np.array([0.0 + 0j])))
+        return wall_rows(self.flow.chute, base, self.kx, self.ky, math.pi)
+
+    def with_base_flow_error(self, factor: float) -> Self:
+        """The same problem on a steady flow computed with a tolerance larger by this factor."""
+        if factor not in self._crude:
+            self._crude[factor] = type(self)(with_base_flow_error(self.flow, factor), self.kx, self.ky)
+        return self._crude[factor]
+
+    def heights(self, points: int) -> NDArray[np.float64]:
+        """From the base to ν0 = 1e−14."""
+        return np.linspace(0.0, self.flow.height(1e-14), points)
+
+    def continuum_at(self, z: ComplexArray) -> ComplexArray:
+        """σ_c of (2.13) at the points z."""
+        log_nu, T, u, Q = self.flow.at(z)[:, :4].T
+        values = fields(self.flow.chute, np.exp(log_nu), T, u, Q, math.pi)
+        return np.asarray(system.continuum(values, self.kx), dtype=np.complex128)
+
+    def _background(self, z: ComplexArray) -> Background:
+        return _along_path(self.flow, np.ascontiguousarray(z, dtype=np.complex128).tobytes())
+
+    @cached_property
+    def _far(self) -> FarField:
+        return FarField(self.flow.chute, self.flow.far_temperature, self.flow.far_velocity, self.kx, self.ky)
+
+
+@lru_cache(maxsize=8)
+def _along_path(flow: Flow, points: bytes) -> Background:
+    """The background at points of a path: for all waves that share a mesh it is the same."""
+    return _background_of(flow, flow.at(np.frombuffer(points, dtype=np.complex128), order="path"))
+
+
+def _background_of(flow: Flow, states: ComplexArray) -> Background:
+    return background(flow.chute, np.exp(states[:, 0]), states[:, 1], states[:, 2], states[:, 3], math.pi)
+
+
+def _scalars(bg: Background) -> Background:
+    """The background at its first point, as numbers."""
+    from dataclasses import fields as fields_of
+
+    from shootstab.core.series import Series
+
+    return Background(**{f.name: Series(complex(c[0]) for c in getattr(bg, f.name).coefficients) for f in fields_of(bg)})
+
+
+def _dense(entries: system.Entries, points: int) -> ComplexArray:
+    out = np.zeros((points, system.SIZE, system.SIZE), dtype=np.complex128)
+    for (i, j), entry in entries.items():
+        out[:, i, j] = entry
+    return out

@@ -1,0 +1,25 @@
+"""The chute problem with all that it offers: its pseudospectral twin, many digits, and the family that it belongs to."""
+
+from __future__ import annotations
+
+from shootstab.models.chute.collocation import Collocation
+from shootstab.models.chute.multiprecision_problem import ChuteDigits
+from shootstab.models.chute.parameter_family import ChuteFamily
+from shootstab.models.chute.perturbations import Perturbations
+
+
+class ChuteProblem(Perturbations):
+    """See `Perturbations` for the equations and problems.capabilities for what is offered beside them."""
+
+    @property
+    def pseudospectral(self) -> Collocation:
+        """Chebyshev collocation of the conservative form."""
+        return Collocation(self.flow, self.kx, self.ky)
+
+    def multiprecision(self) -> ChuteDigits:
+        """The parameters as exact decimals, everything by series."""
+        return ChuteDigits(self)
+
+    def family(self, names: tuple[str, ...]) -> ChuteFamily:
+        """The chutes that differ from this one in these parameters. Raises InputError for names that cannot vary, or not together."""
+        return ChuteFamily.around(self.flow, self.kx, self.ky, names, type(self))

@@ -1,0 +1,89 @@
+"""Whether a flow is linearly stable, as far as a set of wavenumbers tells: one growing mode refutes, counts at all of them support.
+
+Instability is cheap to show: a pseudospectral spectrum suggests a growing mode at some wave, and one zero of D in a small circle proves it.
+Stability is not: the modes of every wave are counted, and none may grow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from shootstab.analyses.refine import refine
+from shootstab.analyses.sweep.dominance import FLOOR, DominantModes, count_dominant, lowest_floor, suggested
+from shootstab.core.errors import ConvergenceError
+from shootstab.core.records import Mode
+from shootstab.models.chute.problem import ChuteProblem
+from shootstab.models.chute.steady import Flow
+
+STABLE, UNSTABLE, UNRESOLVED = "stable", "unstable", "unresolved"
+EXTENT = (1e-3, 1.0)  # wavenumbers times the height of the centre of mass
+PER_AXIS = 10
+OBLIQUE = 0.1  # k_x/k_y of the oblique waves: where the paper finds them, k_y is about ten times k_x
+RTOL = 1e-6  # of the mode that proves an instability
+
+Wave = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Stability:
+    """verdict: 'unstable', for `mode` grows at `wave`; 'stable', for none grows at any wave; 'unresolved: …' says why.
+
+    Growing means Re σ > floor, or 1e−7 of the frequencies k_x u0 of the continuous spectrum where that is more.
+
+    counted is the number of waves at which the modes were counted.
+    """
+
+    verdict: str
+    mode: Mode | None = None
+    wave: Wave | None = None
+    counted: int = 0
+
+
+def waves(flow: Flow, per_axis: int = PER_AXIS) -> list[list[Wave]]:
+    """Lines of rising (k_x, k_y) over three decades of k h0: along k_y, along k_x, and along an oblique direction."""
+    ks = np.geomspace(*EXTENT, per_axis) / flow.centre_of_mass
+    return [[(0.0, float(k)) for k in ks], [(float(k), 0.0) for k in ks], [(OBLIQUE * float(k), float(k)) for k in ks]]
+
+
+def stability(flow: Flow, lines: Sequence[Sequence[Wave]] | None = None, floor: float = FLOOR) -> Stability:
+    """Look for a growing mode at every wave, and count the modes of all where none is found.
+
+    lines hold waves in the order of neighbours, by default those of `waves`. The search begins where k h0 is about 0.1.
+    """
+    lines = waves(flow) if lines is None else lines
+    for wave in sorted((w for line in lines for w in line), key=lambda w: abs(np.log(10 * max(w) * flow.centre_of_mass))):
+        problem = ChuteProblem(flow, *wave)
+        found = _grows(problem, suggested(problem), floor)
+        if found is not None:
+            return Stability(UNSTABLE, found, wave)
+    counted = 0
+    for line in lines:
+        before: DominantModes | None = None
+        for wave in line:
+            problem = ChuteProblem(flow, *wave)
+            try:
+                before = count_dominant(problem, [], floor, before)
+            except ConvergenceError as error:
+                return Stability(f"{UNRESOLVED}: at kx = {wave[0]:.4g}, ky = {wave[1]:.4g}: {error}", counted=counted)
+            counted += 1
+            if before.modes:
+                found = _grows(problem, before.modes, floor)
+                if found is None:
+                    return Stability(f"{UNRESOLVED}: a mode is counted at kx = {wave[0]:.4g}, ky = {wave[1]:.4g}, and not refined")
+                return Stability(UNSTABLE, found, wave, counted)
+            if before.floor > lowest_floor(before.continuation, floor):
+                why = f"at kx = {wave[0]:.4g}, ky = {wave[1]:.4g} modes could be counted above {before.floor:.1e} only"
+                return Stability(f"{UNRESOLVED}: {why}", counted=counted)
+    return Stability(STABLE, counted=counted)
+
+
+def _grows(problem: ChuteProblem, guesses: Sequence[complex], floor: float) -> Mode | None:
+    """A mode next to one of the guesses that grows by more than its error, with its proof."""
+    for guess in guesses:
+        mode = refine(problem, guess, RTOL)
+        if mode.converged and complex(mode.sigma).real - float(mode.error) > floor:
+            return mode
+    return None

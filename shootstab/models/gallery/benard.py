@@ -1,0 +1,46 @@
+"""Rayleigh–Bénard convection: a layer 0 < z < 1 heated from below, state (W, W′, W″, W‴, θ, θ′), time in h²/κ.
+
+    (σ/Pr)(D² − a²) W = (D² − a²)² W − Ra a² θ,   σ θ = (D² − a²) θ + W
+
+with θ = W = 0 at both walls and W′ = 0 (rigid) or W″ = 0 (free). Two free walls: W = sin nπz, and with k² = n²π² + a²
+
+    (σ/Pr + k²)(σ + k²) k² = Ra a².
+
+Source: S. Chandrasekhar, Hydrodynamic and Hydromagnetic Stability (1961), II; rigid: Ra_c = 1707.76177710, a_c = 3.11632355.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shootstab.core.errors import InputError
+from shootstab.models.gallery.orr_sommerfeld import require_positive
+from shootstab.problems import LinearProblem, Wall
+from shootstab.problems.linear_problem import problem
+
+ROWS = {"rigid": [0, 1, 4], "free": [0, 2, 4]}
+
+
+def benard(
+    rayleigh: complex = 1707.7617771, wavenumber: complex = 3.11632355, prandtl: float = 1.0, lower: str = "rigid", upper: str = "rigid"
+) -> LinearProblem:
+    """Normal modes exp(σt + i a·x)."""
+    require_positive(rayleigh=rayleigh, wavenumber=wavenumber, prandtl=prandtl)
+    for name, wall in (("lower", lower), ("upper", upper)):
+        if wall not in ROWS:
+            raise InputError(f"{name} = {wall!r}: allowed is rigid or free")
+    a2 = wavenumber * wavenumber
+    D0 = np.eye(6, k=1, dtype=np.complex128)
+    D0[3] = [-a2 * a2, 0, 2 * a2, 0, rayleigh * a2, 0]
+    D0[5] = [-1, 0, 0, 0, a2, 0]
+    D1 = np.zeros((6, 6), dtype=np.complex128)
+    D1[3, 0], D1[3, 2], D1[5, 4] = -a2 / prandtl, 1 / prandtl, 1
+    rows = np.eye(6)
+    return problem(6, lambda z: (D0, D1), Wall(0.0, rows[ROWS[lower]]), Wall(1.0, rows[ROWS[upper]]), vectorized=True)
+
+
+def free_growth_rate(rayleigh: float, wavenumber: float, prandtl: float = 1.0, n: int = 1) -> float:
+    """The larger σ of two free walls, exactly."""
+    k2 = (n * np.pi) ** 2 + wavenumber**2
+    half = 0.5 * k2 * (1 + prandtl)
+    return float(-half + np.sqrt(half**2 - prandtl * (k2 * k2 - rayleigh * wavenumber**2 / k2)))

@@ -1,0 +1,69 @@
+"""The Blasius boundary layer, parallel: Orr–Sommerfeld on 2f‴ + f f″ = 0, U = f′, lengths in √(νx/U_∞), R = √(U_∞x/ν).
+
+Source of the flow: H. Blasius, Z. Math. Phys. 56 (1908) 1; f″(0) = 0.332057336215196 (Boyd, Exp. Math. 8 (1999) 381). Source of the mode:
+R. Jordinson, J. Fluid Mech. 43 (1970) 801; R = 580, α = 0.179 in these units, c = 0.36412287 + 0.00795972i. Beware of tables that call
+this R one of the displacement thickness, which is 1.7207876575 times as large.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.models.gallery.orr_sommerfeld import CLAMPED, orr_sommerfeld, require_positive
+from shootstab.models.gallery.profiles import Piecewise
+from shootstab.problems import Infinity, LinearProblem, Wall
+from shootstab.problems.linear_problem import problem
+from shootstab.problems.protocol import ComplexArray
+
+STEP, TERMS = 0.25, 26  # the nearest singularity of f is 5.69 away from the wall, and farther from every other point
+END = 20.0  # where 1 − U, about exp(−(η−1.7)²/4), is far below the last place
+ROUNDING = 1e-16
+
+
+def blasius(reynolds: complex = 580.0, alpha: complex = 0.179, accuracy: float = 0.0) -> LinearProblem:
+    """Normal modes exp(σt + iαx), σ = −iαc; the flow is known to rounding, or to the accuracy given."""
+    require_positive(reynolds=reynolds, alpha=alpha)
+    U = flow() if accuracy == 0.0 else flow().shortened(accuracy)
+    U_yy = U.derivative().derivative()
+
+    def profile(y: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+        return U(y), U_yy(y)
+
+    def coarser(factor: float) -> LinearProblem:
+        return blasius(reynolds, alpha, ROUNDING * factor)
+
+    pencil = orr_sommerfeld(profile, reynolds, alpha)
+    return problem(4, pencil, Wall(0.0, CLAMPED), Infinity(), vectorized=True, coarser=coarser if accuracy == 0.0 else None)
+
+
+@cache
+def flow() -> Piecewise:
+    """U = f′(η).
+
+    If g solves the equation with g″(0) = 1, so does f(η) = A g(Aη) for every A, and f′(∞) = 1 for A = g′(∞)^(−1/2): no shooting (Töpfer
+    1912).
+    """
+    g = _march(1.0, STEP, int(40 / STEP))
+    A = float(g[-1, 1]) ** -0.5
+    f = _march(A**3, STEP, int(END / STEP))
+    m = np.arange(1, TERMS)
+    return Piecewise(STEP, f[:, 1:] * m, 1.0)
+
+
+def _march(curvature: float, h: float, pieces: int) -> NDArray[np.float64]:
+    """Taylor coefficients (pieces, TERMS) of f with f(0) = f′(0) = 0 and f″(0) as given."""
+    m = np.arange(TERMS)
+    out = np.empty((pieces, TERMS))
+    state = np.array([0.0, 0.0, curvature / 2])
+    for row in out:
+        row[:3] = state
+        for j in range(TERMS - 3):
+            # (j+1)(j+2)(j+3) f_{j+3} = −½ Σ_i f_{j−i} (i+1)(i+2) f_{i+2}
+            i = np.arange(j + 1)
+            row[j + 3] = -0.5 * np.sum(row[j - i] * (i + 1) * (i + 2) * row[i + 2]) / ((j + 1) * (j + 2) * (j + 3))
+        powers = row * h**m
+        state = np.array([powers.sum(), (m * powers).sum() / h, (m * (m - 1) * powers).sum() / (2 * h * h)])
+    return out

@@ -1,0 +1,47 @@
+"""The Orr–Sommerfeld equation of a parallel flow U(y), as a first-order system in (φ, φ′, φ″, φ‴).
+
+    (D² − α²)² φ = R [(σ + iαU)(D² − α²) − iαU″ + V (D² − α²) D] φ,   σ = −iαc
+
+for normal modes φ(y) exp(σt + iαx); V is a constant velocity across the flow, negative towards a wall below (suction). Complex α and R
+are allowed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from shootstab.core.errors import InputError
+from shootstab.problems.protocol import ComplexArray
+
+Profile = Callable[[ComplexArray], tuple[ComplexArray, ComplexArray]]  # U, U″ at points
+Matrices = Callable[[ComplexArray], tuple[ComplexArray, ComplexArray]]  # D0, D1
+
+CLAMPED = np.eye(2, 4)  # φ = φ′ = 0
+
+
+def orr_sommerfeld(profile: Profile, reynolds: complex, alpha: complex, V: float = 0.0) -> Matrices:
+    """D0 (m, 4, 4) and D1 (4, 4) as a function of y (m,); C is the identity."""
+    a2, R = alpha * alpha, reynolds
+    D1 = np.zeros((4, 4), dtype=np.complex128)
+    D1[3, 0], D1[3, 2] = -R * a2, R
+
+    def matrices(y: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+        U, U_yy = profile(y)
+        D0 = np.zeros((len(y), 4, 4), dtype=np.complex128)
+        D0[:, [0, 1, 2], [1, 2, 3]] = 1.0
+        D0[:, 3, 0] = -a2 * a2 - 1j * alpha * R * (U * a2 + U_yy)
+        D0[:, 3, 1] = -R * V * a2
+        D0[:, 3, 2] = 2 * a2 + 1j * alpha * R * U
+        D0[:, 3, 3] = R * V
+        return D0, D1
+
+    return matrices
+
+
+def require_positive(**values: complex) -> None:
+    """Raise InputError unless every value is finite with a real part above 0."""
+    for name, value in values.items():
+        if not (0.0 < complex(value).real < np.inf and np.isfinite(value)):
+            raise InputError(f"{name} = {value!r}: allowed is a finite number above 0")

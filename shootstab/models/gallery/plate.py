@@ -1,0 +1,132 @@
+"""The compressible flat plate: temporal modes, σ = −iω for given α, and spatial ones, α for given ω (see plate_system.py for the
+equations).
+
+Source: M. R. Malik, J. Comput. Phys. 86 (1990) 376, cases 3 and 6; length √(ν_∞x/U_∞), R = √(U_∞x/ν_∞).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from shootstab.core.errors import InputError
+from shootstab.models.gallery.orr_sommerfeld import require_positive
+from shootstab.models.gallery.plate_flow import Gas, PlateFlow, plate_flow
+from shootstab.models.gallery.plate_system import SIZE, Entries, background, system
+from shootstab.problems import Infinity, LinearProblem, Wall
+from shootstab.problems.linear_problem import problem
+from shootstab.problems.protocol import ComplexArray
+from shootstab.problems.quadratic import affine, with_zeros
+
+STOKES = -2 / 3  # second coefficient of viscosity, in μ
+MACK = 2 / 3 * (1.2 - 1)  # Mack's ratio 1.2
+RANKINE = 1 / 1.8  # kelvin
+STILL = np.eye(SIZE)[[0, 2, 4, 6]]  # u = v = θ = w = 0
+SQUARED = [0, 2, 3, 4, 6]  # u, v, p, θ, w: what α² acts on
+ROUNDING = 1e-16
+
+Matrices = Callable[[ComplexArray], tuple[Any, ...]]
+
+
+def stagnation(mach: float, temperature: float, gamma: float = 1.4) -> float:
+    """The far temperature for a stagnation temperature in the same unit."""
+    return temperature / (1 + 0.5 * (gamma - 1) * mach**2)
+
+
+def plate_temporal(
+    gas: Gas, reynolds: float, alpha: float, beta: float = 0.0, second: float = STOKES, accuracy: float = 0.0
+) -> LinearProblem:
+    """The eigenvalue is σ = −iω. second is m, the second coefficient of viscosity in μ."""
+    _require(reynolds, second, alpha=alpha)
+
+    def pencil(flow: PlateFlow) -> Matrices:
+        def matrices(y: ComplexArray) -> tuple[Any, ...]:
+            C, D = system(background(flow, y), gas, reynolds, beta, second)
+            at = {(i, j): alpha**i for i in range(3) for j in range(2)}
+            return tuple(_dense(part, at, ((0, j), (1, j), (2, j)), len(y)) for part in (C, D) for j in range(2))
+
+        return matrices
+
+    def coarser(factor: float) -> LinearProblem:
+        return plate_temporal(gas, reynolds, alpha, beta, second, factor * ROUNDING)
+
+    made = None if accuracy else coarser
+    return problem(SIZE, pencil(_flow(gas, accuracy)), Wall(0.0, STILL), Infinity(), vectorized=True, coarser=made)
+
+
+def plate_spatial(
+    gas: Gas, reynolds: float, omega: float, beta: float = 0.0, second: float = STOKES, accuracy: float = 0.0
+) -> LinearProblem:
+    """The eigenvalue is α. The order is 8 + 5: α times u, v, p, θ and w beside the state (see linear/quadratic.py)."""
+    _require(reynolds, second, omega=omega)
+
+    def pencil(flow: PlateFlow) -> Matrices:
+        def matrices(y: ComplexArray) -> tuple[Any, ...]:
+            C, D = system(background(flow, y), gas, reynolds, beta, second)
+            at = {(i, j): (-1j * omega) ** j for i in range(3) for j in range(2)}
+            C0, C1 = (_dense(C, at, ((i, 0), (i, 1)), len(y)) for i in range(2))
+            D0, D1, D2 = (_dense(D, at, ((i, 0), (i, 1)), len(y)) for i in range(3))
+            return affine(C0, C1, D0, D1, D2, SQUARED)
+
+        return matrices
+
+    def coarser(factor: float) -> LinearProblem:
+        return plate_spatial(gas, reynolds, omega, beta, second, factor * ROUNDING)
+
+    size, rows = SIZE + len(SQUARED), with_zeros(STILL, len(SQUARED))
+    made, end = None if accuracy else coarser, Wall(0.0, rows)
+    # c = 0.91: between the acoustic spectra, c < 1 − 1/M and c > 1 + 1/M, and beside that of vorticity, c = 1
+    return problem(size, pencil(_flow(gas, accuracy)), end, Infinity(), reference=1.1 * omega, vectorized=True, coarser=made)
+
+
+def plate(
+    mach: float,
+    far_temperature: float,
+    reynolds: float,
+    alpha: float | None = None,
+    omega: float | None = None,
+    beta: float = 0.0,
+    second: float = STOKES,
+    **gas: float,
+) -> LinearProblem:
+    """Temporal modes for a given α, or spatial ones for a given ω; far_temperature in kelvin, gas: sutherland, prandtl, gamma, wall."""
+    if (alpha is None) == (omega is None):
+        raise InputError("exactly one of alpha (temporal modes) and omega (spatial modes) must be given")
+    made = Gas(mach, far_temperature, **gas)
+    if alpha is not None:
+        return plate_temporal(made, reynolds, alpha, beta, second)
+    assert omega is not None
+    return plate_spatial(made, reynolds, omega, beta, second)
+
+
+def malik_3(second: float = MACK) -> LinearProblem:
+    """M = 2.5, R = 3000, α = 0.06, β = 0.1, T0 = 600 °R, adiabatic; temporal."""
+    return plate(2.5, stagnation(2.5, 600.0) * RANKINE, 3000.0, alpha=0.06, beta=0.1, second=second)
+
+
+def malik_6(second: float = MACK) -> LinearProblem:
+    """M = 4.5, R = 1500, ω = 0.23, β = 0, T0 = 1100 °R, adiabatic; spatial."""
+    return plate(4.5, stagnation(4.5, 1100.0) * RANKINE, 1500.0, omega=0.23, second=second)
+
+
+def _flow(gas: Gas, accuracy: float) -> PlateFlow:
+    flow = plate_flow(gas)
+    return flow.shortened(accuracy) if accuracy else flow
+
+
+def _dense(entries: Entries, at: Mapping[tuple[int, int], complex], powers: tuple[tuple[int, int], ...], points: int) -> ComplexArray:
+    """Σ over these powers of α and σ of the coefficients, (points, 8, 8), at the values given for them."""
+    out = np.zeros((points, SIZE, SIZE), dtype=np.complex128)
+    for (i, j), polynomial in entries.items():
+        for power in powers:
+            if power in polynomial:
+                out[:, i, j] += at[power] * polynomial[power]
+    return out
+
+
+def _require(reynolds: float, second: float, **others: float) -> None:
+    require_positive(reynolds=reynolds, **others)
+    if not STOKES <= second < 100.0:
+        raise InputError(f"second = {second!r}: allowed is -2/3 (Stokes) or more, in units of the viscosity")

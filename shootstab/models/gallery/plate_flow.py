@@ -1,0 +1,174 @@
+"""The compressible boundary layer on a flat plate, similar: Sutherland's viscosity, constant Pr and γ, adiabatic or at a given wall
+temperature.
+
+With y in √(ν_∞ x/U_∞), velocities in U_∞, temperature and viscosity in their values far away, S = μU′ and Q = μT′/Pr,
+
+    f′ = U/T,  U′ = S/μ,  (ln S)′ = −½ f/μ,  T′ = Pr Q/μ,  Q′ = −½ f Pr Q/μ − (γ−1) M² S²/μ
+
+(the equations of Mack, AGARD R-709 (1984), 10, without the transformation y ↦ η). Everything the stability equations need of U and T, up
+to second derivatives, follows from these five without differentiation. They are solved by Chebyshev polynomials on short pieces, to
+rounding.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
+
+from shootstab.core.errors import InputError, NoFlowError
+from shootstab.models.gallery.profiles import off_by
+from shootstab.problems.protocol import ComplexArray
+
+NODES = 24
+PIECE = 0.5  # length of a piece, in √(ν_∞ x/U_∞) and wall temperature
+NOTHING = 1e-21  # of the wall shear: the shear stress far away
+LONGEST = 1.1
+FARTHEST = 400  # pieces
+NEWTON, PICARD = 30, 40
+STEEP, STEP = 5.0, 1.1  # Mach number beyond which the flow at a smaller one, by this factor, is the first guess
+SETTLED = 2e-15
+
+
+@dataclass(frozen=True)
+class Gas:
+    """mach, the far temperature in kelvin, Sutherland's constant in kelvin, prandtl, gamma; wall is T_w/T_∞, None if adiabatic."""
+
+    mach: float
+    far_temperature: float
+    sutherland: float = 198.6 / 1.8
+    prandtl: float = 0.7
+    gamma: float = 1.4
+    wall: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("mach", "far_temperature", "prandtl"):
+            if not 0.0 < getattr(self, name) < np.inf:
+                raise InputError(f"{name} = {getattr(self, name)!r}: allowed is a finite number above 0")
+        if not 0.0 <= self.sutherland < np.inf or not 1.0 < self.gamma < 5.0:
+            raise InputError(f"sutherland = {self.sutherland!r}, gamma = {self.gamma!r}: allowed are 0 or more, and 1 < gamma < 5")
+        if self.wall is not None and not 0.0 < self.wall < np.inf:
+            raise InputError(f"wall = {self.wall!r}: allowed is a finite number above 0, or none for an adiabatic wall")
+
+    def viscosity(self, T: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+        """μ = T^{3/2} (1 + s)/(T + s), s = S/T_∞, with dμ/dT and d²μ/dT²."""
+        s = self.sutherland / self.far_temperature
+        T = np.where(T.real > 0.0, T, np.nan)
+        mu = T**1.5 * (1 + s) / (T + s)
+        first = 1.5 / T - 1 / (T + s)  # d ln μ/dT
+        return mu, mu * first, mu * (first**2 - 1.5 / T**2 + 1 / (T + s) ** 2)
+
+    def slopes(self, state: NDArray[Any]) -> NDArray[Any]:
+        """d/dy of (f, U, ln S, T, Q), each along the second axis."""
+        f, U, log_S, T, Q = state
+        mu, S = self.viscosity(T)[0], np.exp(log_S)
+        heating = (self.gamma - 1) * self.mach**2
+        half, Pr = 0.5 * f / mu, self.prandtl
+        return np.array([U / T, S / mu, -half, Pr * Q / mu, -half * Pr * Q - heating * S * S / mu])
+
+
+@dataclass(frozen=True, eq=False)
+class PlateFlow:
+    """The state (f, U, ln S, T, Q) by Chebyshev coefficients (pieces, terms, 5) on pieces of one length; beyond the last, U = T = 1."""
+
+    gas: Gas
+    length: float
+    coefficients: NDArray[np.float64]
+
+    @property
+    def end(self) -> float:
+        """Where the free stream begins."""
+        return self.length * len(self.coefficients)
+
+    def at(self, y: ComplexArray) -> ComplexArray:
+        """f, U, S, T, Q (5, m) at points y (m,); f, which nothing needs there, is 0 in the free stream."""
+        real = np.minimum(y.real, self.end)
+        piece = np.floor(real / self.length).astype(np.int64)
+        inside = np.clip(piece, 0, len(self.coefficients) - 1)
+        with np.errstate(invalid="ignore"):
+            x = np.where(np.isfinite(y), 2 * (y / self.length - inside) - 1, 0.0)
+        below = above = np.zeros((len(y), 5), dtype=x.dtype)
+        for k in range(self.coefficients.shape[1] - 1, 0, -1):  # Clenshaw
+            below, above = self.coefficients[inside, k] + 2 * x[:, None] * below - above, below
+        state = (self.coefficients[inside, 0] + x[:, None] * below - above).T
+        state[2] = np.exp(state[2])
+        free = np.array([0.0, 1.0, 0.0, 1.0, 0.0])[:, None]
+        return np.asarray(np.where(piece >= len(self.coefficients), free, state))
+
+    def shortened(self, accuracy: float) -> PlateFlow:
+        """With as few coefficients as leave out no more than this, relative to the largest, and each off by as much as that."""
+        sizes = np.abs(self.coefficients).max(axis=(0, 2))
+        kept = int(np.flatnonzero(sizes > accuracy * sizes.max())[-1]) + 1
+        return PlateFlow(self.gas, self.length, off_by(self.coefficients[:, :kept], accuracy))
+
+    @cached_property
+    def wall(self) -> tuple[float, float]:
+        """T and the shear stress S = μU′ at the wall."""
+        state = self.at(np.zeros(1, dtype=np.complex128))[:, 0].real
+        return float(state[3]), float(state[2])
+
+
+@cache
+def plate_flow(gas: Gas) -> PlateFlow:
+    """The flow over a plate, by Newton on what is free at the wall: S, and T (adiabatic) or Q.
+
+    Raises NoFlowError where that does not settle.
+    """
+    recovery = 1 + 0.5 * np.sqrt(gas.prandtl) * (gas.gamma - 1) * gas.mach**2
+    shear = 0.33
+    if gas.mach > STEEP:
+        hotter, shear = plate_flow(replace(gas, mach=gas.mach / STEP)).wall
+        recovery = recovery if gas.wall is not None else 1 + (hotter - 1) * STEP**2
+    free = np.array([shear, recovery if gas.wall is None else shear * (recovery - gas.wall) * gas.prandtl ** (-2 / 3)])
+    length = min(PIECE * max(recovery, gas.wall or 0.0) ** 0.5, LONGEST)
+
+    def begin(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        log_S = float(np.log(x[0]))
+        return np.array([0.0, 0.0, log_S, x[1], 0.0] if gas.wall is None else [0.0, 0.0, log_S, gas.wall, x[1]])
+
+    pieces = None
+    for _ in range(NEWTON):
+        reached, found = _march(gas, begin(free), length, pieces)
+        pieces = len(found)
+        missed = reached[[1, 3]] - 1
+        jacobian = np.empty((2, 2))
+        for j in range(2):
+            step = 1e-6 * max(abs(free[j]), 1e-2) * np.eye(2)[j]
+            jacobian[:, j] = (_march(gas, begin(free + step), length, pieces)[0] - reached)[[1, 3]] / step[j]
+        move = np.linalg.solve(jacobian, -missed)
+        free = free + move * min(1.0, 0.3 / max(np.abs(move / (np.abs(free) + 0.1)).max(), 1e-300))
+        if min(np.abs(missed).max(), np.abs(move).max()) < SETTLED * recovery:
+            return PlateFlow(gas, length, found)
+        if np.abs(missed).max() > 1e-3:
+            pieces = None
+    raise NoFlowError(f"no boundary layer found for {gas}: U and T miss 1 by {np.abs(missed).max():.1e}")
+
+
+def _march(gas: Gas, state: NDArray[Any], length: float, pieces: int | None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The state far away, and Chebyshev coefficients (pieces, NODES, 5); so many pieces, or as many as the shear stress lasts."""
+    x = np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)
+    to_coefficients = np.linalg.inv(chebyshev.chebvander(x, NODES - 1))
+    least = state[2] + np.log(NOTHING)
+    out: list[NDArray[np.float64]] = []
+    while len(out) < FARTHEST and (pieces is None or len(out) < pieces):
+        values = np.repeat(state[:, None], NODES, axis=1)
+        for _ in range(PICARD):  # Picard's iteration, which a short piece makes fast
+            slopes = to_coefficients @ gas.slopes(values).T
+            series = chebyshev.chebint(slopes, lbnd=-1, scl=0.5 * length)[:NODES]
+            series[0] += state
+            new = (chebyshev.chebvander(x, NODES - 1) @ series).T
+            settled = np.abs(new - values).max(axis=1) <= 1e-16 * np.maximum(np.abs(values).max(axis=1), 1e-3)
+            values = new
+            if settled.all():
+                break
+        out.append(series)
+        state = series.sum(axis=0)
+        if not np.isfinite(state).all() or state[3] <= 0.0:
+            raise NoFlowError(f"no boundary layer found for {gas}: the temperature leaves the range of physics")
+        if pieces is None and state[2] < least:
+            break
+    return state, np.array(out)

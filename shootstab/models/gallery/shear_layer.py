@@ -1,0 +1,33 @@
+"""The inviscid shear layer U = tanh y: Rayleigh's equation (U − c)(φ″ − α²φ) = U″φ on the whole line, state (φ, φ′), σ = −iαc.
+
+C = diag(1, σ + iαU) is singular at the critical layers σ = −iαU(y), the segment of the imaginary axis between −iα and iα.
+Source: A. Michalke, J. Fluid Mech. 19 (1964) 543: the largest growth rate is 0.1897, at α = 0.4446; α = 1 is neutral with c = 0.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from shootstab.models.gallery.orr_sommerfeld import require_positive
+from shootstab.problems import Infinity, LinearProblem
+from shootstab.problems.linear_problem import problem
+from shootstab.problems.protocol import ComplexArray
+
+
+def shear_layer(alpha: complex = 0.4446) -> LinearProblem:
+    """Normal modes exp(σt + iαx)."""
+    require_positive(alpha=alpha)
+    a2 = alpha * alpha
+    C1, D1 = np.zeros((2, 2)), np.zeros((2, 2), dtype=np.complex128)
+    C1[1, 1], D1[1, 0] = 1, a2
+
+    def pencil(y: ComplexArray) -> tuple[Any, ...]:
+        U = np.tanh(y)
+        C0, D0 = (np.zeros((len(y), 2, 2), dtype=np.complex128) for _ in range(2))
+        C0[:, 0, 0], C0[:, 1, 1] = 1, 1j * alpha * U
+        D0[:, 0, 1], D0[:, 1, 0] = 1, 1j * alpha * U * (a2 - 2 * (1 - U * U))
+        return C0, C1, D0, D1
+
+    return problem(2, pencil, Infinity(), Infinity(), continuum=lambda y: -1j * alpha * np.tanh(y), vectorized=True)

@@ -1,0 +1,128 @@
+"""What the formulas compute with: real and complex numbers of any precision, and real power series, of python-flint or of mpmath.
+
+Everything above this module is written once and takes an `Arithmetic`; `FlintArithmetic` (python-flint) is fast,
+`MpmathArithmetic` (mpmath) is always there, and each is the other's test.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from fractions import Fraction
+from typing import Any, Protocol
+
+Matrix = list[list[Any]]  # of numbers
+Payloads = Sequence[Sequence[tuple[Any, Any]]]  # a matrix of series, each as its real and its imaginary part, None for zero
+TAIL_TERMS = 4  # last terms of a series that show where it holds
+
+
+class Convolution(Protocol):
+    """Σ_j A_j Y_{m−j} for m = 0, 1, …, with Y given one term at a time; where A and Y_0 are real, all of Y is."""
+
+    def push(self, term: Matrix) -> None:
+        """The next term of Y, (n, k)."""
+        ...
+
+    def value(self) -> Matrix:
+        """Σ_j A_j Y_{m−j}, (r, k), with m the last term given."""
+        ...
+
+
+class Arithmetic(Protocol):
+    """Numbers, real ones and complex ones, that know +, −, ·, /, ** and the literals of Python; and series of real numbers.
+
+    A series is a payload that only these methods look into.
+    """
+
+    name: str
+
+    def working(self, digits: int) -> AbstractContextManager[None]:
+        """A context in which everything is computed with so many decimal digits."""
+        ...
+
+    def number(self, x: Any) -> Any:
+        """A real number from int, Fraction, float (its exact binary value), or a real mpmath number."""
+        ...
+
+    def complex(self, x: Any) -> Any:
+        """A complex number, from anything."""
+        ...
+
+    def parts(self, x: Any) -> tuple[Any, Any]:
+        """(Re x, Im x), with None for a part that is exactly zero."""
+        ...
+
+    def rounded(self, x: Any) -> Any:
+        """x without any record of its own error."""
+        ...
+
+    def log2(self, x: Any) -> float:
+        """log2 |x|, −∞ for zero; never overflows."""
+        ...
+
+    def to_mpmath(self, x: Any) -> Any:
+        """An mpf, or an mpc if x is complex, with every digit of x."""
+        ...
+
+    @property
+    def pi(self) -> Any:
+        """π."""
+        ...
+
+    def dot(self, a: Sequence[Any], b: Sequence[Any]) -> Any:
+        """Σ a_j b_j of real numbers; 0 of none."""
+        ...
+
+    def series(self, coefficients: Sequence[Any]) -> Any:
+        """The series with these real coefficients."""
+        ...
+
+    def coefficients(self, series: Any, terms: int) -> list[Any]:
+        """So many of its coefficients."""
+        ...
+
+    def plus(self, a: Any, b: Any) -> Any: ...
+
+    def plus_number(self, a: Any, x: Any) -> Any: ...
+
+    def negative(self, a: Any) -> Any: ...
+
+    def scaled(self, a: Any, x: Any) -> Any: ...
+
+    def times(self, a: Any, b: Any) -> Any: ...
+
+    def over(self, a: Any, b: Any) -> Any: ...
+
+    def power(self, a: Any, exponent: Any) -> Any: ...
+
+    def convolution(self, A: Payloads) -> Convolution:
+        """Of a matrix (r, n) of series."""
+        ...
+
+    def carried(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> tuple[Matrix, list[Matrix]]:
+        """Σ Y_m, and the last TAIL_TERMS of so many terms, of Y_m = left (Σ_j E_j Y_{m−1−j}/m − Σ_j F_j Y_{m−1−j}), Y_0 = Y (n, k).
+
+        A is E (n, n) above F.
+        """
+        ...
+
+    def multiplier(self, A: Matrix) -> Callable[[Matrix], Matrix]:
+        """B ↦ A B, rounded."""
+        ...
+
+    def inverse(self, A: Matrix) -> Matrix:
+        """A⁻¹. Raises ZeroDivisionError where A is singular as far as the precision can tell."""
+        ...
+
+
+def exact(x: float) -> Fraction:
+    """The number that was meant: the shortest decimal that a float stands for, 0.8 = 8/10."""
+    return Fraction(repr(float(x)))
+
+
+def simplified(arithmetic: Arithmetic, x: Any) -> Any:
+    """x as a real number if its imaginary part is exactly zero."""
+    if isinstance(x, int | float | complex):
+        x = arithmetic.complex(x)
+    re, im = arithmetic.parts(x)
+    return (arithmetic.number(0) if re is None else arithmetic.rounded(re)) if im is None else arithmetic.rounded(x)

@@ -1,0 +1,84 @@
+"""Problems in closed form to any number of digits: the formulas of problems.closed.ClosedForm, evaluated on power series."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from shootstab.multiprecision.arithmetic import Arithmetic, Matrix, exact, simplified
+from shootstab.multiprecision.integration import Base, Entries, Expansion, Progress
+from shootstab.multiprecision.settings import Settings
+from shootstab.multiprecision.taylor import Taylor, real_series
+from shootstab.problems.closed_form import ClosedForm
+
+
+class ClosedFormDigits:
+    """See protocol.MultiprecisionProblem."""
+
+    real = False
+
+    def __init__(self, problem: ClosedForm) -> None:
+        self._problem = problem
+        self.size = problem.size
+
+    def base(self, arithmetic: Arithmetic, settings: Settings, progress: Progress) -> Base:
+        return ()
+
+    def integration(self, arithmetic: Arithmetic, settings: Settings, base: Base) -> ClosedFormIntegration:
+        return ClosedFormIntegration(arithmetic, self._problem, settings)
+
+
+class ClosedFormIntegration:
+    """See protocol.Integration."""
+
+    def __init__(self, arithmetic: Arithmetic, problem: ClosedForm, settings: Settings) -> None:
+        self._arithmetic, self._problem, self._settings = arithmetic, problem, settings
+        self._z, self._wall = (self._real(end) for end in problem.exact_ends(self._exact))
+        self._step = (self._wall - self._z) / settings.order  # a first trial; steps double from there
+
+    def _exact(self, x: float) -> Any:
+        return self._arithmetic.complex(exact(x))
+
+    def _real(self, x: Any) -> Any:
+        return simplified(self._arithmetic, x)
+
+    def begin(self, sigma: Any) -> None:
+        """The far end is where the problem says."""
+
+    def far_frame(self, sigma: Any) -> tuple[Matrix, Any]:
+        return self._matrix(self._problem.exact_far(sigma, self._exact)), self._arithmetic.number(1)
+
+    def expand(self, longest: float) -> Expansion:
+        arithmetic = self._arithmetic
+        left = self._wall - self._z
+        first = arithmetic.log2(self._step)
+        at_wall = arithmetic.log2(left) <= min(first, _log2(longest))
+        inside = self._step if first <= _log2(longest) else arithmetic.number(longest) * (1 if left > 0 else -1)
+        h = left if at_wall else inside
+        self._h = h
+        z = real_series(arithmetic, [self._z, h] + [arithmetic.number(0)] * (self._settings.order - 2))
+        C0, C1, D0, D1 = (self._entries(part, z) for part in self._problem.exact_pencil(z, self._exact))
+        return Expansion(h, C0, C1, D0, D1, at_wall)
+
+    def advance(self) -> None:
+        self._z = self._arithmetic.rounded(self._z + self._h)
+        self._step = 2 * self._h
+
+    def wall_rows(self) -> tuple[Matrix, Matrix]:
+        W0, W1 = self._problem.exact_wall(self._exact)
+        return self._matrix(W0), self._matrix(W1)
+
+    def corrected_base(self) -> Base:
+        return ()
+
+    def _entries(self, part: Mapping[tuple[int, int], Any], z: Taylor) -> Entries:
+        return {at: e if isinstance(e, Taylor) else 0 * z + e for at, e in part.items()}
+
+    def _matrix(self, rows: Sequence[Sequence[Any]]) -> Matrix:
+        return [[simplified(self._arithmetic, x) for x in row] for row in rows]
+
+
+def _log2(x: float) -> float:
+    from math import inf, log2
+
+    return log2(x) if x < inf else inf

@@ -1,0 +1,87 @@
+"""What the engine asks of a problem that is to be solved to any number of digits, and what it makes of it.
+
+A `MultiprecisionProblem` is a problem with its parameters taken as exact decimals; an `Integration` is one way through it, from the far
+end to the wall, in one arithmetic with one choice of settings. All numbers and series are those of the arithmetic.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
+from shootstab.multiprecision.settings import Settings
+from shootstab.multiprecision.taylor import Taylor
+
+Entries = Mapping[tuple[int, int], Taylor]
+Progress = Callable[[], None]
+Base = tuple[Any, ...]  # what a base flow had to be solved for, as mpmath numbers; empty if nothing
+
+
+@dataclass(frozen=True)
+class Expansion:
+    """The pencil about a point of the path, as series in the fraction t of a step of length h: (C0 + σ C1) dψ/dt = h (D0 + σ D1) ψ.
+
+    at_wall says whether t = 1 is the wall.
+    """
+
+    h: Any
+    C0: Entries
+    C1: Entries
+    D0: Entries
+    D1: Entries
+    at_wall: bool
+
+
+class Integration(Protocol):
+    """One way from the far end to the wall."""
+
+    def begin(self, sigma: Any) -> None:
+        """Choose where to start, so that the far frame holds at σ."""
+        ...
+
+    def far_frame(self, sigma: Any) -> tuple[Matrix, Any]:
+        """The decaying space (n, k) at the start, and the factor with which its determinant counts."""
+        ...
+
+    def expand(self, longest: float) -> Expansion:
+        """The pencil about the place reached, for a step of length longest at most; may be asked for again with a shorter one."""
+        ...
+
+    def advance(self) -> None:
+        """Go to the end of the last expansion's step."""
+        ...
+
+    def wall_rows(self) -> tuple[Matrix, Matrix]:
+        """W0, W1 (k, n), asked for at the wall."""
+        ...
+
+    def corrected_base(self) -> Base:
+        """The base flow that should have been taken, going by what this integration found at the wall."""
+        ...
+
+
+class MultiprecisionProblem(Protocol):
+    """A problem that can be set up in any precision."""
+
+    @property
+    def size(self) -> int:
+        """n."""
+        ...
+
+    @property
+    def real(self) -> bool:
+        """Whether D is real for real σ."""
+        ...
+
+    def base(self, arithmetic: Arithmetic, settings: Settings, progress: Progress) -> Base:
+        """The base flow, found with these settings; to be called inside the working precision.
+
+        Raises ConvergenceError where the parameters do not determine it.
+        """
+        ...
+
+    def integration(self, arithmetic: Arithmetic, settings: Settings, base: Base) -> Integration:
+        """A integration with these settings on this base flow; to be called inside the working precision."""
+        ...

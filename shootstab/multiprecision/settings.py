@@ -1,0 +1,52 @@
+"""How accurately to compute: everything that the error bound raises once, in one place."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+SHRINK = 1.5  # a step is about e^−1.5 of the radius of convergence: cheapest per length when a product costs order²
+GUARD = 8  # digits that recurrences and eliminations may eat
+
+
+@dataclass(frozen=True)
+class Settings:
+    """digits: the working precision. tolerance: decimal digits that truncation leaves; order: terms of a Taylor step; far_tolerance
+    and far_terms likewise for the far field, and far_shift, by how many powers of two its start lies farther out than need be.
+    """
+
+    digits: int
+    tolerance: float
+    order: int
+    far_tolerance: float
+    far_terms: int
+    far_shift: float = 0.0
+
+    @staticmethod
+    def of(digits: float) -> Settings:
+        """For so many digits of D."""
+        order = math.ceil(digits * math.log(10) / SHRINK) + 6
+        return Settings(math.ceil(digits) + GUARD, digits, order, digits, 5 * order // 4)
+
+    def more_precise(self) -> Settings:
+        """With a higher working precision and nothing else."""
+        return replace(self, digits=self.digits + 10)
+
+    def finer(self) -> Settings:
+        """With a higher order and shorter steps."""
+        return replace(self, tolerance=self.tolerance + 3, order=self.order + max(4, self.order // 12))
+
+    def farther(self) -> Settings:
+        """With more terms in the far field and a start farther out."""
+        return replace(self, far_tolerance=self.far_tolerance + 3, far_terms=self.far_terms + max(8, self.far_terms // 12), far_shift=1.0)
+
+
+def step_limit(last: list[float], terms: int, scale: float, tolerance: float) -> float:
+    """log2 of the x at which the last of so many terms c_m x^m have shrunk to 10^−tolerance of the scale.
+
+    last are log2 |c_m| of the last TAIL_TERMS terms, scale the log2 of what they are compared with. The very last terms of a series
+    may vanish by parity, therefore several are asked.
+    """
+    aim = scale - tolerance * math.log2(10)
+    orders = range(max(1, terms - len(last)), terms)
+    return min(((aim - log) / m for m, log in zip(orders, last[-len(orders) :], strict=True) if log > -math.inf), default=math.inf)

@@ -1,0 +1,106 @@
+"""D(σ) by Taylor steps: the decaying space carried to the wall, kept well conditioned without losing that D is analytic.
+
+After every step the frame Y (n, k) is multiplied by the inverse of its best k rows, whose determinant is kept as a factor: D =
+det[(W0 + σW1) Y] times all of them is what it would be without, whichever rows are chosen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from shootstab.core.errors import ConvergenceError
+from shootstab.multiprecision import small_matrices as matrices
+from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
+from shootstab.multiprecision.integration import Base, Expansion, Integration, Progress
+from shootstab.multiprecision.linear_step import affine, carried
+from shootstab.multiprecision.settings import Settings, step_limit
+
+MOST_STEPS = 5000
+TRIALS = 40
+GROWTH = 1.0  # log2 of one step over the one before, at most
+SLACK = 4.0  # bits by which the last terms may exceed the tolerance
+
+
+class TaylorShooting:
+    """D(σ) on one integration; the steps are chosen at the first σ and kept, with the pencil's series, for the others."""
+
+    def __init__(self, arithmetic: Arithmetic, n: int, settings: Settings, integration: Integration, progress: Progress) -> None:
+        self.arithmetic, self.settings, self._n, self._progress = arithmetic, settings, n, progress
+        self._integration = integration
+        self._steps: list[Expansion] = []
+
+    @property
+    def steps(self) -> int:
+        """How many there are."""
+        return len(self._steps)
+
+    def corrected_base(self) -> Base:
+        """See protocol.Integration."""
+        return self._integration.corrected_base()
+
+    def __call__(self, sigma: Any) -> Any:
+        """D(σ)."""
+        if not self._steps:
+            self._integration.begin(sigma)
+            return self._march(sigma)
+        Y, det = self._integration.far_frame(sigma)
+        for step in self._steps:
+            self._progress()
+            Y, det = self._normalized(self._carried(step, sigma, Y)[0], det)
+        return self._at_wall(sigma, Y, det)
+
+    def _march(self, sigma: Any) -> Any:
+        Y, det = self._integration.far_frame(sigma)
+        longest = float("inf")
+        while not (self._steps and self._steps[-1].at_wall):
+            step, Y = self._step(sigma, Y, longest)
+            self._steps.append(step)
+            Y, det = self._normalized(Y, det)
+            self._integration.advance()
+            longest = self._next
+            if len(self._steps) > MOST_STEPS:
+                raise ConvergenceError(f"more than {MOST_STEPS} Taylor steps: sigma lies next to the continuous spectrum")
+        self._rows = self._integration.wall_rows()
+        return self._at_wall(sigma, Y, det)
+
+    def _step(self, sigma: Any, Y: Matrix, longest: float) -> tuple[Expansion, Matrix]:
+        """A step as long as the flow's series and the frame's own hold, and the frame after it."""
+        for _ in range(TRIALS):
+            self._progress()
+            step = self._integration.expand(longest)
+            end, last = self._carried(step, sigma, Y)
+            limit = self._limit(Y, last)
+            here = self.arithmetic.log2(step.h)
+            if limit * self.settings.order >= -SLACK:
+                self._next = 2.0 ** (here + min(limit, GROWTH) - 0.02)
+                return step, end
+            longest = 2.0 ** (here + limit - 0.02)
+        raise ConvergenceError("no Taylor step is short enough: sigma lies on the continuous spectrum")
+
+    def _at_wall(self, sigma: Any, Y: Matrix, det: Any) -> Any:
+        rows = matrices.combined(*self._rows, sigma)
+        return self.arithmetic.rounded(det * matrices.determinant(self.arithmetic, matrices.product(self.arithmetic, rows, Y)))
+
+    def _carried(self, step: Expansion, sigma: Any, Y: Matrix) -> tuple[Matrix, list[Matrix]]:
+        """The frame at the end of the step, and the last terms of its series."""
+        C, D = affine(step.C0, step.C1, sigma), affine(step.D0, step.D1, sigma)
+        return carried(self.arithmetic, self._n, C, {at: e * step.h for at, e in D.items()}, Y, self.settings.order)
+
+    def _limit(self, Y: Matrix, last: list[Matrix]) -> float:
+        """log2 of the fraction of the step at which the frame's own series holds."""
+        first, *sizes = (max(self.arithmetic.log2(x) for row in term for x in row) for term in (Y, *last))
+        return step_limit(sizes, self.settings.order, first, self.settings.tolerance)
+
+    def _normalized(self, Y: Matrix, det: Any) -> tuple[Matrix, Any]:
+        arithmetic = self.arithmetic
+        best = [Y[i] for i in matrices.pivots(arithmetic, Y)]
+        transposed = [list(column) for column in zip(*matrices.solve(arithmetic, _transpose(best), _transpose(Y)), strict=True)]
+        return transposed, arithmetic.rounded(det * matrices.determinant(arithmetic, best))
+
+
+def _transpose(A: Matrix) -> Matrix:
+    return [list(column) for column in zip(*A, strict=True)]
+
+
+Discriminant = Callable[[Any], Any]

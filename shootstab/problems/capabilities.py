@@ -1,0 +1,87 @@
+"""What a problem may offer beside the protocol, and the sentence that refuses where it does not.
+
+A capability is an attribute of the problem. One that is absent has the default given here, so that a problem writes down only what it has,
+and no part of the engine asks of which class a problem is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from shootstab.core.errors import InputError
+from shootstab.problems.protocol import GENERIC_SIGMA, Problem
+
+
+@dataclass(frozen=True)
+class Capability:
+    """The attribute `name` of a problem, its value where there is none, and what is said where it is needed and not offered."""
+
+    name: str
+    default: Any
+    refusal: str
+
+    def of(self, problem: object) -> Any:
+        """What the problem offers, or the default."""
+        return getattr(problem, self.name, self.default)
+
+    def required(self, problem: object) -> Any:
+        """What the problem offers. Raises InputError where it offers nothing."""
+        offered = self.of(problem)
+        if offered is None:
+            raise InputError(f"{self.refusal} ({type(problem).__name__} has no `{self.name}`)")
+        return offered
+
+
+class Pseudospectral(Protocol):
+    """A discretization of the same equations that shares nothing with the shooting path but constitutive functions and base flow."""
+
+    def spectrum(self, M: int, filtered: bool = True) -> Any:
+        """The spectral.qz.Spectrum at truncation M: filtered against a second truncation 20 % larger, or one raw QZ."""
+        ...
+
+    @property
+    def ways(self) -> Mapping[str, Callable[[int, complex], tuple[complex, int]]]:
+        """By name, ways to the one eigenvalue next to a guess at truncation M, each with the number of factorizations that it took."""
+        ...
+
+
+class Family(Protocol):
+    """Problems that differ in some parameters, named as in a scene file."""
+
+    @property
+    def sharing(self) -> tuple[str, ...]:
+        """Parameters along which the base flow is the same: lines of a sweep run along one of them where they can."""
+        ...
+
+    def checked(self, values: Mapping[str, float]) -> None:
+        """Raise InputError where a value can belong to no member."""
+        ...
+
+    def absent(self, values: Mapping[str, float]) -> str | None:
+        """Why there is no member at these values; None if there is one."""
+        ...
+
+    def problem(self, values: Mapping[str, float]) -> Problem:
+        """The member at these values. Raises InputError where there is none."""
+        ...
+
+    def as_dict(self) -> dict[str, Any]:
+        """What the members have in common, for JSON."""
+        ...
+
+
+# σ without any property, at which the decaying space exists: structure is sampled there
+GENERIC = Capability("generic_sigma", GENERIC_SIGMA, "this problem names no generic sigma")
+# pairs of the limiting pencil of an end at infinity and the number of solutions that decay there
+ASYMPTOTICS = Capability("asymptotics", (), "this problem has no end at infinity with a limit")
+# pairs (z, σ_c(z)) of continuous spectra inside that no deformed path leads around
+CROSSINGS = Capability("crossings", (), "this problem has no continuous spectrum between interfaces")
+PSEUDOSPECTRAL = Capability("pseudospectral", None, "this problem has no bundled pseudospectral reference: give a file of eigenvalues")
+MULTIPRECISION = Capability("multiprecision", None, "this problem has no formulation of its own for many digits")
+CLOSED_FORM = Capability(
+    "closed_form", None, "more than 12 digits ask for a problem in closed form: exact_ends, exact_pencil, exact_far and exact_wall"
+)
+FAMILY = Capability("family", None, "this problem belongs to no family of problems with parameters: a sweep is over parameters of a family")
+BASE_FLOW = Capability("flow", None, "this problem has no steady flow of grains: allowed is a scene with a [flow]")

@@ -1,0 +1,95 @@
+"""Where an integration begins: at a wall, with a constant space, or at infinity, with the decaying one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.core.errors import ConvergenceError
+from shootstab.problems.kato_frame import KatoFrame
+from shootstab.problems.pencil_function import PencilFunction
+from shootstab.problems.protocol import ComplexArray, FarFrame
+from shootstab.problems.splitting import gap
+from shootstab.problems.truncation import frozen_error, tail_error
+
+WORST = 9e-16  # relative error of a frame beyond which nothing is begun: no start would be better
+
+
+class StartingSpace(Protocol):
+    """The space that an integration begins with."""
+
+    @property
+    def columns(self) -> int:
+        """Its dimension."""
+        ...
+
+    def frame(self, sigma: complex) -> FarFrame:
+        """A basis, analytic in σ."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class ConstantSpace:
+    """The same space for every σ: basis (n, k)."""
+
+    basis: ComplexArray
+
+    @property
+    def columns(self) -> int:
+        return int(self.basis.shape[1])
+
+    def frame(self, sigma: complex) -> FarFrame:
+        return FarFrame(self.basis, np.zeros_like(self.basis), 0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class AtInfinity:
+    """How solutions behave at an end for one σ: rates μ (n,) by rising growth outwards, decaying of them counted, the gap behind these.
+
+    margin is −Re μ of the slowest that is counted, and the growth of the slowest other, whichever is smaller: below 0, σ lies beyond the
+    continuous spectrum.
+    """
+
+    where: str
+    rates: ComplexArray
+    decaying: int
+    gap: float
+    margin: float
+
+
+@dataclass(frozen=True, eq=False)
+class DecayingSpace:
+    """The decaying space at an end at infinity, begun at z: of the limit there (tail: what the coefficients still lack), or frozen."""
+
+    kato_frame: KatoFrame
+    matrices: PencilFunction
+    origin: float
+    z: float
+    tail: tuple[NDArray[np.float64], ...] | None
+    where: str
+
+    @property
+    def columns(self) -> int:
+        return self.kato_frame.k
+
+    def frame(self, sigma: complex) -> FarFrame:
+        """Raises Undecidable on the continuous spectrum, ConvergenceError where the space is not known well enough for this σ."""
+        frame, tangent, log_scale, split = self.kato_frame.frame(sigma)
+        limit = self.kato_frame.limit
+        if self.tail is not None:
+            error = tail_error(limit, self.tail, split, sigma)
+        else:
+            error = frozen_error(self.matrices, limit, self.origin, self.z, split, self.columns, sigma)
+        if error > WORST:
+            where = f"at {self.where}, begun at z = {self.z:g}"
+            raise ConvergenceError(f"{where}, the decaying space is known to {error:.1e} only for sigma = {sigma:.6g}")
+        return FarFrame(frame, tangent, log_scale, error)
+
+    def at(self, sigma: complex) -> AtInfinity:
+        """How solutions behave there."""
+        k, rates = self.columns, self.kato_frame.limit.rates(sigma)
+        margins = [-rates[k - 1].real] * (k > 0) + [rates[k].real] * (k < len(rates)) if len(rates) else []
+        return AtInfinity(self.where, rates, k, gap(rates, k), float(min(margins)))

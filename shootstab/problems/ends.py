@@ -1,0 +1,109 @@
+"""What holds at the ends of a problem, and at points inside it where its coefficients or its solutions jump."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from shootstab.core.errors import InputError
+from shootstab.problems.protocol import GENERIC_SIGMA, ComplexArray
+
+
+@dataclass(frozen=True, eq=False)
+class Wall:
+    """A finite end at z with m conditions (rows + σ moving) ψ = 0; rows and moving are (m, n)."""
+
+    z: float
+    rows: ArrayLike
+    moving: ArrayLike | None = None
+
+    def matrices(self, n: int, where: str) -> tuple[ComplexArray, ComplexArray]:
+        """W0, W1 (m, n). Raises InputError for rows of the wrong shape, not finite or dependent."""
+        if not math.isfinite(self.z):
+            raise InputError(f"the {where} wall is at z = {self.z}: allowed is a finite number, or st.Infinity()")
+        return _rows(self.rows, self.moving, (None, n), f"the rows at the {where} wall, z = {self.z:g},")
+
+
+@dataclass(frozen=True, eq=False)
+class Infinity:
+    """An end at infinity: solutions decay towards it.
+
+    decaying is the number of solutions that do, found from the limiting matrix if it is not given. limit is what the pencil is there, by
+    default what the function gives at ±∞. Where the coefficients have no limit (x² in a potential), or come to it slower than
+    exponentially, start is the |z| at which to begin with the decaying space of the matrix frozen there.
+    """
+
+    decaying: int | None = None
+    start: float | None = None
+    limit: tuple[ArrayLike, ...] | None = None
+
+    def __post_init__(self) -> None:
+        if self.start is not None and self.limit is not None:
+            raise InputError("Infinity has both start and limit: allowed is one of them, as start says that there is no limit to use")
+        if self.start is not None and not 0.0 < self.start < math.inf:
+            raise InputError(f"Infinity has start = {self.start!r}: allowed is a finite number above 0, the |z| to begin at")
+
+
+@dataclass(frozen=True, eq=False)
+class Interface:
+    """Conditions inside, at z: (before + σ before_moving) ψ(z−) + (behind + σ behind_moving) ψ(z+) = 0, all (n, n)."""
+
+    z: float
+    before: ArrayLike
+    behind: ArrayLike
+    before_moving: ArrayLike | None = None
+    behind_moving: ArrayLike | None = None
+
+    @classmethod
+    def jump(cls, z: float, J: ArrayLike, moving: ArrayLike | None = None) -> Interface:
+        """ψ(z+) = (J + σ moving) ψ(z−)."""
+        at: Any = np.asarray(J)
+        return cls(z, at, -np.eye(*at.shape[:1]), moving)
+
+    def matrices(self, n: int) -> tuple[ComplexArray, ComplexArray]:
+        """M0, M1 (n, 2n) over (ψ(z−), ψ(z+)). Raises InputError for matrices of the wrong shape, not finite or of dependent rows."""
+        named = f"the conditions at the interface z = {self.z:g}"
+        parts = []
+        for side, fixed, moving in (("before", self.before, self.before_moving), ("behind", self.behind, self.behind_moving)):
+            parts.append(_rows(fixed, moving, (n, n), f"{named}, {side}", independent=False))
+        M0, M1 = (np.concatenate((a, b), axis=1) for a, b in zip(*parts, strict=True))
+        require_independent(M0, M1, named)
+        return M0, M1
+
+
+def _rows(
+    fixed: ArrayLike, moving: ArrayLike | None, shape: tuple[int | None, int], named: str, independent: bool = True
+) -> tuple[ComplexArray, ComplexArray]:
+    """Both arrays, the second zero if it is not given. Raises InputError."""
+    W0 = as_matrix(fixed, shape, named)
+    W1 = np.zeros_like(W0) if moving is None else as_matrix(moving, (len(W0), shape[1]), f"{named} times sigma")
+    if independent:
+        require_independent(W0, W1, named)
+    return W0, W1
+
+
+def as_matrix(values: ArrayLike, shape: tuple[int | None, int], named: str) -> ComplexArray:
+    """A finite complex matrix of this shape; None stands for any number above 0. Raises InputError."""
+    allowed = f"({'m' if shape[0] is None else shape[0]}, {shape[1]})"
+    try:
+        matrix = np.array(values, dtype=np.complex128)
+    except (ValueError, TypeError) as error:
+        raise InputError(f"{named} are no matrix ({error}): allowed is an array of shape {allowed}") from None
+    if matrix.ndim != 2 or matrix.shape[1] != shape[1] or (shape[0] is not None and len(matrix) != shape[0]) or len(matrix) == 0:
+        raise InputError(f"{named} have shape {matrix.shape}: allowed is {allowed}")
+    if not np.isfinite(matrix).all():
+        raise InputError(f"{named} are not finite: allowed are finite numbers")
+    return matrix
+
+
+def require_independent(W0: ComplexArray, W1: ComplexArray, named: str) -> None:
+    """Raise InputError if the rows of W0 + σ W1 are dependent whatever σ is."""
+    sizes = np.maximum(np.abs(W0).max(axis=1), np.abs(W1).max(axis=1))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        rank = 0 if (sizes == 0.0).any() else int(np.linalg.matrix_rank((W0 + GENERIC_SIGMA * (1 + 1j) * W1) / sizes[:, None]))
+    if rank < len(W0):
+        raise InputError(f"{named} are {len(W0)} conditions of rank {rank}: allowed are independent ones")

@@ -1,0 +1,158 @@
+"""(C0 + σ C1) ψ′ = (D0 + σ D1) ψ between two ends, written down by whoever has it: see `problem`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.core.errors import InputError
+from shootstab.problems.decaying_space import AtInfinity, DecayingSpace
+from shootstab.problems.ends import Infinity, Interface, Wall
+from shootstab.problems.pencil_function import PencilFunction
+from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
+from shootstab.problems.splitting import AsymptoticPencil
+from shootstab.problems.subdomains import blocks, frames
+from shootstab.problems.two_point import TwoPointReduction, reduce_to_two_points
+
+FIRST_MESH = 33
+BESIDE = 1.0371  # chosen: σ next to the reference, where the decaying spaces are known to exist
+GRADING = 3.0  # of the first mesh towards the wall, where the other end is at infinity
+
+
+def problem(
+    size: int,
+    pencil: Callable[[Any], Any],
+    left: Wall | Infinity,
+    right: Wall | Infinity,
+    *,
+    interfaces: Sequence[Interface] = (),
+    continuum: Callable[[Any], Any] | None = None,
+    fold: float = 0.0,
+    reference: complex | None = None,
+    vectorized: bool = False,
+    coarser: Callable[[float], LinearProblem] | None = None,
+) -> LinearProblem:
+    """The eigenvalue problem (C0 + σ C1) ψ′ = (D0 + σ D1) ψ, ψ of this size, between a left and a right end.
+
+    pencil(z) returns D0, D1 (C is the identity) or C0, C1, D0, D1, arrays (size, size); compiled with numba it is fast; vectorized, it
+    takes z (m,) and returns (m, size, size). An end is a `Wall` with rows or an `Infinity`, of whose limiting matrix the decaying space
+    is found; both may be infinite: the two sides then meet at z = fold. continuum(z) is σ_c(z), the σ for which C is singular at z, if
+    there is such a curve. Interfaces couple ψ(z−) and ψ(z+). coarser(factor) is the problem on a base flow computed less accurately by
+    this factor, if the base flow is computed at all.
+
+    reference is a σ at which the solutions that decay are as many as are wanted, in the part of the plane where modes are looked for; found
+    on the axes if it is not given, which does where that part is not cut off from them by continuous spectra.
+
+    Raises InputError, which names what is wrong: shapes, numbers that are not finite, dependent rows, or conditions that are too many or
+    too few for the solutions that decay.
+    """
+    if not isinstance(size, int) or isinstance(size, bool) or not 1 <= size <= 64:
+        raise InputError(f"size = {size!r}: allowed is an integer from 1 to 64")
+    if not callable(pencil):
+        raise InputError(f"pencil = {pencil!r}: allowed is a function of z")
+    for name, end in (("left", left), ("right", right)):
+        if not isinstance(end, Wall | Infinity):
+            raise InputError(f"{name} = {end!r}: allowed is st.Wall(z, rows) or st.Infinity()")
+    if reference is not None and not (np.isfinite(reference) and reference != 0):
+        raise InputError(f"reference = {reference!r}: allowed is a finite number other than 0, where as many solutions decay as are wanted")
+    matrices = PencilFunction(size, pencil, vectorized)
+    reduction = reduce_to_two_points(matrices, left, right, tuple(interfaces), fold, reference)
+    return LinearProblem(matrices, reduction, continuum, coarser)
+
+
+@dataclass(frozen=True, eq=False)
+class LinearProblem:
+    """A user's problem behind the problem protocol; made by `problem`."""
+
+    matrices: PencilFunction
+    reduction: TwoPointReduction
+    curve: Callable[[Any], Any] | None = None
+    coarser: Callable[[float], LinearProblem] | None = None
+
+    @property
+    def size(self) -> int:
+        return self.reduction.size
+
+    @property
+    def decaying(self) -> int:
+        return len(self.reduction.rows[0])
+
+    def pencil(self, z: ComplexArray) -> Pencil:
+        """At points z of the line on which the problem is laid out: the user's own if it has one subdomain."""
+        return blocks([subdomain.pencil(self.matrices, z) for subdomain in self.reduction.subdomains])
+
+    def start(self, sigma: complex, tolerance: float) -> float:
+        """The same for all σ: the coefficients are at their limit to rounding."""
+        return self.reduction.start
+
+    def far_frame(self, z: float, sigma: complex) -> FarFrame:
+        """The spaces with which the subdomains begin, normalized as in kato_frame.py."""
+        return frames([subdomain.frame(sigma) for subdomain in self.reduction.subdomains])
+
+    def mesh(self, start: float) -> NDArray[np.float64]:
+        end, x = self.reduction.end, np.linspace(1.0, 0.0, FIRST_MESH)
+        graded = np.sinh(GRADING * x) / math.sinh(GRADING) if self.at_infinity else x
+        return np.asarray(end + (start - end) * graded)
+
+    def wall_rows(self) -> tuple[ComplexArray, ComplexArray]:
+        return self.reduction.rows
+
+    def with_base_flow_error(self, factor: float) -> LinearProblem:
+        """On a base flow computed less accurately by this factor; itself if the base flow is in closed form."""
+        if self.coarser is None:
+            return self
+        if factor not in self._crude:
+            self._crude[factor] = self.coarser(factor)
+        return self._crude[factor]
+
+    def heights(self, points: int) -> NDArray[np.float64] | None:
+        """Rising; None where the problem has no continuum or more than one subdomain, whose curves are crossings."""
+        if self.curve is None or len(self.reduction.subdomains) > 1:
+            return None
+        low, high = sorted((self.reduction.start, self.reduction.end))
+        return np.linspace(low, high, points)
+
+    def continuum_at(self, z: ComplexArray) -> ComplexArray:
+        if self.curve is None:
+            return np.empty(0, dtype=np.complex128)
+        given = self.curve(z) if self.matrices.vectorized else [self.curve(p) for p in z.tolist()]
+        sigma = np.asarray(given, dtype=np.complex128)
+        if sigma.shape != z.shape or not np.isfinite(sigma).all():
+            raise InputError("continuum(z) is not a finite number for every z: allowed is a function that gives σ_c at z")
+        return sigma
+
+    @property
+    def asymptotics(self) -> tuple[tuple[AsymptoticPencil, int], ...]:
+        """The limiting pencil of every end at infinity that has one, and how many solutions decay there."""
+        return tuple((end.kato_frame.limit, end.columns) for end in self.at_infinity if end.tail is not None)
+
+    @property
+    def crossings(self) -> tuple[tuple[NDArray[np.float64], ComplexArray], ...]:
+        """(z, σ_c(z)), each (m,), of every subdomain, where there are several: no path in z leads around those."""
+        if self.curve is None or self.heights(2) is not None:
+            return ()
+        return tuple((z.real, self.continuum_at(z)) for z in self.reduction.lines)
+
+    @property
+    def at_infinity(self) -> tuple[DecayingSpace, ...]:
+        """The ends at infinity."""
+        return tuple(subdomain.far for subdomain in self.reduction.subdomains if isinstance(subdomain.far, DecayingSpace))
+
+    @property
+    def generic_sigma(self) -> complex:
+        """A σ without any property at which the decaying spaces exist: next to the one that they are normalized at."""
+        return BESIDE * (self.at_infinity[0].kato_frame.reference if self.at_infinity else 1.0)
+
+    def ends(self, sigma: complex) -> tuple[AtInfinity, ...]:
+        """How solutions behave at the ends at infinity: rates, how many decay, and the gap by which they are told apart."""
+        return tuple(end.at(complex(sigma)) for end in self.at_infinity)
+
+    @cached_property
+    def _crude(self) -> dict[float, LinearProblem]:
+        return {}

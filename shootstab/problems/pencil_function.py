@@ -1,0 +1,106 @@
+"""The pencil of a user's problem: a function of z, called point by point, for many points at once, or compiled with numba."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shootstab.core.errors import InputError
+from shootstab.problems.protocol import ComplexArray, Pencil
+
+NAMES = {2: ("D0", "D1"), 4: ("C0", "C1", "D0", "D1")}
+
+
+@dataclass(frozen=True, eq=False)
+class PencilFunction:
+    """A function of z that returns D0, D1, where C is the identity, or C0, C1, D0, D1, each (n, n).
+
+    Vectorized, it takes points (m,) and returns arrays (m, n, n) or, what does not depend on z, (n, n). It is given real z unless the
+    path of integration leaves the real axis, as it does next to a continuous spectrum: then z is complex.
+    """
+
+    size: int
+    function: Callable[[Any], Any]
+    vectorized: bool = False
+
+    def __call__(self, z: ComplexArray) -> Pencil:
+        """The matrices at the points z (m,). Raises InputError for what is no pencil, with the point at which it is none."""
+        points = z.real.copy() if not z.imag.any() else z
+        if self.vectorized:
+            return self._pencil([np.broadcast_to(np.asarray(part), (len(z), *np.shape(part)[-2:])) for part in self._parts(points)], z)
+        if len(points) > 1 and hasattr(self.function, "py_func"):
+            self.at(points[0])  # what is wrong with it is told in words before anything is compiled
+            return self._filled(points)
+        gathered = [self._parts(p) for p in points.tolist()]
+        try:
+            stacked = [np.array([parts[i] for parts in gathered], dtype=np.complex128) for i in range(len(gathered[0]))]
+        except (ValueError, TypeError, IndexError) as error:
+            raise InputError(f"the pencil is not of one shape at all z ({error}): allowed is ({self.size}, {self.size})") from None
+        return self._pencil(stacked, z)
+
+    def at(self, z: complex) -> tuple[ComplexArray, ComplexArray, ComplexArray, ComplexArray]:
+        """C0, C1, D0, D1 at one point, each (n, n); z may be ±∞."""
+        pencil = self(np.array([z], dtype=np.complex128))
+        return pencil.C0[0], pencil.C1[0], pencil.D0[0], pencil.D1[0]
+
+    def _parts(self, z: Any) -> tuple[Any, ...]:
+        with np.errstate(all="ignore"):  # what is not finite is found below, and named
+            try:
+                parts = self.function(z)
+            except (ArithmeticError, ValueError) as error:
+                where = f"z = {z:g}" if isinstance(z, float) else "some z"
+                raise InputError(f"the pencil cannot be computed at {where}: {type(error).__name__}: {error}") from error
+        if not isinstance(parts, tuple | list) or len(parts) not in NAMES:
+            count = len(parts) if isinstance(parts, tuple | list) else type(parts).__name__
+            raise InputError(f"the pencil gives {count}: allowed are two matrices, D0 and D1, or four, C0, C1, D0 and D1")
+        return tuple(parts)
+
+    def _pencil(self, stacked: list[Any], z: ComplexArray) -> Pencil:
+        n = self.size
+        for name, M in zip(NAMES[len(stacked)], stacked, strict=True):
+            if M.shape[1:] != (n, n):
+                raise InputError(f"the pencil's {name} has shape {M.shape[1:]}: allowed is ({n}, {n})")
+            if not (np.isfinite(M.sum()) or np.isfinite(M).all()):  # a sum is quicker, and finite only if all are
+                where = complex(z[~np.isfinite(M).all(axis=(1, 2))][0])
+                raise InputError(f"the pencil's {name} is not finite at z = {where.real if where.imag == 0.0 else where:g}")
+        if len(stacked) == 2:
+            identity = np.broadcast_to(np.eye(n, dtype=np.complex128), (len(z), n, n))
+            stacked = [identity, np.broadcast_to(np.zeros((n, n), dtype=np.complex128), (len(z), n, n)), *stacked]
+        return Pencil(*(np.asarray(M, dtype=np.complex128) for M in stacked))
+
+    def _filled(self, points: Any) -> Pencil:
+        """All points in one compiled loop."""
+        n, count = self.size, len(self._parts(points[0]))
+        out = np.empty((count, len(points), n, n), dtype=np.complex128)
+        _loop(count)(self.function, points, out)
+        return self._pencil(list(out), points.astype(np.complex128))
+
+
+_LOOPS: dict[int, Any] = {}
+
+
+def _loop(count: int) -> Any:
+    """The compiled loop over points for a pencil of two or of four matrices."""
+    if count not in _LOOPS:
+        from numba import njit
+
+        if count == 2:
+
+            @njit
+            def loop(pencil, points, out):  # type: ignore[no-untyped-def]
+                for i in range(len(points)):
+                    D0, D1 = pencil(points[i])
+                    out[0, i], out[1, i] = D0, D1
+        else:
+
+            @njit
+            def loop(pencil, points, out):  # type: ignore[no-untyped-def]
+                for i in range(len(points)):
+                    C0, C1, D0, D1 = pencil(points[i])
+                    out[0, i], out[1, i], out[2, i], out[3, i] = C0, C1, D0, D1
+
+        _LOOPS[count] = loop
+    return _LOOPS[count]

@@ -1,1 +1,0 @@
-"""Floor 5: what users ask: refine, count, verify."""

@@ -1,7 +1,0 @@
-"""The dominant mode over wavenumbers and flows: followed from point to point, counted often enough, in parallel, resumable."""
-
-from __future__ import annotations
-
-from shootstab.questions.sweep.run import Swept, sweep
-
-__all__ = ["Swept", "sweep"]
