@@ -1,4 +1,4 @@
-"""questions/stability.py: one growing mode refutes, counts support, and what could not be counted is said."""
+"""models/chute/stability.py: one growing mode refutes, counts support, and what could not be counted is said."""
 
 from __future__ import annotations
 

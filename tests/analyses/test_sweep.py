@@ -1,4 +1,4 @@
-"""questions/sweep: a mode is followed as what it is, dominance is counted, and a sweep that was interrupted repeats nothing."""
+"""analyses/sweep: a mode is followed as what it is, dominance is counted, and a sweep that was interrupted repeats nothing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""faces/sweeping.py and faces/maps.py: what `shootstab sweep` takes, says and writes."""
+"""cli/sweep_command.py and cli/maps.py: what `shootstab sweep` takes, says and writes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""faces/matlab.py, hdf5.py, legolas.py: spectra of other programs, and hostile files; faces/conventions.py: what numbers mean."""
+"""io/matlab.py, hdf5.py, legolas.py: spectra of other programs, and hostile files; io/conventions.py: what numbers mean."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""faces/scenes.py: names, TOML files and module:object, and every way to get them wrong."""
+"""io/scenes.py: names, TOML files and module:object, and every way to get them wrong."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""faces/readers.py, faces/arrays.py and faces/notation.py: what is written is what is read, and nothing else is."""
+"""io/readers.py, io/arrays.py and io/notation.py: what is written is what is read, and nothing else is."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""problems/linear: any pencil between any ends; the decaying space is analytic; mistakes are named."""
+"""problems/linear_problem.py: any pencil between any ends; the decaying space is analytic; mistakes are named."""
 
 from __future__ import annotations
 

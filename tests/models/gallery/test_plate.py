@@ -1,4 +1,4 @@
-"""problems/gallery/plate*.py: the similarity solution, Mack's 8×8 system against a symbolic derivation, and Malik's cases."""
+"""models/gallery/plate*.py: the similarity solution, Mack's 8×8 system against a symbolic derivation, and Malik's cases."""
 
 from __future__ import annotations
 

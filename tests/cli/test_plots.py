@@ -1,4 +1,4 @@
-"""faces/plots.py: a picture is made, whole, and shows what the report says where it can be seen."""
+"""cli/plots.py: a picture is made, whole, and shows what the report says where it can be seen."""
 
 from __future__ import annotations
 

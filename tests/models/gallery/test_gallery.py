@@ -1,4 +1,4 @@
-"""problems/gallery: every solved problem against its published digits, and the README's problem of one's own."""
+"""models/gallery: every solved problem against its published digits, and the README's problem of one's own."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from shootstab.models.gallery.benard import free_growth_rate
 from shootstab.models.gallery.blasius import flow
 from shootstab.models.gallery.published import PUBLISHED, Published
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[3]
 
 
 @pytest.mark.parametrize("case", [c for c in PUBLISHED if not c.slow], ids=lambda c: c.name)

@@ -1,4 +1,4 @@
-"""questions/trade.py and faces/trading.py: ladders are climbed as far as they pay, and errors are true ones."""
+"""analyses/work_precision.py and cli/trade_command.py: ladders are climbed as far as they pay, and errors are true ones."""
 
 from __future__ import annotations
 
