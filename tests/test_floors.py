@@ -22,6 +22,7 @@ FLOORS = {
     "io": 7,
     "cli": 8,
     "testing": 9,
+    "__main__": 9,
 }
 LONGEST = 300
 CHUTE, GALLERY = "shootstab.models.chute", "shootstab.models.gallery"

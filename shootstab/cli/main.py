@@ -14,6 +14,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
+from shootstab import __version__
 from shootstab.cli import commands
 from shootstab.cli import sweep_command as sweeping
 from shootstab.cli import trade_command as trading
@@ -67,9 +68,7 @@ class _Version(argparse.Action):
         super().__init__(option_strings, dest, nargs=0, help=help)
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
-        from importlib.metadata import version
-
-        print("shootstab", version("shootstab"))
+        print("shootstab", __version__)
         parser.exit()
 
 
