@@ -1,36 +1,56 @@
-"""Newton and Muller iterations on D(σ). They find; they prove nothing: a proof is a count (see winding.py)."""
+"""Newton's and Muller's iterations on D(σ). They find; they prove nothing: a proof is a count (see winding.py)."""
 
 from __future__ import annotations
 
 import cmath
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from shootstab.core.discriminant import Discriminant, Value
 from shootstab.core.scaled import Scaled
 
-SHRINKS = 0.1  # from step to step, near enough to a simple zero for its curvature to be used
-FORESIGHT = 0.1  # of the tolerance, what the step foreseen may be
-NOISE = 1e-6  # relative steps below this that stop shrinking have reached the noise of D
+SHRINKS = 0.1  # chosen: steps that shrink by so much are near enough to a simple zero for the curvature of σ(D) to be used
+FORESIGHT = 0.1  # chosen: of the tolerance, what the step foreseen may be
+NOISE = 1e-6  # chosen, far above the 1e-13 of D and D′: see `_run`
+ALIKE = 0.1  # chosen: two estimates of a multiplicity that differ by less are the same
+MOST_FOLD = 8  # chosen: the largest multiplicity that an iteration suspects; 1/(1 − q) of the next ones differ too little
 
 
 @dataclass(frozen=True)
 class Root:
-    """Where an iteration stopped: sigma, the length of its last step (or of the next one, foreseen), and whether that met the tolerance."""
+    """Where an iteration stopped.
+
+    step is the length of the last step, or of the next one, foreseen; converged says whether that met the tolerance or the noise of D was
+    reached. multiplicity above 1 is what the steps looked like: it is to be counted.
+    """
 
     sigma: complex
     step: float
     iterations: int
     converged: bool
+    multiplicity: int = 1
+
+
+class Step(NamedTuple):
+    """An iterate and the step that led to it; the length foreseen of the next one; how much the slope of D changed, relatively, over the
+    last one; how often a zero as multiple as the steps look counts."""
+
+    sigma: complex
+    step: complex
+    ahead: float
+    change: float
+    multiplicity: int = 1
 
 
 def newton(discriminant: Discriminant, guess: complex, tolerance: float, most: int = 40) -> Root:
     """Newton's iteration with the exact derivative, each step improved by what the last two D and D′ tell of the curvature of σ(D).
 
-    It ends where the next step would be below tolerance·|σ|. Far from a zero the steps are −D/D′; where they shrink, the zero is taken
-    of Hermite's cubic through both points: order 1 + √3 for a simple zero, at no evaluation more.
+    It ends where the next step would be below tolerance·|σ|, or in the noise of D. Far from a zero the steps are −D/D′; where they
+    shrink, the zero is taken of Hermite's cubic through both points: order 1 + √3 for a simple zero, at no evaluation more. Next to an
+    m-fold zero they shrink by 1 − 1/m from one to the next; where they have done so twice, −m D/D′ is quadratic again.
     """
-    return _run(_newton_steps(discriminant, complex(guess)), tolerance, most)
+    return _run(newton_steps(discriminant, complex(guess)), tolerance, most)
 
 
 def muller(discriminant: Discriminant, guess: complex, tolerance: float, most: int = 60) -> Root:
@@ -38,39 +58,58 @@ def muller(discriminant: Discriminant, guess: complex, tolerance: float, most: i
     return _run(_muller_steps(discriminant, complex(guess)), tolerance, most)
 
 
-def _run(steps: Iterator[tuple[complex, complex, float]], tolerance: float, most: int) -> Root:
-    """Follow (iterate, step, length foreseen of the next step) until one is short enough, no longer a number, or there were too many.
+def _run(steps: Iterator[Step], tolerance: float, most: int) -> Root:
+    """Follow the steps until one is short enough, no longer a number, or there were too many.
 
-    Steps that are short and no longer shrink are the noise of D: the iteration has arrived, and the step says how exactly.
+    Steps that no longer shrink are the noise of D, and the iteration has arrived as exactly as the step says, where they are short against
+    the way that was gone, or where D has one slope over a step: then the step to the zero would be the last one. Both hold at σ = 0 too.
+    Next to a multiple zero noise throws an iterate anywhere: there the one before is kept.
     """
-    best = float("inf")
+    best, farthest, before, fold = float("inf"), 0.0, complex("nan"), 1
     for count in range(1, most + 1):
-        sigma, step, ahead = next(steps)
+        sigma, step, ahead, change, multiplicity = next(steps)
         length = abs(step)
+        if multiplicity == fold > 1 and not length < 0.5 * best:
+            return Root(before, best, count, True, multiplicity)
         if not cmath.isfinite(sigma):
             return Root(sigma, float("inf"), count, False)
-        if length <= tolerance * abs(sigma) or (best <= NOISE * abs(sigma) and length >= 0.5 * best):
-            return Root(sigma, length, count, True)
+        short = best <= NOISE * max(abs(sigma), farthest) or change <= NOISE
+        if length <= tolerance * abs(sigma) or (short and length >= 0.5 * best):
+            return Root(sigma, length, count, True, multiplicity)
         if ahead <= FORESIGHT * tolerance * abs(sigma):
-            return Root(sigma, ahead, count, True)
-        best = min(best, length)
+            return Root(sigma, ahead, count, True, multiplicity)
+        best, farthest, before, fold = min(best, length), max(farthest, length), sigma, multiplicity
     return Root(sigma, length, most, False)
 
 
-def _newton_steps(discriminant: Discriminant, sigma: complex) -> Iterator[tuple[complex, complex, float]]:
+def newton_steps(discriminant: Discriminant, sigma: complex) -> Iterator[Step]:
+    """The steps of `newton`, without end."""
     before: Value | None = None
-    step_before = 0j
+    step_before, estimate, multiplicity = 0j, complex("nan"), 1
     while True:
         value = discriminant.with_derivative(sigma)
-        step, ahead = value.newton_step, float("inf")
-        if before is not None and abs(step) < SHRINKS * abs(step_before):
-            bend = _curvature(before, value)
-            # with e the errors of both points, bend is of size e₁² and what it leaves of size e₀² e₁², times e₁/e₀² to make it one of those
-            if abs(bend) < SHRINKS * abs(step):
-                step, ahead = step + bend, abs(bend) * abs(step / step_before) ** 2
+        step, ahead, change = multiplicity * value.newton_step, float("inf"), float("inf")
+        if before is not None:
+            change = slope_change(before, value)
+        if before is not None and multiplicity == 1 and abs(step) < abs(step_before):
+            if abs(step) < SHRINKS * abs(step_before):
+                bend = _curvature(before, value)
+                # with e the errors of both points, bend is of size e₁² and what it leaves of size e₀² e₁², times e₁/e₀² to make it one
+                if abs(bend) < SHRINKS * abs(step):
+                    step, ahead = step + bend, abs(bend) * abs(step / step_before) ** 2
+            estimate_before, estimate = estimate, step_before / (step_before - step)
+            fold = round(min(estimate.real, MOST_FOLD + 1.0)) if cmath.isfinite(estimate) else 0
+            if 2 <= fold <= MOST_FOLD and abs(estimate - fold) < ALIKE and abs(estimate_before - fold) < ALIKE:
+                multiplicity, step = fold, fold * step
         before, step_before = value, step
         sigma += step
-        yield sigma, step, ahead
+        yield Step(sigma, step, ahead, change, multiplicity)
+
+
+def slope_change(a: Value, b: Value) -> float:
+    """|D′(b)/D′(a) − 1|: twice the curvature |D″/(2D′)| times the distance, for near points; infinite where D′(a) vanishes."""
+    slope = Scaled(a.dD, a.D.log_scale).at_scale(b.D.log_scale)
+    return abs(b.dD / slope - 1.0) if slope != 0.0 else float("inf")
 
 
 def _curvature(a: Value, b: Value) -> complex:
@@ -84,7 +123,7 @@ def _curvature(a: Value, b: Value) -> complex:
     return B * B * (second - third * A)
 
 
-def _muller_steps(discriminant: Discriminant, guess: complex) -> Iterator[tuple[complex, complex, float]]:
+def _muller_steps(discriminant: Discriminant, guess: complex) -> Iterator[Step]:
     spread = 1e-3 * (abs(guess) or 1.0)
     points = [guess - spread, guess + spread * 1j, guess]
     values: list[Scaled] = [discriminant(p) for p in points]
@@ -99,8 +138,9 @@ def _muller_steps(discriminant: Discriminant, guess: complex) -> Iterator[tuple[
         denominator = slope + root if abs(slope + root) > abs(slope - root) else slope - root
         step = -2 * fc / denominator if denominator != 0.0 else (0j if fc == 0.0 else complex("inf"))
         new = c + step
-        yield new, step, float("inf")
+        change = abs(curvature * step / slope) if slope != 0.0 else float("inf")
+        yield Step(new, step, float("inf"), change)
         if step == 0.0 or not cmath.isfinite(new):
             while True:
-                yield new, step, float("inf")
+                yield Step(new, step, float("inf"), change)
         points, values = [b, c, new], [values[1], values[2], discriminant(new)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 
 import pytest
@@ -13,8 +14,9 @@ from shootstab.core.discriminant import Value
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.regions import Disc, Polygon, Rectangle, Region, halves, size
 from shootstab.core.scaled import Scaled
-from shootstab.roots.iterations import _newton_steps, muller, newton
+from shootstab.roots.iterations import muller, newton, newton_steps
 from shootstab.roots.search import Search, Zero, find
+from shootstab.roots.separation import separation
 from shootstab.roots.winding import power_sums, wind
 
 
@@ -58,12 +60,45 @@ def test_newton_converges_quadratically() -> None:
 def test_newton_learns_the_curvature_from_two_points() -> None:
     """With e the error, e₂ is of size e₀² e₁² and no longer e₁²; it is foreseen, and evaluations are saved."""
     zeros, guess = [0.3 + 0.4j, -1.0, 2j], 0.305 + 0.402j
-    steps = itertools.islice(_newton_steps(Known(zeros, exponent=3 - 1j), guess), 2)
-    e = [abs(guess - zeros[0]), *(abs(sigma - zeros[0]) for sigma, _, _ in steps)]
+    steps = itertools.islice(newton_steps(Known(zeros, exponent=3 - 1j), guess), 2)
+    e = [abs(guess - zeros[0]), *(abs(step.sigma - zeros[0]) for step in steps)]
     assert e[2] < 300 * (e[0] * e[1]) ** 2 < 1e-2 * e[1] ** 2
-    foreseen = list(itertools.islice(_newton_steps(Known(zeros, exponent=3 - 1j), guess), 2))[1][2]
+    foreseen = list(itertools.islice(newton_steps(Known(zeros, exponent=3 - 1j), guess), 2))[1].ahead
     assert 0.1 * e[2] < foreseen < 10 * e[2]
     assert newton(Known(zeros, exponent=3 - 1j), guess, 1e-9).iterations == 2
+
+
+@pytest.mark.parametrize("m", [2, 3, 4, 5])
+@pytest.mark.parametrize("zero", [0.0, 0.2 + 0.1j])
+def test_newton_notices_a_multiple_zero(zero: complex, m: int) -> None:
+    """Steps that shrink by 1 − 1/m lead there in 1/log(m/(m−1)) evaluations a digit: m times as long they are quadratic."""
+    root = newton(Known([zero] * m + [3.0], exponent=0.3j), zero + 0.3, 1e-13)
+    assert root.converged
+    assert root.multiplicity == m
+    assert root.iterations < 15
+    assert abs(root.sigma - zero) < 1e-5
+
+
+@pytest.mark.parametrize("iteration", [newton, muller])
+@pytest.mark.parametrize("guess", [0.3, 1e-13, -1e-20j])
+def test_iterations_end_at_zero_though_no_step_is_short_against_it(iteration, guess: complex) -> None:
+    root = iteration(Known([0.0, 2.0, -3j], exponent=1.0), guess, 1e-12)
+    assert root.converged
+    assert abs(root.sigma) < 1e-15
+
+
+@given(st.floats(-12, 3), st.complex_numbers(min_magnitude=0.1, max_magnitude=10.0))
+def test_separation_is_the_distance_of_the_other_zero(exponent: float, other: complex) -> None:
+    """D = (σ − z) (σ − w) has |2D′/D″| = |z − w|, wherever z is; 0 included."""
+    gap = other * 10.0**exponent
+    for zero in (0.0, gap, 300 * gap):
+        D = Known([zero, zero - gap])
+        assert separation(D, D.with_derivative(zero)) == pytest.approx(abs(gap), rel=0.15)
+
+
+def test_where_nothing_bends_the_separation_is_infinite() -> None:
+    D = Known([1.0])
+    assert separation(D, D.with_derivative(1.0)) == math.inf
 
 
 def test_an_exact_hit_is_a_root() -> None:
