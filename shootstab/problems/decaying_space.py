@@ -91,5 +91,5 @@ class DecayingSpace:
     def at(self, sigma: complex) -> AtInfinity:
         """How solutions behave there."""
         k, rates = self.columns, self.kato_frame.limit.rates(sigma)
-        margins = [-rates[k - 1].real] * (k > 0) + [rates[k].real] * (k < len(rates)) if len(rates) else []
+        margins = [*(-rates[k - 1 : k].real if k > 0 else ()), *rates[k : k + 1].real]
         return AtInfinity(self.where, rates, k, gap(rates, k), float(min(margins)))

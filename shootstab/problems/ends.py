@@ -12,6 +12,9 @@ from numpy.typing import ArrayLike
 from shootstab.core.errors import InputError
 from shootstab.problems.protocol import GENERIC_SIGMA, ComplexArray
 
+WALLS = {-1: "left", 1: "right"}  # by side, for sentences
+INFINITIES = {-1: "-infinity", 1: "+infinity"}
+
 
 @dataclass(frozen=True, eq=False)
 class Wall:

@@ -25,7 +25,6 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from shootstab.core.errors import Undecidable
 from shootstab.problems.protocol import ComplexArray
@@ -199,9 +198,3 @@ class KatoFrame:
         except np.linalg.LinAlgError:
             raise Undecidable("the spaces on the circle do not project onto that of its centre") from None
         return np.asarray(np.trace(inner, axis1=1, axis2=2))
-
-
-def reference_points() -> NDArray[np.complex128]:
-    """Candidates for σ0, from small to large in every direction of the axes, growth first."""
-    sizes = 10.0 ** np.arange(-4, 5)
-    return np.array([s * d for d in (1, -1, 1j, -1j) for s in sizes], dtype=np.complex128)

@@ -1,32 +1,36 @@
-"""From ends and interfaces to subdomains, and the counts that must agree: as many solutions as conditions."""
+"""From ends and interfaces to subdomains on one line, with the rows that hold where all of them arrive.
+
+Without an interface there is one subdomain and t is z itself. With interfaces, or on the whole line with its fold, t = 0 is where a
+subdomain meets the next, and all begin at the same t: see subdomains.py.
+"""
 
 from __future__ import annotations
 
 import itertools
-import math
 from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
 
-from shootstab.core.errors import InputError, ShootstabError
-from shootstab.problems.decaying_space import ConstantSpace, DecayingSpace
-from shootstab.problems.ends import Infinity, Interface, Wall
-from shootstab.problems.kato_frame import KatoFrame, reference_points
+from shootstab.core.errors import InputError
+from shootstab.problems.beginnings import InfiniteBeginning, WallBeginning, distance_from
+from shootstab.problems.consistent_splitting import ConsistentSplitting, EndConditions, consistent_splitting
+from shootstab.problems.decaying_space import ConstantSpace
+from shootstab.problems.ends import INFINITIES, WALLS, Infinity, Interface, Wall
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray
-from shootstab.problems.splitting import AsymptoticPencil, decaying_count, gap
+from shootstab.problems.splitting import AsymptoticPencil
 from shootstab.problems.subdomains import Subdomain
-from shootstab.problems.truncation import limit_at, tails, truncation_distance
+from shootstab.problems.truncation import limit_at
 
-SAMPLES = 2001  # of a line on which a continuum is sampled
-SIDES = {-1: "left", 1: "right"}
-NAMES = {-1: "-infinity", 1: "+infinity"}
+LINE = 2001  # chosen: points of a subdomain at which a continuous spectrum that no path leads around is sampled
+
+Beginnings = dict[int, WallBeginning | InfiniteBeginning]  # by side: −1 left, +1 right
 
 
 @dataclass(frozen=True, eq=False)
 class TwoPointReduction:
-    """The subdomains, all from t = start to t = end, and the rows (W0, W1) that hold at t = end."""
+    """The subdomains, all from t = start to t = end, and the rows (W0, W1), each (k, size), that hold at t = end."""
 
     subdomains: tuple[Subdomain, ...]
     start: float
@@ -40,194 +44,119 @@ class TwoPointReduction:
 
     @property
     def lines(self) -> tuple[ComplexArray, ...]:
-        """Points of each subdomain, real z."""
-        t = np.linspace(self.start, self.end, SAMPLES)
+        """Real points z (m,) of each subdomain."""
+        t = np.linspace(self.start, self.end, LINE)
         return tuple((subdomain.offset + subdomain.scale * t).astype(np.complex128) for subdomain in self.subdomains)
 
 
 def reduce_to_two_points(
-    matrices: PencilFunction,
+    pencil: PencilFunction,
     left: Wall | Infinity,
     right: Wall | Infinity,
     interfaces: tuple[Interface, ...],
     fold: float,
     near: complex | None,
 ) -> TwoPointReduction:
-    """Raises InputError for a problem that does not fit together."""
-    n = matrices.size
-    joints = _joints(left, right, interfaces)
-    ends = {-1: left, 1: right}
-    rows = {side: end.matrices(n, SIDES[side]) for side, end in ends.items() if isinstance(end, Wall)}
-    limits = _limits(matrices, ends)
-    counts, reference = _counts(n, ends, rows, limits, near)
-    if not joints and isinstance(left, Infinity) and isinstance(right, Infinity):
+    """The reduction; near is a σ at which the solutions that decay are as many as are wanted, None if that is to be found.
+
+    Raises InputError for a problem that does not fit together.
+    """
+    n = pencil.size
+    joints = _ordered(left, right, interfaces)
+    walls = {side: WallBeginning.of(end, side, n) for side, end in ((-1, left), (1, right)) if isinstance(end, Wall)}
+    infinities = {side: end for side, end in ((-1, left), (1, right)) if isinstance(end, Infinity)}
+    limits = {side: _limit(pencil, end, side) for side, end in infinities.items()}
+    splitting = _splitting(n, walls, infinities, limits, near)
+    if len(infinities) == 2 and not joints:
         joints = (Interface(fold, np.eye(n), -np.eye(n)),)
-    origin = {-1: joints[0].z if joints else _place(right), 1: joints[-1].z if joints else _place(left)}
-    truncation = {
-        side: _truncation(matrices, end, limits[side], side, origin[side]) for side, end in ends.items() if isinstance(end, Infinity)
-    }
-    T = max(truncation.values(), default=1.0)
-
-    def far(side: int) -> DecayingSpace | ConstantSpace:
-        """The space at an end, or all of Cⁿ at a wall whose rows hold σ."""
-        end = ends[side]
-        if isinstance(end, Wall):
-            free = np.eye(n, dtype=np.complex128) if rows[side][1].any() else _null_space(rows[side][0])
-            return ConstantSpace(np.asarray(free, dtype=np.complex128))
-        distance = T if joints else truncation[side]
-        limit = limits[side]
-        tail = None if end.start is not None else tails(matrices, limit, origin[side], distance)
-        z = origin[side] + side * distance
-        if end.start is not None:
-            limit = AsymptoticPencil(*matrices.at(z), side)
-        return DecayingSpace(KatoFrame(limit, counts[side], reference, distance), matrices, origin[side], z, tail, NAMES[side])
-
-    if not joints:
-        return _one_subdomain(ends, rows, truncation, far)
-    return _many_subdomains(n, ends, rows, joints, T, far)
+    beginnings: Beginnings = dict(walls)
+    for side, end in infinities.items():
+        origin = (joints[0].z if side < 0 else joints[-1].z) if joints else walls[-side].z
+        truncation = distance_from(origin, pencil, end, limits[side], side)
+        beginnings[side] = InfiniteBeginning(pencil, end, limits[side], splitting.counts[side], splitting.reference, origin, truncation)
+    return _many_subdomains(n, beginnings, joints) if joints else _one_subdomain(beginnings)
 
 
-def _one_subdomain(ends, rows, truncation, far) -> TwoPointReduction:  # type: ignore[no-untyped-def]
-    """t is z itself: from infinity to the wall, or from the wall whose rows do not hold σ to the other."""
-    side = next((s for s in (-1, 1) if isinstance(ends[s], Infinity)), None)
-    if side is None:
-        side = next((s for s in (-1, 1) if not rows[s][1].any()), None)
-    if side is not None:
-        end = _place(ends[-side])
-        start = end + side * truncation[side] if side in truncation else _place(ends[side])
-        return TwoPointReduction((Subdomain(0.0, 1.0, far(side)),), start, end, rows[-side])
-    W0, W1 = (scipy.linalg.block_diag(a, b) for a, b in zip(rows[-1], rows[1], strict=True))
-    return TwoPointReduction((Subdomain(0.0, 1.0, far(-1), augmented=True),), _place(ends[-1]), _place(ends[1]), (W0, W1))
-
-
-def _many_subdomains(n, ends, rows, joints, T, far) -> TwoPointReduction:  # type: ignore[no-untyped-def]
-    """One subdomain to the left of the first joint, one to the right of the last, and augmented ones between them."""
-    subdomains: list[Subdomain] = []
-    inner: list[int] = []  # first column of ψ of each subdomain
-    outer: list[int] = []  # and of a, or of ψ where there is no a
-
-    def add(offset: float, scale: float, space: DecayingSpace | ConstantSpace, augmented: bool, at: tuple[float, ...]) -> None:
-        begin = outer[-1] + n * (1 + subdomains[-1].augmented) if subdomains else 0
-        subdomains.append(Subdomain(offset, scale, space, augmented, at))
-        outer.append(begin)
-        inner.append(begin + n * augmented)
-
-    def add_end(side: int, joint: Interface) -> None:
-        end = ends[side]
-        rate = 1.0 if isinstance(end, Infinity) else abs(end.z - joint.z) / T
-        add(joint.z, side * rate, far(side), isinstance(end, Wall) and bool(rows[side][1].any()), (joint.z,))
-
-    add_end(-1, joints[0])
-    for a, b in itertools.pairwise(joints):
-        add(b.z, -(b.z - a.z) / T, ConstantSpace(np.eye(n, dtype=np.complex128)), True, (a.z, b.z))
-    add_end(1, joints[-1])
-    size = outer[-1] + n * (1 + subdomains[-1].augmented)
-    W: list[list[ComplexArray]] = [[], []]
-    for side, at in ((-1, 0), (1, -1)):
-        if subdomains[at].augmented:
-            for part, row in zip(W, rows[side], strict=True):
-                part.append(_placed(row, outer[at], size))
-    for j, joint in enumerate(joints):
-        for part, M in zip(W, joint.matrices(n), strict=True):
-            behind = inner[j + 1] if j + 1 == len(joints) else outer[j + 1]
-            part.append(_placed(M[:, :n], inner[j], size) + _placed(M[:, n:], behind, size))
-    return TwoPointReduction(tuple(subdomains), T, 0.0, (np.concatenate(W[0]), np.concatenate(W[1])))
-
-
-def _placed(rows: ComplexArray, first: int, size: int) -> ComplexArray:
-    """Rows over the components from first on, and zeros for the others."""
-    out = np.zeros((len(rows), size), dtype=np.complex128)
-    out[:, first : first + rows.shape[1]] = rows
-    return out
-
-
-def _joints(left: Wall | Infinity, right: Wall | Infinity, interfaces: tuple[Interface, ...]) -> tuple[Interface, ...]:
-    """The interfaces from left to right."""
+def _ordered(left: Wall | Infinity, right: Wall | Infinity, interfaces: tuple[Interface, ...]) -> tuple[Interface, ...]:
+    """The interfaces from left to right. Raises InputError where they do not lie between the ends."""
     joints = tuple(sorted(interfaces, key=lambda joint: joint.z))
-    places = [_place(left, -1), *(joint.z for joint in joints), _place(right, 1)]
+    places = [
+        left.z if isinstance(left, Wall) else -np.inf,
+        *(joint.z for joint in joints),
+        right.z if isinstance(right, Wall) else np.inf,
+    ]
     if not all(a < b for a, b in itertools.pairwise(places)):
         listed = ", ".join(f"{z:g}" for z in places)
         raise InputError(f"ends and interfaces lie at z = {listed}: allowed are different points, the left end first")
     return joints
 
 
-def _place(end: Wall | Infinity, side: int = 0) -> float:
-    return end.z if isinstance(end, Wall) else side * math.inf
+def _limit(pencil: PencilFunction, end: Infinity, side: int) -> AsymptoticPencil:
+    """What the pencil is at an infinite end; frozen at the start where it has no limit."""
+    if end.start is not None:
+        return AsymptoticPencil(*pencil.at(side * end.start), side)
+    return limit_at(pencil, side, end.limit, INFINITIES[side])
 
 
-def _limits(matrices: PencilFunction, ends: dict[int, Wall | Infinity]) -> dict[int, AsymptoticPencil]:
-    """What the pencil is at the infinite ends; frozen where there is no limit."""
-    limits = {}
-    for side, end in ends.items():
-        if isinstance(end, Infinity):
-            if end.start is not None:
-                limits[side] = AsymptoticPencil(*matrices.at(side * end.start), side)
-            else:
-                limits[side] = limit_at(matrices, side, end.limit, NAMES[side])
-    return limits
-
-
-def _truncation(matrices: PencilFunction, end: Infinity, limit: AsymptoticPencil, side: int, origin: float) -> float:
-    """How far from origin to begin."""
-    if end.start is None:
-        return truncation_distance(matrices, limit, origin, NAMES[side])
-    distance = end.start - side * origin
-    if distance <= 0.0:
-        raise InputError(f"at {NAMES[side]} start = {end.start:g}: allowed is a |z| beyond {origin:g}")
-    return distance
-
-
-def _counts(
-    n: int,
-    ends: dict[int, Wall | Infinity],
-    rows: dict[int, tuple[ComplexArray, ComplexArray]],
-    limits: dict[int, AsymptoticPencil],
-    near: complex | None,
-) -> tuple[dict[int, int], complex]:
-    """How many solutions begin at each end, and a σ at which as many decay, by the widest gap."""
-    fixed = {side: n - len(W0) for side, (W0, _) in rows.items()}
-    if len(fixed) == 2 and sum(fixed.values()) != n:
-        conditions = [len(W0) for W0, _ in rows.values()]
-        told = f"{conditions[0]} rows at the left wall and {conditions[1]} at the right"
+def _splitting(
+    n: int, walls: dict[int, WallBeginning], infinities: dict[int, Infinity], limits: dict[int, AsymptoticPencil], near: complex | None
+) -> ConsistentSplitting:
+    """How many solutions begin at each end. Raises InputError where they are not as many as conditions."""
+    free = {side: n - len(wall.rows[0]) for side, wall in walls.items()}
+    if len(free) == 2 and sum(free.values()) != n:
+        told = " and ".join(f"{n - k} rows at the {WALLS[side]} wall" for side, k in free.items())
         raise InputError(f"{told}: allowed are {n} in all, the order of the system")
-    wanted = {s: end.decaying for s, end in ends.items() if isinstance(end, Infinity) and end.decaying is not None}
-    for side, k in wanted.items():
+    given = {side: end.decaying for side, end in infinities.items() if end.decaying is not None}
+    for side, k in given.items():
         if not 0 <= k <= n:
-            raise InputError(f"at {NAMES[side]} decaying = {k}: allowed is 0 to {n}")
-    best: tuple[float, complex, dict[int, int]] | None = None
-    seen = ""
-    for sigma in reference_points().tolist() if near is None else [complex(near)]:
-        try:
-            rates = {side: limit.rates(sigma) for side, limit in limits.items()}
-        except (np.linalg.LinAlgError, ShootstabError) as error:  # C is singular at this σ: not one to begin at
-            seen = seen or str(error)
-            continue
-        counts = {**fixed, **{side: decaying_count(r) for side, r in rates.items()}}
-        told = " and ".join(f"{counts[s]} of {n} solutions decay towards {NAMES[s]}" for s in rates)
-        seen = seen or f"{told} at sigma = {sigma:g}"
-        if sum(counts.values()) != n or any(counts[s] != k for s, k in wanted.items()):
-            continue
-        width = min((gap(r, counts[s]) / np.abs(r).max() for s, r in rates.items() if np.abs(r).max() > 0.0), default=math.inf)
-        width /= 1.0 + abs(math.log10(abs(sigma)))  # and not far from where modes are
-        # growth comes first: another direction must be wider by far
-        if best is None or width > (1.0 if (best[1].real > 0.0) == (sigma.real > 0.0) else 100.0) * best[0]:
-            best = (width, sigma, counts)
-    if best is not None:
-        return best[2], best[1]
-    if len(limits) == 1:
-        ((side, _),) = limits.items()
-        at_wall = len(rows[-side][0])
-        asked = f"{at_wall} rows at the wall ask for {at_wall}"
-    else:
-        asked = f"allowed are {n} in all, the order of the system"
-    if wanted:
-        asked += ", and " + " and ".join(f"decaying = {k} was given at {NAMES[s]}" for s, k in wanted.items())
-    raise InputError(f"{seen}, and nowhere as many as needed: {asked}")
+            raise InputError(f"at {INFINITIES[side]} decaying = {k}: allowed is 0 to {n}")
+    return consistent_splitting(EndConditions(n, free, limits, given), near)
 
 
-def _null_space(W0: ComplexArray) -> ComplexArray:
-    """The solutions (n, n−m) that rows (m, n) allow; unit vectors where rows are."""
-    used = np.flatnonzero((W0 != 0).any(axis=0))
-    if len(used) == len(W0):
-        return np.delete(np.eye(W0.shape[1], dtype=np.complex128), used, axis=1)
-    return np.asarray(scipy.linalg.null_space(W0), dtype=np.complex128)
+def _one_subdomain(beginnings: Beginnings) -> TwoPointReduction:
+    """From infinity to the wall, or from a wall whose rows do not hold σ to the other; where both hold it, augmented."""
+    for side, far in sorted(beginnings.items(), key=lambda item: isinstance(item[1], WallBeginning)):
+        other = beginnings[-side]
+        if isinstance(other, WallBeginning) and not far.holds_sigma:
+            return TwoPointReduction((Subdomain(0.0, 1.0, far.space(far.distance)),), far.z, other.z, other.rows)
+    left, right = beginnings[-1], beginnings[1]
+    assert isinstance(left, WallBeginning) and isinstance(right, WallBeginning)
+    W0, W1 = (scipy.linalg.block_diag(a, b) for a, b in zip(left.rows, right.rows, strict=True))
+    return TwoPointReduction((Subdomain(0.0, 1.0, left.space(0.0), augmented=True),), left.z, right.z, (W0, W1))
+
+
+def _many_subdomains(n: int, beginnings: Beginnings, joints: tuple[Interface, ...]) -> TwoPointReduction:
+    """One subdomain to the left of the first joint, one to the right of the last, and augmented ones between them, over t from T to 0."""
+    T = max((b.distance for b in beginnings.values() if isinstance(b, InfiniteBeginning)), default=1.0)
+
+    def outermost(side: int, joint: Interface) -> Subdomain:
+        begun = beginnings[side]
+        rate = abs(begun.z - joint.z) / T if isinstance(begun, WallBeginning) else 1.0
+        return Subdomain(joint.z, side * rate, begun.space(T), begun.holds_sigma, (joint.z,))
+
+    free = ConstantSpace(np.eye(n, dtype=np.complex128))
+    between = [Subdomain(b.z, -(b.z - a.z) / T, free, True, (a.z, b.z)) for a, b in itertools.pairwise(joints)]
+    subdomains = (outermost(-1, joints[0]), *between, outermost(1, joints[-1]))
+    # of each subdomain the first component of its beginning, a or ψ, and that of ψ where it arrives
+    widths = [n * (1 + subdomain.augmented) for subdomain in subdomains]
+    begins = [sum(widths[:j]) for j in range(len(widths))]
+    arrives = [begin + n * subdomain.augmented for begin, subdomain in zip(begins, subdomains, strict=True)]
+    rows: tuple[list[ComplexArray], list[ComplexArray]] = [], []
+    for side, at in ((-1, 0), (1, -1)):
+        begun = beginnings[side]
+        if isinstance(begun, WallBeginning) and begun.holds_sigma:
+            for collected, W in zip(rows, begun.rows, strict=True):
+                collected.append(_placed(W, begins[at], sum(widths)))
+    for j, joint in enumerate(joints):
+        # the solution of the last subdomain arrives at its joint; of one in between it is a, its value where it begins
+        behind = arrives[j + 1] if j + 1 == len(joints) else begins[j + 1]
+        for collected, M in zip(rows, joint.matrices(n), strict=True):
+            collected.append(_placed(M[:, :n], arrives[j], sum(widths)) + _placed(M[:, n:], behind, sum(widths)))
+    return TwoPointReduction(subdomains, T, 0.0, (np.concatenate(rows[0]), np.concatenate(rows[1])))
+
+
+def _placed(rows: ComplexArray, first: int, size: int) -> ComplexArray:
+    """Rows (m, ·) over the components from first on, and zeros for the others, (m, size)."""
+    out = np.zeros((len(rows), size), dtype=np.complex128)
+    out[:, first : first + rows.shape[1]] = rows
+    return out

@@ -1,0 +1,89 @@
+"""Where an integration begins: at a wall, with the solutions that its rows leave free, or at infinity, with those that decay."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+
+from shootstab.core.errors import InputError
+from shootstab.problems.decaying_space import ConstantSpace, DecayingSpace
+from shootstab.problems.ends import INFINITIES, WALLS, Infinity, Wall
+from shootstab.problems.kato_frame import KatoFrame
+from shootstab.problems.pencil_function import PencilFunction
+from shootstab.problems.protocol import ComplexArray
+from shootstab.problems.splitting import AsymptoticPencil
+from shootstab.problems.truncation import tails, truncation_distance
+
+
+@dataclass(frozen=True, eq=False)
+class WallBeginning:
+    """A wall at z with rows (W0, W1), each (m, n)."""
+
+    z: float
+    rows: tuple[ComplexArray, ComplexArray]
+    distance: float = 0.0
+
+    @classmethod
+    def of(cls, wall: Wall, side: int, n: int) -> WallBeginning:
+        """Raises InputError for rows that are none."""
+        return cls(wall.z, wall.matrices(n, WALLS[side]))
+
+    @property
+    def holds_sigma(self) -> bool:
+        """Whether the free solutions depend on σ, so that the rows are kept as conditions where the subdomain arrives."""
+        return bool(self.rows[1].any())
+
+    def space(self, distance: float) -> ConstantSpace:
+        """The free solutions (n, n−m), or all of Cⁿ where the rows hold σ; the same at any distance."""
+        W0 = self.rows[0]
+        free = np.eye(W0.shape[1], dtype=np.complex128) if self.holds_sigma else _null_space(W0)
+        return ConstantSpace(np.asarray(free, dtype=np.complex128))
+
+
+@dataclass(frozen=True, eq=False)
+class InfiniteBeginning:
+    """An end at infinity with its limit, where k solutions decay at σ = reference, cut at a distance from origin."""
+
+    pencil: PencilFunction
+    given: Infinity
+    limit: AsymptoticPencil
+    k: int
+    reference: complex
+    origin: float
+    distance: float
+
+    holds_sigma = False
+
+    @property
+    def z(self) -> float:
+        """Where it is cut."""
+        return self.origin + self.limit.direction * self.distance
+
+    def space(self, distance: float) -> DecayingSpace:
+        """The decaying space, begun at this distance from the origin: of the limit, or of the pencil frozen there."""
+        side = self.limit.direction
+        z = self.origin + side * distance
+        frozen = self.given.start is not None
+        limit = AsymptoticPencil(*self.pencil.at(z), side) if frozen else self.limit
+        tail = None if frozen else tails(self.pencil, limit, self.origin, distance)
+        return DecayingSpace(KatoFrame(limit, self.k, self.reference, distance), self.pencil, self.origin, z, tail, INFINITIES[side])
+
+
+def distance_from(origin: float, pencil: PencilFunction, end: Infinity, limit: AsymptoticPencil, side: int) -> float:
+    """How far from origin to begin. Raises InputError where the start that was given lies on the wrong side of it."""
+    if end.start is None:
+        return truncation_distance(pencil, limit, origin, INFINITIES[side])
+    distance = end.start - side * origin
+    if distance <= 0.0:
+        raise InputError(f"at {INFINITIES[side]} start = {end.start:g}: allowed is a |z| beyond {origin:g}")
+    return distance
+
+
+def _null_space(W0: ComplexArray) -> ComplexArray:
+    """The solutions (n, n−m) that rows (m, n) allow; unit vectors where rows are."""
+    used = np.flatnonzero((W0 != 0).any(axis=0))
+    if len(used) == len(W0):
+        return np.delete(np.eye(W0.shape[1], dtype=np.complex128), used, axis=1)
+    return np.asarray(scipy.linalg.null_space(W0), dtype=np.complex128)
