@@ -1,4 +1,4 @@
-"""The source of truth of the chute tests, in SymPy and from the page: the table of DESIGN.md 1.1, the equations (2.1)–(2.7), the wall
+"""The source of truth of the chute tests, in SymPy and from the page: the table of guide/theory.md 1.1, the equations (2.1)–(2.7), the wall
 conditions (A 12)–(A 18), and their linearization about a steady flow in normal modes.
 
 Nothing here is imported from shootstab. A `Wave` f0(z) + ε f1(z) exp(σt + i k_x x + i k_y y) carries the base and the first order
@@ -14,7 +14,7 @@ from typing import Any
 
 import sympy as sp
 
-# ------------------------------------------------------------------------------------------------ the table of DESIGN.md 1.1
+# ------------------------------------------------------------------------------------------------ the table of guide/theory.md 1.1
 NU, EP, NU_MAX = sp.symbols("nu eta_p nu_m", positive=True)
 RADIAL = {
     "lun-savage": (1 - NU / NU_MAX) ** (-sp.Rational(5, 2) * NU_MAX),

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from shootstab import __version__
-from shootstab.cli import commands
+from shootstab.cli import commands, guide_command
 from shootstab.cli import sweep_command as sweeping
 from shootstab.cli import trade_command as trading
 from shootstab.core.errors import InputError, ShootstabError
@@ -119,6 +119,10 @@ def parser() -> argparse.ArgumentParser:
     trading.options(trade, _guess, _plot_path)
 
     _command(subparsers, commands.scenes, "what is built in", scene=False)
+
+    guide = subparsers.add_parser("guide", help="the manual", description="A page of the manual; without TOPIC, a list of all.")
+    guide.set_defaults(run=guide_command.guide, json=None)
+    guide.add_argument("topic", nargs="?", metavar="TOPIC", help="the page")
     return top
 
 

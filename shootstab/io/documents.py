@@ -1,4 +1,4 @@
-"""JSON of DESIGN.md 3.3: what each command answers with, for programs to read."""
+"""The JSON contract: what each command answers with, for programs to read."""
 
 from __future__ import annotations
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 import re
+from collections.abc import Iterable
 from typing import Any
 
 _FLAGS = re.IGNORECASE | re.ASCII
@@ -50,6 +52,12 @@ def shortened(value: Any, longest: int = 40) -> str:
     """repr, on one line and not longer than a message can bear."""
     text = repr(value)
     return text if len(text) <= longest else text[:longest] + "…"
+
+
+def nearest(word: str, allowed: Iterable[str]) -> str:
+    """ ", did you mean x?" where one of the words allowed is near to this one; otherwise nothing."""
+    near = difflib.get_close_matches(word, list(allowed), 1)
+    return f", did you mean {near[0]}?" if near else ""
 
 
 def _signed(sign: str, size: str) -> float:

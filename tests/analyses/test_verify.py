@@ -18,13 +18,13 @@ from shootstab.models.gallery.poiseuille import PlanePoiseuille
 
 GRAINS = {"e": 0.8, "e_w": 0.8, "r": 0.6, "tan_theta": 0.3}
 PAPER = {"high": (0.004, 0.00397, 3), "mid": (0.001, 0.00102, 3), "low": (0.0073 - 0.0119j, 0.00727 - 0.0119j, 3)}
-# re-computed values of DESIGN.md 1.1, each digit
+# re-computed values of guide/theory.md 1.1, each digit
 REFINED = {"high": 0.0039705, "mid": 0.0010229, "low": 0.0072756 - 0.0118650j}
 
 
 @pytest.mark.parametrize("name", list(REFINED))
 def test_the_papers_modes(scenes: dict[str, ChuteProblem], name: str) -> None:
-    """Woodhouse & Hogg 2010, 3.2; the low flow is one unit off in the paper's third digit (DESIGN.md 1.1)."""
+    """Woodhouse & Hogg 2010, 3.2; the low flow is one unit off in the paper's third digit (guide/theory.md 1.1)."""
     guess, published, _ = PAPER[name]
     mode = st.refine(scenes[name], guess=guess, rtol=1e-10)
     assert mode.converged
@@ -35,7 +35,7 @@ def test_the_papers_modes(scenes: dict[str, ChuteProblem], name: str) -> None:
 
 
 def test_the_isotropic_wall_moves_the_mid_flow(flows) -> None:
-    """DESIGN.md 1.3: 0.0010229 as printed, 0.0010251 with −½A r² ∂v/∂y in S_z."""
+    """guide/theory.md 1.3: 0.0010229 as printed, 0.0010251 with −½A r² ∂v/∂y in S_z."""
     flow = st.chute.steady(mass_flux=3.0, branch="mid", wall="isotropic", **GRAINS)
     mode = st.refine(st.chute.problem(flow, 0.0, 0.0125), guess=0.001)
     assert mode.sigma.real == pytest.approx(0.0010251, abs=5e-8)

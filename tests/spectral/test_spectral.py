@@ -20,7 +20,7 @@ from shootstab.spectral import chebyshev, inverse, qz
 
 CHUTE = Chute(e=0.8, e_w=0.8, r=0.6, tan_theta=0.3)
 WAVES = {"high": (0.0, 0.0100), "mid": (0.0, 0.0125), "low": (0.011, 0.0)}
-# Woodhouse & Hogg (2010) print 0.00397, 0.00102 and 0.00727 − 0.0119i (low: one unit off in the third digit, DESIGN.md 1.1)
+# Woodhouse & Hogg (2010) print 0.00397, 0.00102 and 0.00727 − 0.0119i (low: one unit off in the third digit, guide/theory.md 1.1)
 PRINTED = {"high": 0.00397, "mid": 0.00102, "low": 0.00727 - 0.0119j}
 FIVE_DIGITS = {"high": 0.0039705, "mid": 0.0010229, "low": 0.0072756 - 0.0118650j}
 SIGMA = {"high": 0.003970504640, "mid": 0.001022920820, "low": 0.007275583546 - 0.011865047381j}
@@ -170,7 +170,7 @@ def test_the_papers_own_map_converges_too(flows: dict[str, Flow]) -> None:
 
 
 def test_isotropic_wall(flows: dict[str, Flow]) -> None:
-    """DESIGN.md 1.3: ∂v/∂y in S_z moves mid to 0.0010251."""
+    """guide/theory.md 1.3: ∂v/∂y in S_z moves mid to 0.0010251."""
     chute_isotropic = Chute(e=0.8, e_w=0.8, r=0.6, tan_theta=0.3, wall="isotropic")
     flow = descend(chute_isotropic, flows["mid"].far_temperature)
     assert abs(chute.refine(flow, *WAVES["mid"], 0.0010251, 60).sigma - 0.0010251) < 0.6e-7

@@ -1,4 +1,4 @@
-"""The steady equations (DESIGN.md 1.2), solved for the derivatives: p′ = −ν, u′ = tanθ p/η, q′ = tanθ² p²/η − γ.
+"""The steady equations (guide/theory.md 1.2), solved for the derivatives: p′ = −ν, u′ = tanθ p/η, q′ = tanθ² p²/η − γ.
 
 For floats, complex numbers, arrays and series alike.
 """

@@ -5,7 +5,7 @@ numba), complex numbers, NumPy arrays, SymPy symbols, mpmath numbers and `Series
 them on a series in ν, never typed.
 
 Units: grain diameter d, grain density ρ_p, normal gravity g cosθ.
-Source: DESIGN.md 1.1; C. K. K. Lun, S. B. Savage, D. J. Jeffrey & N. Chepurniy, J. Fluid Mech. 140 (1984) 223.
+Source: guide/theory.md 1.1; C. K. K. Lun, S. B. Savage, D. J. Jeffrey & N. Chepurniy, J. Fluid Mech. 140 (1984) 223.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The decaying space of the perturbations at infinity, as a convergent series in ν0 (DESIGN.md 2, Far field).
+"""The decaying space of the perturbations at infinity, as a convergent series in ν0 (guide/theory.md 2, Far field).
 
 In x = ν0 the system is C̃(x) x dψ/dx = D(x) ψ with C̃ = (ν0′/ν0) C, and infinity is a regular singular point. The decaying
 space is the range of P(x) x^Λ, P = Σ P_m x^m, where Λ = T_∞ diag(B, K), B = K I − s sᵀ/(7K), s = (i k_x, i k_y, −K), and
@@ -160,7 +160,7 @@ def _turns(count: int, turned: list[int]) -> ComplexArray:
 
 
 def decay_matrix(kx: float, ky: float) -> ComplexArray:
-    """diag(B, K) (4, 4): û, v̂, ŵ decay as e^{−Bz} and T̂ as e^{−Kz}, (2.20)–(2.22) in the form of DESIGN.md 1.3."""
+    """diag(B, K) (4, 4): û, v̂, ŵ decay as e^{−Bz} and T̂ as e^{−Kz}, (2.20)–(2.22) in the form of guide/theory.md 1.3."""
     K = math.hypot(kx, ky)
     s = np.array([1j * kx, 1j * ky, -K, 0.0])
     return np.asarray(K * np.eye(4) - np.outer(s, s) / (7 * K), dtype=np.complex128)

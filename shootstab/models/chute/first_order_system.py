@@ -1,4 +1,4 @@
-"""The first-order system C φ′ = D φ of (A 8), with the errata of DESIGN.md 1.3, and the wall rows of (A 26).
+"""The first-order system C φ′ = D φ of (A 8), with the errata of guide/theory.md 1.3, and the wall rows of (A 26).
 
 The state is ψ = (ν̂/ν0, û, v̂, ŵ, T̂, û′, v̂′, β̂) with β = −K0 T̂′ + K0* ν̂′: ν̂ decays as ν0 does, and divided by it everything is of
 order one and regular at infinity. Against (A 8) the first row is divided by ν0, and with φ = Sψ, S = diag(ν0, 1, …, 1),

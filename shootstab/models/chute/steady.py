@@ -1,4 +1,4 @@
-"""The steady, fully developed flow (DESIGN.md 1.2): p′ = −ν, u′ = tanθ p/η, q′ = tanθ² p²/η − γ.
+"""The steady, fully developed flow (guide/theory.md 1.2): p′ = −ν, u′ = tanθ p/η, q′ = tanθ² p²/η − γ.
 
 The state is regular at infinity: (ln ν, T, u, Q) with Q = q/ν, and two quadratures, ∫p dz and ∫νu dz from z to infinity.
 The equations do not contain z, so the flow that decays for a given T_∞ is one curve: it is started at ν = 1e−18, where the

@@ -1,4 +1,4 @@
-"""The constitutive functions against the table of DESIGN.md 1.1, which `linearization.table` states in SymPy on its own."""
+"""The constitutive functions against the table of guide/theory.md 1.1, which `linearization.table` states in SymPy on its own."""
 
 from __future__ import annotations
 

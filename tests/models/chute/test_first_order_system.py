@@ -100,7 +100,7 @@ def test_pencil_entries_do_not_contain_sigma_and_list_every_nonzero_entry_once()
 
 
 def test_steady_equations_are_the_zeroth_order_of_the_governing_equations():
-    """(2.2), (2.3) at order ε⁰: tanθ ν + (η u′)′, −ν − p′ and η u′² − q′ − γ, which DESIGN.md 1.2 integrates."""
+    """(2.2), (2.3) at order ε⁰: tanθ ν + (η u′)′, −ν − p′ and η u′² − q′ − γ, which guide/theory.md 1.2 integrates."""
     from linearization import flatten, residuals
 
     mass, x, y, z, energy = (flatten(r.base.doit()) for r in residuals())
@@ -143,7 +143,7 @@ def paper_matrices(n21: sp.Expr, n35: sp.Expr) -> tuple[sp.Matrix, sp.Matrix, sp
     return L, M, N, S
 
 
-# ERRATA (DESIGN.md 1.3): N21 is printed with (c0 u0)′, N35 with the other sign.
+# ERRATA (guide/theory.md 1.3): N21 is printed with (c0 u0)′, N35 with the other sign.
 N21 = TAN - sp.I * KX * jet("a", 0) + dz(jet("c", 0) * jet("u", 1))
 N35 = -sp.I * KY * jet("b", 0)
 N21_PRINTED = TAN - sp.I * KX * jet("a", 0) + dz(jet("c", 0) * jet("u", 0))
@@ -162,7 +162,7 @@ def test_A2_as_printed_is_wrong_at_N21_and_N35_and_nowhere_else():
 
 
 def paper_first_order(corrected: bool) -> tuple[sp.Matrix, sp.Matrix]:
-    """C, D of A.3, from the corrected A.2; corrected: with the errata of DESIGN.md 1.3, else as printed."""
+    """C, D of A.3, from the corrected A.2; corrected: with the errata of guide/theory.md 1.3, else as printed."""
     L, M, N, S = paper_matrices(N21, N35)
     L11 = N[0, 0] - SIGMA * S[0, 0]  # N11 − σΣ11
     M14, N12, N13, N14, L44, M44 = M[0, 3], N[0, 1], N[0, 2], N[0, 3], L[3, 3], M[3, 3]

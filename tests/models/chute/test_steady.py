@@ -45,7 +45,7 @@ cases = pytest.mark.parametrize(("chute", "far_temperature"), CASES, ids=name_of
 
 
 class Fields:
-    """ν, T, u, q and p, η, γ at real heights, from the flow's states and the table of DESIGN.md 1.1."""
+    """ν, T, u, q and p, η, γ at real heights, from the flow's states and the table of guide/theory.md 1.1."""
 
     def __init__(self, flow: Flow, z):
         states = flow.at(z)

@@ -1,0 +1,47 @@
+"""The guide: every command and program in it does what it shows, it is whole, and the command line shows it."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pages
+import pytest
+
+from shootstab.cli import main as cli
+
+GUIDE = Path(__file__).parent.parent / "shootstab" / "guide"
+TOPICS = sorted(path.stem for path in GUIDE.glob("*.md"))
+RUN = [t for t in TOPICS if any(b.kind in ("python", "console") for b in pages.blocks((GUIDE / f"{t}.md").read_text()))]
+
+
+@pytest.mark.parametrize("topic", RUN)
+def test_a_page_of_the_guide_does_what_it_shows(topic: str, tmp_path: Path) -> None:
+    pages.run_page((GUIDE / f"{topic}.md").read_text(), tmp_path)
+
+
+def test_the_guide_is_shown_whole_and_a_topic_that_is_not_there_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["guide"]) == 0
+    listed = capsys.readouterr().out
+    for topic in TOPICS:
+        assert f"\n  {topic} " in listed
+        assert cli.main(["guide", topic]) == 0
+        assert capsys.readouterr().out == (GUIDE / f"{topic}.md").read_text()
+    assert cli.main(["guide", "verdict"]) == 2
+    assert "did you mean verdicts?" in capsys.readouterr().err
+
+
+def test_no_file_cites_a_page_that_is_not_shipped() -> None:
+    root = GUIDE.parent.parent
+    for path in [*root.glob("shootstab/**/*.py"), *root.glob("tests/**/*.py"), *root.glob("validation/*.py"), *GUIDE.glob("*.md")]:
+        assert path == Path(__file__) or not re.search(r"DESIGN(\.md)?\b", path.read_text()), path
+
+
+def test_a_page_that_shows_what_is_not_said_is_found(tmp_path: Path) -> None:
+    assert pages.matches("a...d\n...\nlast\n", "abcd\n1\n2\nlast\n")
+    assert not pages.matches("a...d\n", "abc\n")
+    assert not pages.matches("abcd\n", "abcd\nmore\n")
+    with pytest.raises(AssertionError, match="exit status 3"):
+        pages.run_page("```console\n$ exit 3\n```\n", tmp_path)
+    with pytest.raises(AssertionError, match="printed"):
+        pages.run_page("```python\nprint(1)\n```\n\n```output\n2\n```\n", tmp_path)
