@@ -65,8 +65,11 @@ class Continuation:
 
         Raises Undecidable where the zero lies on the continuous spectrum to rounding.
         """
-        if self.barrier is not None and self.barrier.beyond(zero):
-            return False
+        if self.barrier is not None:
+            if self.barrier.distance(zero) == 0.0:
+                raise Undecidable(f"a zero of D lies on the continuous spectrum of an end at infinity, at {zero:.12g}")
+            if self.barrier.beyond(zero):
+                return False
         if branch.side == 0:
             return True
         assert self.continuum is not None

@@ -21,13 +21,13 @@ from shootstab.problems.splitting import AsymptoticPencil
 
 @dataclass(frozen=True, eq=False)
 class Barrier:
-    """The curves, and the limiting pencils of the ends with the number of solutions that decay there."""
+    """The curves, and the asymptotic pencils of the ends, each with the number of solutions that count as decaying there."""
 
     curves: tuple[Curve, ...]
     asymptotics: tuple[tuple[AsymptoticPencil, int], ...]
 
     def distance(self, sigma: complex) -> float:
-        """The distance of σ to the nearest of the curves."""
+        """The distance of σ to the nearest of the curves; 0 where it lies on one to rounding."""
         return min(curve.distance(sigma) for curve in self.curves)
 
     @property
@@ -37,16 +37,12 @@ class Barrier:
 
     @property
     def rightmost(self) -> float:
-        """The largest real part on it."""
+        """The largest real part on the curves."""
         return float(self.points.real.max(initial=-np.inf))
 
     def enters(self, region: Region) -> bool:
-        """Whether a part of it lies in the region."""
-        edge = np.array([region.boundary(t) for t in np.linspace(0.0, 1.0, 65)])
-        points = self.points
-        low, high = complex(edge.real.min(), edge.imag.min()), complex(edge.real.max(), edge.imag.max())
-        near = points[(points.real >= low.real) & (points.real <= high.real) & (points.imag >= low.imag) & (points.imag <= high.imag)]
-        return any(region.contains(complex(s)) for s in near)
+        """Whether a curve has a point in the region or on its boundary."""
+        return any(curve.enters(region) for curve in self.curves)
 
     def beyond(self, sigma: complex) -> bool:
         """Whether a solution that counts as decaying grows at σ, or one that does not decays."""

@@ -1,51 +1,121 @@
-"""A curve of the σ-plane by straight pieces, and its distance from a point."""
+"""A curve of the σ-plane by straight segments, its distance from a point, and whether it enters a region."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
-import scipy.optimize
 from numpy.typing import NDArray
 
+from shootstab.core.regions import Region, size
 from shootstab.problems.protocol import ComplexArray
 
-NEAR = 0.5  # chosen: a σ nearer to a piece than this part of its length asks the curve itself and not the piece
+NEAR = 0.5  # chosen: a σ nearer to a segment than this part of its length asks the curve itself and not the segment
+STEPS = 12  # chosen: at most, of Gauss–Newton towards the nearest point of the curve; on the curve each gains several digits
+ROUNDING = 1e-14  # chosen: of |σ| and of the curve's scale; eigenvalues of a small pencil err by some 10 units of rounding
+EIGHTHS = np.arange(8) / 8.0  # an arc of a circle up to this long is nowhere farther from its middle than at its ends
+SAGITTA = 0.9  # chosen: the curve lies no farther from a segment than a tenth of its length; 1 percent where σ ~ ℓ^p
+THINNEST = 1e-9  # chosen: of a region's size, the length of boundary on which a curve counts as touching it
 
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """Pieces from low to high (m,) of a parameter with σ from begin to end (m,), and all σ of the curve at a parameter, if it has one."""
+    """Segments with σ from begin to end (m,), as a parameter runs from low to high (m,).
+
+    at gives all σ of the curve at a parameter, if it has one. scale is a size of σ on the curve, to which its points round.
+    """
 
     begin: ComplexArray
     end: ComplexArray
     low: NDArray[np.float64]
     high: NDArray[np.float64]
     at: Callable[[float], list[complex]] | None = None
+    scale: float = 0.0
 
     def distance(self, sigma: complex) -> float:
-        """The distance of σ to the pieces; where that is small against their length, to the curve between their ends."""
+        """The distance of σ to the curve, less what rounding makes of both: 0 where σ may lie on it."""
         if not self.begin.size:
             return np.inf
+        return max(0.0, self._offset(sigma) - ROUNDING * (abs(sigma) + self.scale))
+
+    def enters(self, region: Region) -> bool:
+        """Whether a point of the curve lies in the region or on its boundary.
+
+        A curve that is nowhere on the boundary is inside or outside as a whole. The boundary is cut until every part of it is shorter
+        than its distance to the curve.
+        """
+        if not self.begin.size:
+            return False
+        if any(region.contains(complex(s)) for s in (*self._inside_hull(self.begin, region), *self._inside_hull(self.end, region))):
+            return True
+        parts = list(pairwise(np.union1d(region.corners, [*EIGHTHS, 1.0]).tolist()))
+        thinnest = THINNEST * size(region)
+        while parts:
+            first, last = parts.pop()
+            middle = 0.5 * (first + last)
+            here = region.boundary(middle)
+            length = max(abs(region.boundary(first) - here), abs(region.boundary(last) - here))
+            if self._at_least(here) > length:
+                continue
+            distance = self.distance(here)
+            if SAGITTA * distance > length:
+                continue
+            if distance == 0.0 or length < thinnest:
+                return True
+            parts += [(first, middle), (middle, last)]
+        return False
+
+    @staticmethod
+    def _inside_hull(points: ComplexArray, region: Region) -> ComplexArray:
+        """Those of the points in the box around the region."""
+        hull = np.array(region.hull)
+        across = (points.real >= hull.real.min()) & (points.real <= hull.real.max())
+        return points[across & (points.imag >= hull.imag.min()) & (points.imag <= hull.imag.max())]
+
+    def _at_least(self, sigma: complex) -> float:
+        """A bound on the distance from below, without asking the curve itself."""
+        return float((self._segments(sigma)[1] - (1.0 - SAGITTA) * np.abs(self.end - self.begin)).min())
+
+    def _offset(self, sigma: complex) -> float:
+        """The distance of σ to the segments; where that is small against their length, to the curve itself."""
+        t, offsets = self._segments(sigma)
+        i = int(offsets.argmin())
+        if self.at is None or offsets[i] > NEAR * abs(self.end[i] - self.begin[i]):
+            return float(offsets[i])
+        width = float(self.high[i] - self.low[i])
+        return self._to_curve(self.at, sigma, float(self.low[i] + t[i] * width), width)
+
+    def _segments(self, sigma: complex) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """For each segment (m,) where on it, from 0 to 1, its point nearest to σ lies, and how far off."""
         a, d = self.begin, self.end - self.begin
         with np.errstate(divide="ignore", invalid="ignore"):
             t = np.where(d != 0.0, ((sigma - a) * d.conj()).real / np.abs(d) ** 2, 0.0)
-        offsets = np.abs(sigma - a - np.clip(t, 0.0, 1.0) * d)
-        i = int(offsets.argmin())
-        at = self.at
-        if at is None or offsets[i] > NEAR * abs(d[i]):
-            return float(offsets[i])
+        t = np.clip(t, 0.0, 1.0)
+        return t, np.abs(sigma - a - t * d)
 
-        def offset(parameter: float) -> float:
-            return min((abs(s - sigma) for s in at(parameter)), default=np.inf)
+    @staticmethod
+    def _to_curve(at: Callable[[float], list[complex]], sigma: complex, parameter: float, width: float) -> float:
+        """The least |σ_c − σ| met by Gauss–Newton, Re (σ_c − σ)* (σ_c + σ_c′ δ − σ) = 0, from a parameter on."""
+        best, step = np.inf, 1e-4 * width
+        for _ in range(STEPS):
+            here = _nearest(at(parameter), sigma)
+            if not abs(here - sigma) < 0.5 * best:
+                return float(min(best, abs(here - sigma)))
+            best = abs(here - sigma)
+            slope = (_nearest(at(parameter + step), sigma) - _nearest(at(parameter - step), sigma)) / (2.0 * step)
+            if not np.isfinite(slope) or slope == 0.0:
+                break
+            parameter += min(max(((sigma - here) / slope).real, -width), width)
+        return float(best)
 
-        width = self.high[i] - self.low[i]
-        bounds = float(self.low[i] - width), float(self.high[i] + width)
-        found = scipy.optimize.minimize_scalar(offset, bounds=bounds, method="bounded", options={"xatol": 1e-12 * width})
-        return float(min(found.fun, abs(sigma - self.begin[i]), abs(sigma - self.end[i])))
+
+def _nearest(points: list[complex], sigma: complex) -> complex:
+    """The one of the points that is nearest to σ; infinity if there is none."""
+    return min(points, key=lambda s: abs(s - sigma), default=complex(np.inf))
 
 
 def curve_through(sigma: ComplexArray, parameter: NDArray[np.float64]) -> Curve:
     """The curve through points (m,), in this order."""
-    return Curve(sigma[:-1], sigma[1:], parameter[:-1], parameter[1:])
+    return Curve(sigma[:-1], sigma[1:], parameter[:-1], parameter[1:], scale=float(np.abs(sigma).max()))
