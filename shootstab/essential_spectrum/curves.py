@@ -72,7 +72,7 @@ class Curve:
         """Those of the points in the box around the region."""
         hull = np.array(region.hull)
         across = (points.real >= hull.real.min()) & (points.real <= hull.real.max())
-        return points[across & (points.imag >= hull.imag.min()) & (points.imag <= hull.imag.max())]
+        return np.asarray(points[across & (points.imag >= hull.imag.min()) & (points.imag <= hull.imag.max())])
 
     def _at_least(self, sigma: complex) -> float:
         """A bound on the distance from below, without asking the curve itself."""
