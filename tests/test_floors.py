@@ -26,7 +26,7 @@ FLOORS = {
 }
 LONGEST = 300
 CHUTE, GALLERY = "shootstab.models.chute", "shootstab.models.gallery"
-LAWS = {f"{CHUTE}.{m}" for m in ("constitutive", "parameters", "balance", "descent", "steady", "family")}
+LAWS = {f"{CHUTE}.{m}" for m in ("constitutive", "parameters", "balance", "descent", "registry", "steady_flow", "family")}
 
 
 def modules() -> dict[str, Path]:

@@ -12,23 +12,13 @@ from shootstab.analyses.sweep.outcomes import NO_FLOW, UNRESOLVED
 from shootstab.cli import plots
 from shootstab.core.errors import InputError
 from shootstab.io.files import write_whole
+from shootstab.models.chute.registry import BY_NAME
 
 if TYPE_CHECKING:
     from shootstab.analyses.sweep import Swept
     from shootstab.analyses.sweep.grid import Axis
     from shootstab.io.scenes import Scene
 
-# in units of the grain diameter d, the grain density and g cosθ
-LABELS = {
-    "kx": "downslope wavenumber $k_x$ d",
-    "ky": "cross-slope wavenumber $k_y$ d",
-    "far_temperature": r"far temperature $T_\infty$ / (d g cosθ)",
-    "mass_flux": r"mass flux $Q_0$ / $\sqrt{d^3 g\,\cosθ}$",
-    "tan_theta": r"slope $\tan\theta$",
-    "e": "restitution between grains e",
-    "e_w": "restitution with the base $e_w$",
-    "r": "roughness of the base r",
-}
 LEVELS = 14
 BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "0.55"
 MARKS_ON_A_MAP = 400  # proved points that are marked on a map; more would hide it
@@ -96,7 +86,7 @@ def _curves(figure: Any, found: Swept, varied: Sequence[Axis], unit: str) -> Non
     below.plot(x, frequency, "-", color=BLUE, linewidth=1.6)
     above.set_ylabel(f"growth rate Re σ{_unit(unit)}")
     below.set_ylabel(f"Im σ{_unit(unit)}")
-    below.set_xlabel(LABELS[axis.name])
+    below.set_xlabel(BY_NAME[axis.name].label)
     for panel in (above, below):
         panel.grid(True, linewidth=0.4, alpha=0.4)
         panel.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3))
@@ -131,8 +121,8 @@ def _map(figure: Any, found: Swept, varied: Sequence[Axis], unit: str) -> None:
     if found.fastest is not None:
         place = dict(zip(found.grid.names, found.fastest[0], strict=True))
         panel.plot(place[across.name], place[up.name], "*", color="white", markeredgecolor="black", markersize=12, clip_on=False, zorder=4)
-    panel.set_xlabel(LABELS[across.name])
-    panel.set_ylabel(LABELS[up.name])
+    panel.set_xlabel(BY_NAME[across.name].label)
+    panel.set_ylabel(BY_NAME[up.name].label)
     panel.ticklabel_format(style="sci", scilimits=(-2, 3))
     if panel.get_legend_handles_labels()[0]:
         panel.legend(loc="upper right", frameon=True, framealpha=0.85, fontsize="small")

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from shootstab.cli.commands import BAD_NEWS, DONE, answer
 from shootstab.io import scenes as scene_files
 from shootstab.io.files import require_writable, write_whole
+from shootstab.models.chute.registry import SWEPT
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -25,17 +26,6 @@ if TYPE_CHECKING:
     from shootstab.analyses.sweep.outcomes import Outcome
     from shootstab.io.scenes import Scene
 
-# option: (parameter, what it is)
-PARAMETERS = {
-    "--kx": ("kx", "downslope wavenumber"),
-    "--ky": ("ky", "cross-slope wavenumber"),
-    "--far-temperature": ("far_temperature", "T_∞ of the flow"),
-    "--mass-flux": ("mass_flux", "Q0 of the flow"),
-    "--tan-theta": ("tan_theta", "slope"),
-    "--e": ("e", "restitution between grains"),
-    "--e-w": ("e_w", "restitution with the base"),
-    "--r": ("r", "roughness of the base"),
-}
 COLUMNS = ("re", "im", "error", "status", "proved", "floor", "evaluations")
 MOST_LISTED = 70  # points that the table lists; more are summed up
 MOST_VALUES = 1_000_000
@@ -43,8 +33,8 @@ MOST_VALUES = 1_000_000
 
 def options(parser: argparse.ArgumentParser, integer: Callable[[int, int], Any], plot_path: Callable[[str], Path]) -> None:
     """Add what `sweep` takes."""
-    for option, (name, says) in PARAMETERS.items():
-        parser.add_argument(option, dest=name, type=_values, metavar="A:B:N", help=f"{says}: N values from A to B, or one value")
+    for p in SWEPT:
+        parser.add_argument(p.option, dest=p.name, type=_values, metavar="A:B:N", help=f"{p.meaning}: N values from A to B, or one value")
     parser.add_argument("--digits", type=integer(1, 11), default=8, metavar="N", help="digits of σ at every point (default 8)")
     parser.add_argument("--every", type=integer(1, 1000), default=12, metavar="N", help="count modes at every N-th point (default 12)")
     parser.add_argument("--floor", type=_floor, default=1e-8, metavar="X", help="a mode grows if Re σ > X (default 1e-8)")
@@ -58,7 +48,7 @@ def options(parser: argparse.ArgumentParser, integer: Callable[[int, int], Any],
 
 def sweep(options: Namespace) -> int:
     """The dominant mode over wavenumbers and flows."""
-    axes = {name: getattr(options, name) for name, _ in PARAMETERS.values() if getattr(options, name) is not None}
+    axes = {p.name: getattr(options, p.name) for p in SWEPT if getattr(options, p.name) is not None}
     for path in (options.out, options.export):
         if path is not None:
             require_writable(path)

@@ -19,8 +19,8 @@ from shootstab.cli import main as cli
 from shootstab.cli import maps
 from shootstab.cli import sweep_command as sweeping
 from shootstab.io.scenes import load
+from shootstab.models.chute.chute_problem import ChuteProblem
 from shootstab.models.chute.parameter_family import ChuteFamily
-from shootstab.models.chute.problem import ChuteProblem
 
 KX, KY = (0.0, 5e-4, 1e-3), (0.0, 0.01, 0.02, 0.03)
 
@@ -120,7 +120,7 @@ def test_curves_and_maps_show_what_was_proved() -> None:
     curves = maps.draw(swept(kx=(5e-4,)), scene)
     above, below = curves.axes
     assert above.get_ylabel() == "growth rate Re σ / √(g cosθ/d)"
-    assert below.get_xlabel() == "cross-slope wavenumber $k_y$ d"
+    assert below.get_xlabel() == "cross-slope wavenumber $k_y$ / $d^{-1}$"
     assert "dominance proved by a count" in [t.get_text() for t in above.get_legend().get_texts()]
     assert curves.get_suptitle().startswith("high: kx = 0.0005\nfastest growth: σ = 0.004 - 0.002i at kx = 0.0005, ky = 0.01")
     panel, bar = maps.draw(swept(), scene).axes

@@ -14,7 +14,7 @@ from shootstab.models.chute import collocation as chute
 from shootstab.models.chute import collocation_profile as profile
 from shootstab.models.chute.family import steady_by_flux
 from shootstab.models.chute.parameters import Chute
-from shootstab.models.chute.steady import Flow, descend
+from shootstab.models.chute.steady_flow import Flow, descend
 from shootstab.models.gallery import poiseuille_collocation as orr_sommerfeld
 from shootstab.spectral import chebyshev, inverse, qz
 
@@ -286,7 +286,7 @@ ALLOWED = {
     "shootstab.models.chute.constitutive",
     "shootstab.models.chute.balance",
     "shootstab.models.chute.descent",
-    "shootstab.models.chute.steady",
+    "shootstab.models.chute.steady_flow",
     "shootstab.models.chute.parameters",
     "shootstab.models.chute.family",
     "shootstab.kernels.tableau",

@@ -48,17 +48,15 @@ class Background:
 
 def background(chute: Chute, nu: Any, T: Any, u: Any, Q: Any, pi: Any) -> Background:
     """All of them from the state (ν, T, u, Q = q/ν) at one point, at many, or as series."""
-    ep, tan_theta, nu_max, model = chute.ep, chute.tan_theta, chute.nu_max, chute.model
-    decay, T_z, u_z, Q_z = slopes(nu, T, Q, ep, tan_theta, nu_max, model, pi)
+    decay, T_z, u_z, Q_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.radial_law, pi)
     nu, T, u, Q = Series((nu, nu * decay)), Series((T, T_z)), Series((u, u_z)), Series((Q, Q_z))
     return fields(chute, nu, T, u, Q, pi)
 
 
 def fields(chute: Chute, nu: Any, T: Any, u: Any, Q: Any, pi: Any) -> Background:
-    """All of them in the ring of ν, T, u and Q: pairs F + F′ε of pairs, and of series in z series."""
-    ep, tan_theta, nu_max, model = chute.ep, chute.tan_theta, chute.nu_max, chute.model
-    decay, T_z, u_z, _ = slopes(nu, T, Q, ep, tan_theta, nu_max, model, pi)
-    g = law.coefficients(nu, ep, nu_max, model, pi)
+    """All of them in the arithmetic of ν, T, u and Q: from pairs F + F′ε come pairs, from series in z come series."""
+    decay, T_z, u_z, _ = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.radial_law, pi)
+    g = law.coefficients(nu, chute.ep, chute.radial_law, pi)
     root, T32 = T**0.5, T * T**0.5
     return Background(
         nu=nu,

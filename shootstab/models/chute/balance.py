@@ -13,12 +13,12 @@ from shootstab.models.chute import constitutive as law
 
 
 @register_jitable
-def slopes(nu: Any, T: Any, Q: Any, ep: Any, tan_theta: Any, nu_max: Any, model: int, pi: Any) -> Any:
-    """(ν′/ν, T′, u′, Q′) at a state, for numbers, arrays and series alike; Q = q/ν.
+def slopes(nu: Any, T: Any, Q: Any, ep: Any, tan_theta: Any, radial_law: Any, pi: Any) -> Any:
+    """(ν′/ν, T′, u′, Q′) at a state, for numbers, arrays and series alike; Q = q/ν, radial_law as in `constitutive.radial`.
 
     T′ and ν′ follow from p = g1 T with p′ = −ν and from q = −K T′ + K* ν′.
     """
-    g0, dg0 = law.radial(nu, nu_max, model)
+    g0, dg0 = law.radial(nu, radial_law)
     f1, g2, g3 = law.f1(nu, g0, ep), law.g2(nu, g0, ep, pi), law.g3(nu, g0, ep, pi)
     g4, f5 = law.g4(nu, g0, dg0, ep, pi), law.f5(g0, ep, pi)
     g1, dg1 = nu * f1, 1 + 8 * ep * nu * g0 + 4 * ep * nu * nu * dg0

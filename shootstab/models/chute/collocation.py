@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from shootstab.core.errors import InputError
 from shootstab.models.chute.collocation_profile import Profile, clustering, profile, truncation_height
 from shootstab.models.chute.collocation_wall import Trace, conditions
-from shootstab.models.chute.steady import Flow
+from shootstab.models.chute.steady_flow import Flow
 from shootstab.spectral import chebyshev, inverse, qz
 from shootstab.spectral.chebyshev import Grid
 from shootstab.spectral.inverse import Refined

@@ -11,7 +11,7 @@ import numpy as np
 
 from shootstab.models.chute import constitutive as law
 from shootstab.models.chute.balance import slopes
-from shootstab.models.chute.steady import Flow
+from shootstab.models.chute.steady_flow import Flow
 from shootstab.spectral import chebyshev
 from shootstab.spectral.chebyshev import Array
 
@@ -61,8 +61,8 @@ def profile(flow: Flow, z: Array) -> Profile:
     chute = flow.chute
     states = flow.at(z).real
     nu, T, u, Q = np.exp(states[:, 0]), states[:, 1], states[:, 2], states[:, 3]
-    log_nu_z, T_z, u_z, _ = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.nu_max, chute.model, math.pi)
-    g = law.coefficients(nu, chute.ep, chute.nu_max, chute.model, math.pi)
+    log_nu_z, T_z, u_z, _ = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.radial_law, math.pi)
+    g = law.coefficients(nu, chute.ep, chute.radial_law, math.pi)
     root = np.sqrt(T)
     return Profile(
         nu=nu, T=T, u=u, log_nu_z=log_nu_z, T_z=T_z, u_z=u_z,

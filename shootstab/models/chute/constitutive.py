@@ -15,23 +15,33 @@ from typing import Any, NamedTuple
 from numba.extending import register_jitable
 
 from shootstab.core.series import Series
+from shootstab.models.chute.registry import RADIAL
 
-LUN_SAVAGE, CARNAHAN_STARLING = 0, 1
-RADIAL_DISTRIBUTIONS = {"lun-savage": LUN_SAVAGE, "carnahan-starling": CARNAHAN_STARLING}
+RADIAL_DISTRIBUTIONS = {name: number for number, name in enumerate(RADIAL)}
+LUN_SAVAGE, CARNAHAN_STARLING = RADIAL_DISTRIBUTIONS["lun-savage"], RADIAL_DISTRIBUTIONS["carnahan-starling"]
+RADIAL_PARAMETERS = ("nu_max",)  # what a law holds beside its number, in this order: fields of Chute
 
 
 @register_jitable
-def radial(nu: Any, nu_max: Any, model: int) -> Any:
-    """(g0, g0′): the radial distribution at contact and its ν-derivative.
+def radial(nu: Any, law: Any) -> Any:
+    """(g0, g0′): the radial distribution at contact and its ν-derivative, by law = (number, *RADIAL_PARAMETERS), a tuple or an array.
 
     Lun & Savage: g0 = (1 − ν/ν_m)^(−5ν_m/2). Carnahan & Starling: g0 = (2 − ν)/(2(1 − ν)³).
+    Only this function and `densest` look into a law.
     """
-    if model == LUN_SAVAGE:
+    nu_max = law[1]
+    if law[0] == LUN_SAVAGE:
         gap = 1 - nu / nu_max
         g0 = gap ** (-5 * nu_max / 2)
         return g0, 5 * g0 / gap / 2
     gap = 1 - nu
     return (2 - nu) / gap**3 / 2, (5 - 2 * nu) / gap**4 / 2
+
+
+@register_jitable
+def densest(law: Any) -> Any:
+    """The volume fraction below which a law is used: ν_m, at which grains are packed, in all of them."""
+    return law[1]
 
 
 @register_jitable
@@ -93,10 +103,10 @@ class Coefficients(NamedTuple):
     f5: Any
 
 
-def coefficients(nu: Any, ep: Any, nu_max: Any, model: int, pi: Any) -> Coefficients:
+def coefficients(nu: Any, ep: Any, law: Any, pi: Any) -> Coefficients:
     """All of them with their first ν-derivatives, from one evaluation on the series ν + x."""
     x = Series((nu, 1 + 0 * nu))
-    g0, dg0 = radial(x, nu_max, model)
+    g0, dg0 = radial(x, law)
     reduced1, reduced5, reduced6 = f1(x, g0, ep), f5(g0, ep, pi), f6(g0, ep, pi)
     return Coefficients(
         g1=x * reduced1,

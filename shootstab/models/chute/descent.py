@@ -12,6 +12,9 @@ from shootstab.models.chute import constitutive as law
 from shootstab.models.chute.balance import slip, slopes
 
 SIZE = 6  # ln ν, T, u, Q, ∫p, ∫νu
+FILLED = 0.9999  # of the densest packing: a flow is not followed beyond it (chosen: g0 is above 1e6 there, and steps are lost to it)
+
+# chute, here: the array Chute.numbers, (η_p, tanθ, r, Δ, *radial_law)
 
 
 @njit(cache=True, error_model="numpy")
@@ -19,10 +22,10 @@ def rhs(y, chute, out):  # type: ignore[no-untyped-def]
     if not (y[0].real < 50.0 and 1e-100 < abs(y[1]) < 1e100):  # a wild stage: complex division by an underflowed zero would raise
         out[:] = np.nan
         return
-    ep, tan_theta, nu_max, model = chute[0], chute[1], chute[2], int(chute[3])
+    ep, tan_theta, radial_law = chute[0], chute[1], chute[4:]
     nu = np.exp(y[0])
-    out[0], out[1], out[2], out[3] = slopes(nu, y[1], y[3], ep, tan_theta, nu_max, model, math.pi)
-    g0, _ = law.radial(nu, nu_max, model)
+    out[0], out[1], out[2], out[3] = slopes(nu, y[1], y[3], ep, tan_theta, radial_law, math.pi)
+    g0, _ = law.radial(nu, radial_law)
     out[4] = -nu * law.f1(nu, g0, ep) * y[1]
     out[5] = -nu * y[2]
 
@@ -30,10 +33,10 @@ def rhs(y, chute, out):  # type: ignore[no-untyped-def]
 @njit(cache=True, error_model="numpy")
 def energy_defect(y, chute):  # type: ignore[no-untyped-def]
     """(q − tanθ p u_slip + Δ p √T)/p, zero at the base."""
-    ep, tan_theta, nu_max, model, r, delta = chute[0], chute[1], chute[2], int(chute[3]), chute[4], chute[5]
+    ep, tan_theta, r, delta, radial_law = chute[0], chute[1], chute[2], chute[3], chute[4:]
     nu, T, Q = np.exp(y[0]), y[1], y[3]
-    g0, _ = law.radial(nu, nu_max, model)
-    _, _, u_z, _ = slopes(nu, T, Q, ep, tan_theta, nu_max, model, math.pi)
+    g0, _ = law.radial(nu, radial_law)
+    _, _, u_z, _ = slopes(nu, T, Q, ep, tan_theta, radial_law, math.pi)
     defect = Q / (law.f1(nu, g0, ep) * T) - tan_theta * slip(nu, T, u_z, g0, r, tan_theta, math.pi) + delta * T**0.5
     return defect.real
 
@@ -82,7 +85,7 @@ def descend(y0, chute, far_temperature, tolerance, z, states):  # type: ignore[n
     side = energy_defect(y0, chute) > 0.0
     while count < len(z) - 1:
         error = step(states[count], h, chute, stages, trial) / tolerance
-        physical = trial[1].real > 0.0 and np.exp(trial[0].real) < 0.9999 * chute[2]
+        physical = trial[1].real > 0.0 and np.exp(trial[0].real) < FILLED * law.densest(chute[4:])
         if error <= 1.0 and physical:
             z[count + 1] = z[count] + h
             states[count + 1] = trial

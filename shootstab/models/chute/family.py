@@ -10,21 +10,21 @@ import numpy as np
 
 from shootstab.core.errors import InputError, NoFlowError
 from shootstab.models.chute.parameters import Chute
-from shootstab.models.chute.steady import TOLERANCE, Flow, descend
+from shootstab.models.chute.registry import BRANCHES, BY_NAME
+from shootstab.models.chute.steady_flow import TOLERANCE, Flow, descend
 
-BRANCHES = ("high", "mid", "low")
-SCAN = (1e-2, 1e3, 121)  # T_∞ from, to, points: 24 a size_class
+SCAN = (1e-2, 1e3, 121)  # T_∞ from, to, points: 24 a decade
 SCOUTING = 1e-9  # the tolerance of flows that only tell where to look
-DOUBT = 1e-5  # of the mass flux: flows that miss it by no more say nothing unless they are as good as can be
+DOUBT = 1e-5  # of the mass flux: where a scouting flow comes nearer to it, its error could decide whether a flow is there (chosen)
 
 
 def flows(chute: Chute, mass_flux: float) -> list[Flow]:
     """Every flow with this mass flux and 0.01 ≤ T_∞ ≤ 1000, in the order of rising T_∞.
 
-    Two flows closer in T_∞ than a tenth of a size_class's third, next to a fold, are seen because the extrema of Q0(T_∞) are located too.
+    Two flows next to a fold of the family, closer in T_∞ than two points of the scan, are seen because the extrema of Q0(T_∞) are
+    located too. Raises InputError unless the mass flux is a positive, finite number.
     """
-    if not 0.0 < mass_flux < np.inf:
-        raise InputError(f"mass_flux = {mass_flux!r}: allowed is a finite number above 0")
+    BY_NAME["mass_flux"].check(mass_flux)
     found, nearest = _brackets(chute, mass_flux, SCOUTING)
     if not (nearest > DOUBT * mass_flux and all(_changes_sign(chute, mass_flux, *b) for b in found)):
         found, _ = _brackets(chute, mass_flux, TOLERANCE)
@@ -148,9 +148,7 @@ def with_base_flow_error(flow: Flow, factor: float) -> Flow:
     """
     tolerance = factor * flow.tolerance
     rng = np.random.default_rng(round(8 * factor))
-    given = flow.chute
-    e, e_w, r, tan_theta, nu_max = (_last_bit(x, rng) for x in (given.e, given.e_w, given.r, given.tan_theta, given.nu_max))
-    chute = replace(given, e=e, e_w=e_w, r=r, tan_theta=tan_theta, nu_max=nu_max)
+    chute = flow.chute.with_numbers(lambda x: _last_bit(x, rng))
     other = descend(chute, _last_bit(flow.far_temperature, rng), tolerance)
     if flow.asked_flux is None:
         return other

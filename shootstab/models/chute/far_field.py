@@ -41,7 +41,7 @@ def flow_series(chute: Chute, far_temperature: Any, far_velocity: Any, terms: in
     nu = Series((nothing, 1 + nothing, *(nothing,) * (terms - 2)))
     T, u, Q = constant(far_temperature, terms), constant(far_velocity, terms), constant(nothing, terms)
     for _ in range(1, terms):
-        decay, T_z, u_z, Q_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.nu_max, chute.model, pi)
+        decay, T_z, u_z, Q_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.radial_law, pi)
         T_x, u_x, Q_x = T_z / decay, u_z / decay, Q_z / decay + Q
         T = Series((far_temperature, *(T_x[m] / m for m in range(1, terms))))
         u = Series((far_velocity, *(u_x[m] / m for m in range(1, terms))))

@@ -35,7 +35,7 @@ def far_series(arithmetic: Arithmetic, chute: Chute, far_temperature: Any, terms
     zero, one = arithmetic.number(0), arithmetic.number(1)
     graph = RelaxedSystem(arithmetic)
     nu, T, u, Q = (graph.unknown() for _ in range(4))
-    decay, T_z, u_z, Q_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.nu_max, chute.model, arithmetic.pi)
+    decay, T_z, u_z, Q_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.radial_law, arithmetic.pi)
     T_x, u_x, Q_x, drift = T_z / decay, u_z / decay, Q_z / decay + Q, u / decay
     first = (zero, far_temperature, zero, zero)
     for m in range(terms):
@@ -84,7 +84,7 @@ class Descent:
         self._graph = RelaxedSystem(arithmetic)
         self._y = [self._graph.unknown() for _ in range(4)]
         nu, T, u, Q = self._y
-        decay, *rest = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.nu_max, chute.model, arithmetic.pi)
+        decay, *rest = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.radial_law, arithmetic.pi)
         self._slopes = [nu * decay, *rest, -(nu * u)]
 
     def expand(self) -> tuple[list[list[Any]], float]:
@@ -134,8 +134,8 @@ class Descent:
         """The base, if the flow has arrived there: u_∞ from the slip, Q0 = Φ + u_∞ p."""
         arithmetic, chute = self.arithmetic, self.chute
         nu, T, u, Q, flux = self.state
-        g0, _ = law.radial(nu, chute.nu_max, chute.model)
-        u_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.nu_max, chute.model, arithmetic.pi)[2]
+        g0, _ = law.radial(nu, chute.radial_law)
+        u_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.radial_law, arithmetic.pi)[2]
         far_velocity = arithmetic.rounded(slip(nu, T, u_z, g0, chute.r, chute.tan_theta, arithmetic.pi) - u)
         pressure = nu * law.f1(nu, g0, chute.ep) * T
         return Base(self.state, far_velocity, arithmetic.rounded(flux + far_velocity * pressure))
@@ -144,8 +144,8 @@ class Descent:
 def energy_defect(chute: Chute, nu: Any, T: Any, Q: Any, pi: Any) -> Any:
     """q/p − tanθ u_slip + Δ √T, zero at the base, for numbers and series."""
     delta = law.wall_dissipation(chute.r, chute.e_w, pi)
-    g0, _ = law.radial(nu, chute.nu_max, chute.model)
-    u_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.nu_max, chute.model, pi)[2]
+    g0, _ = law.radial(nu, chute.radial_law)
+    u_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.radial_law, pi)[2]
     u = slip(nu, T, u_z, g0, chute.r, chute.tan_theta, pi)
     return Q / (law.f1(nu, g0, chute.ep) * T) - chute.tan_theta * u + delta * T**0.5
 

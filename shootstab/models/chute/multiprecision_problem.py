@@ -48,9 +48,7 @@ class ChuteDigits:
 
     def chute(self, arithmetic: Arithmetic) -> Chute:
         """The parameters as exact decimals."""
-        c = self.problem.flow.chute
-        e, e_w, r, tan_theta, nu_max = (arithmetic.number(exact(x)) for x in (c.e, c.e_w, c.r, c.tan_theta, c.nu_max))
-        return Chute(e, e_w, r, tan_theta, nu_max, c.radial, c.wall)
+        return self.problem.flow.chute.with_numbers(lambda x: arithmetic.number(exact(x)))
 
     def integration(self, arithmetic: Arithmetic, settings: Settings, base: Base) -> ChuteIntegration:
         """See protocol.MultiprecisionProblem."""
@@ -230,7 +228,7 @@ class ChuteIntegration:
             P[0][q], P[5][q], P[6][q] = -divergence[q] / omega, -B[0][q], -B[1][q]
         for q in range(4):
             P[1 + q][q] = one
-        P[7][3] = law.coefficients(zero, self.chute.ep, self.chute.nu_max, self.chute.model, self.arithmetic.pi).g3[0] * T**0.5 * K
+        P[7][3] = law.coefficients(zero, self.chute.ep, self.chute.radial_law, self.arithmetic.pi).g3[0] * T**0.5 * K
         N = [[(B[i][j] - (K if i == j else 0)) * T for j in range(3)] + [zero] for i in range(3)] + [[zero] * 4]
         turn = (0, 2, 0, 0)  # column 1 of the frame belongs to v̂
         P = [[self._turned(x, i, turn[q]) for q, x in enumerate(row)] for i, row in enumerate(P)]

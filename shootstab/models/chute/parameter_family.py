@@ -1,4 +1,4 @@
-"""The problem that belongs to values of k_x, k_y, T_∞, Q0, tanθ, e, e_w and r, all else taken from one chute problem."""
+"""The problem that belongs to values of swept parameters (see registry.py), all else taken from one chute problem."""
 
 from __future__ import annotations
 
@@ -9,15 +9,17 @@ from typing import Any
 
 from shootstab.analyses.sweep.outcomes import NO_FLOW, NO_WAVE
 from shootstab.core.errors import InputError
+from shootstab.models.chute import registry
 from shootstab.models.chute.family import flows, member, steady_by_flux
 from shootstab.models.chute.parameters import Chute
 from shootstab.models.chute.perturbations import Perturbations
-from shootstab.models.chute.steady import Flow, descend
+from shootstab.models.chute.registry import BY_NAME, SWEPT, names
+from shootstab.models.chute.steady_flow import Flow, descend
 
-WAVE = ("kx", "ky")
-GRAINS = ("tan_theta", "e", "e_w", "r")
-COMMON = ("kx", "ky", "far_temperature", "mass_flux", "branch")
-NAMES = (*WAVE, "far_temperature", "mass_flux", *GRAINS)
+WAVE = names(registry.WAVE)
+GRAINS = tuple(p.name for p in SWEPT if p.of == registry.CHUTE)
+COMMON = (*WAVE, *names(registry.FLOW))
+NAMES = tuple(p.name for p in SWEPT)
 
 
 @dataclass(frozen=True)
@@ -39,22 +41,22 @@ class ChuteFamily:
 
     @classmethod
     def around(
-        cls, flow: Flow, kx: float, ky: float, names: tuple[str, ...], make: Callable[[Flow, float, float], Perturbations]
+        cls, flow: Flow, kx: float, ky: float, swept: tuple[str, ...], make: Callable[[Flow, float, float], Perturbations]
     ) -> ChuteFamily:
         """The family of the problem make(flow, kx, ky) in which these parameters vary.
 
-        A flow that was chosen by its mass flux keeps it, and its branch, where grains or the slope vary. Raises InputError for a name
-        that is none of NAMES, for one that comes twice, and for far_temperature beside mass_flux.
+        A flow that was chosen by its mass flux keeps it, and its branch, where grains or the slope vary. Raises InputError for a
+        parameter that cannot be swept, for one that comes twice, and for far_temperature beside mass_flux.
         """
-        for name in names:
+        for name in swept:
             if name not in NAMES:
                 raise InputError(f"{name}: cannot be swept: allowed is one of {', '.join(NAMES)}")
-            if names.count(name) > 1:
-                raise InputError(f"{name}: given {names.count(name)} times: allowed is once")
-        if "far_temperature" in names and "mass_flux" in names:
+            if swept.count(name) > 1:
+                raise InputError(f"{name}: given {swept.count(name)} times: allowed is once")
+        if "far_temperature" in swept and "mass_flux" in swept:
             raise InputError("far_temperature and mass_flux: allowed is one of them, for each determines the other")
-        keeps_flux = flow.asked_flux is not None and bool(set(names) & set(GRAINS)) and "far_temperature" not in names
-        if not keeps_flux and "mass_flux" not in names:
+        keeps_flux = flow.asked_flux is not None and bool(set(swept) & set(GRAINS)) and "far_temperature" not in swept
+        if not keeps_flux and "mass_flux" not in swept:
             return cls(flow.chute, kx, ky, flow.far_temperature, None, None, make)
         # the flux may be anything here, but the flow that was asked for says which branch is meant
         flux = flow.asked_flux if flow.asked_flux is not None else flow.mass_flux
@@ -62,11 +64,8 @@ class ChuteFamily:
 
     def checked(self, values: Mapping[str, float]) -> None:
         """Raise InputError where a value can be no parameter of a chute."""
-        self._chute(values)
-        if "far_temperature" in values:
-            Chute.require_temperature(values["far_temperature"])
-        if "mass_flux" in values and not values["mass_flux"] > 0.0:
-            raise InputError(f"mass_flux = {values['mass_flux']!r}: allowed is a finite number above 0")
+        for name, value in values.items():
+            BY_NAME[name].check(value)
 
     def flow(self, values: Mapping[str, float]) -> Flow:
         """The steady flow at these values, kept for the next wave on it. Raises InputError (NoFlowError among them) if there is none."""
@@ -98,8 +97,8 @@ class ChuteFamily:
         return {"chute": asdict(self.chute), **{name: getattr(self, name) for name in COMMON}}
 
     def _chute(self, values: Mapping[str, float]) -> Chute:
-        changed = {name: values[name] for name in GRAINS if name in values}
-        return replace(self.chute, **changed) if changed else self.chute  # type: ignore[arg-type]
+        changed: dict[str, Any] = {name: values[name] for name in GRAINS if name in values}
+        return replace(self.chute, **changed) if changed else self.chute
 
 
 @lru_cache(maxsize=16)

@@ -15,7 +15,7 @@ from shootstab.models.chute import first_order_system as system
 from shootstab.models.chute.background import Background, background, fields
 from shootstab.models.chute.family import with_base_flow_error
 from shootstab.models.chute.far_field import FarField
-from shootstab.models.chute.steady import Flow
+from shootstab.models.chute.steady_flow import Flow
 from shootstab.models.chute.wall import wall_rows
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
 

@@ -15,8 +15,8 @@ from shootstab.analyses.refine import refine
 from shootstab.analyses.sweep.dominance import FLOOR, DominantModes, count_dominant, lowest_floor, suggested
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.records import Mode
-from shootstab.models.chute.problem import ChuteProblem
-from shootstab.models.chute.steady import Flow
+from shootstab.models.chute.chute_problem import ChuteProblem
+from shootstab.models.chute.steady_flow import Flow
 
 STABLE, UNSTABLE, UNRESOLVED = "stable", "unstable", "unresolved"
 EXTENT = (1e-3, 1.0)  # wavenumbers times the height of the centre of mass

@@ -49,7 +49,7 @@ def base_matrices(chute: Chute, bg: Background, kx: Any, ky: Any, pi: Any) -> tu
     kappa, delta = law.slip_coefficient(r), law.wall_dissipation(r, chute.e_w, pi)
 
     x = Series((nu, 1 + 0 * nu))
-    A = law.wall_shear(x, law.radial(x, chute.nu_max, chute.model)[0], pi)
+    A = law.wall_shear(x, law.radial(x, chute.radial_law)[0], pi)
     B = law.wall_normal(A[0], r)
 
     S_x0 = root * (-kappa * u + (kappa - A[0] * r * r / 2) * u_z)

@@ -16,6 +16,7 @@ from shootstab.core.errors import InputError, ShootstabError
 from shootstab.core.series import Series
 from shootstab.models.chute import constitutive as law
 from shootstab.models.chute.parameters import Chute
+from shootstab.models.chute.registry import BY_NAME
 
 RADIAL = list(law.RADIAL_DISTRIBUTIONS)
 NAMES = ("g0", "g1", "g2", "g3", "g4", "g5", "g6", "A")
@@ -24,9 +25,9 @@ RESTITUTIONS = (0.3, 0.8, 0.95)
 NU_M = 0.62
 
 
-def direct(nu, ep, nu_max, model, pi):
+def direct(nu, ep, radial, pi):
     """g0 … g6 and A from the functions themselves, in the order of NAMES; nothing but arithmetic on nu."""
-    g0, dg0 = law.radial(nu, nu_max, model)
+    g0, dg0 = law.radial(nu, radial)
     return (
         g0,
         nu * law.f1(nu, g0, ep),
@@ -40,15 +41,15 @@ def direct(nu, ep, nu_max, model, pi):
 
 
 compiled = njit(
-    lambda nu, ep, nu_max, model, pi: (
-        law.radial(nu, nu_max, model)[0],
-        nu * law.f1(nu, law.radial(nu, nu_max, model)[0], ep),
-        law.g2(nu, law.radial(nu, nu_max, model)[0], ep, pi),
-        law.g3(nu, law.radial(nu, nu_max, model)[0], ep, pi),
-        law.g4(nu, law.radial(nu, nu_max, model)[0], law.radial(nu, nu_max, model)[1], ep, pi),
-        nu * nu * law.f5(law.radial(nu, nu_max, model)[0], ep, pi),
-        nu * nu * law.f6(law.radial(nu, nu_max, model)[0], ep, pi),
-        law.wall_shear(nu, law.radial(nu, nu_max, model)[0], pi),
+    lambda nu, ep, radial, pi: (
+        law.radial(nu, radial)[0],
+        nu * law.f1(nu, law.radial(nu, radial)[0], ep),
+        law.g2(nu, law.radial(nu, radial)[0], ep, pi),
+        law.g3(nu, law.radial(nu, radial)[0], ep, pi),
+        law.g4(nu, law.radial(nu, radial)[0], law.radial(nu, radial)[1], ep, pi),
+        nu * nu * law.f5(law.radial(nu, radial)[0], ep, pi),
+        nu * nu * law.f6(law.radial(nu, radial)[0], ep, pi),
+        law.wall_shear(nu, law.radial(nu, radial)[0], pi),
     )
 )
 
@@ -59,7 +60,7 @@ CASES = list(itertools.product(RADIAL, NUS, RESTITUTIONS))
 @pytest.mark.parametrize("radial", RADIAL)
 def test_symbolically_equal_to_the_table(radial):
     """With ν, η_p and ν_m symbols, every function is the table's expression: equal at 50 digits at random points, for SymPy arguments."""
-    ours = direct(NU, EP, NU_MAX, law.RADIAL_DISTRIBUTIONS[radial], sp.pi)
+    ours = direct(NU, EP, (law.RADIAL_DISTRIBUTIONS[radial], NU_MAX), sp.pi)
     for name, expression in zip(NAMES[:-1], ours[:-1], strict=True):  # SymPy takes (π²/288)**0.5 of A for a float; 60 digits below
         for nu, ep in ((sp.Rational(1, 7), sp.Rational(9, 10)), (sp.Rational(5, 11), sp.Rational(2, 3))):
             point = {NU: nu, EP: ep, NU_MAX: sp.Rational(16, 25)}
@@ -74,7 +75,7 @@ def test_values(radial, nu, e):
     with mpmath.workdps(30):
         expected = evaluator(radial, NAMES, 0, "mpmath")(mpmath.mpf(nu), mpmath.mpf(ep), mpmath.mpf(NU_M))
     for function in (direct, compiled):
-        for name, got, value in zip(NAMES, function(nu, ep, NU_M, model, math.pi), expected, strict=True):
+        for name, got, value in zip(NAMES, function(nu, ep, (model, NU_M), math.pi), expected, strict=True):
             assert got == pytest.approx(float(value), rel=2e-14, abs=0.0), name
 
 
@@ -83,16 +84,18 @@ def test_values(radial, nu, e):
 def test_compiled_and_uncompiled_agree_for_complex_arguments(radial, nu):
     ep, model = 0.9, law.RADIAL_DISTRIBUTIONS[radial]
     for argument in (nu + 0.02j, nu * (1 - 0.3j)):
-        for name, a, b in zip(NAMES, direct(argument, ep, NU_M, model, math.pi), compiled(argument, ep, NU_M, model, math.pi), strict=True):
+        for name, a, b in zip(
+            NAMES, direct(argument, ep, (model, NU_M), math.pi), compiled(argument, ep, (model, NU_M), math.pi), strict=True
+        ):
             assert abs(a - b) <= 1e-14 * abs(a), name
 
 
 @pytest.mark.parametrize("radial", RADIAL)
 def test_arrays_and_scalars_agree(radial):
     nu, model = np.array(NUS), law.RADIAL_DISTRIBUTIONS[radial]
-    whole = direct(nu, 0.9, NU_M, model, math.pi)
+    whole = direct(nu, 0.9, (model, NU_M), math.pi)
     for i, value in enumerate(NUS):
-        for name, a, b in zip(NAMES, whole, direct(value, 0.9, NU_M, model, math.pi), strict=True):
+        for name, a, b in zip(NAMES, whole, direct(value, 0.9, (model, NU_M), math.pi), strict=True):
             assert a[i] == pytest.approx(b, rel=1e-14, abs=0.0), name
 
 
@@ -102,8 +105,8 @@ def test_no_double_constant_hides_in_the_formulas(radial, digits):
     """With mpmath arguments all digits are right: a 2**0.5 or a 0.6 in a formula would leave 1e−17."""
     with mpmath.workdps(digits):
         nu, ep, nu_max = mpmath.mpf("0.337"), mpmath.mpf("0.91"), mpmath.mpf("0.63")
-        got = direct(nu, ep, nu_max, law.RADIAL_DISTRIBUTIONS[radial], mpmath.pi)
-        g = law.coefficients(nu, ep, nu_max, law.RADIAL_DISTRIBUTIONS[radial], mpmath.pi)
+        got = direct(nu, ep, (law.RADIAL_DISTRIBUTIONS[radial], nu_max), mpmath.pi)
+        g = law.coefficients(nu, ep, (law.RADIAL_DISTRIBUTIONS[radial], nu_max), mpmath.pi)
     with mpmath.workdps(digits + 10):
         expected = evaluator(radial, NAMES, 0, "mpmath")(nu, ep, nu_max)
         slopes = evaluator(radial, NAMES, 1, "mpmath")(nu, ep, nu_max)
@@ -134,12 +137,12 @@ def test_no_double_constant_hides_in_the_wall_functions(digits):
 def test_derivatives(radial, nu, e):
     """`coefficients` against SymPy's derivative, and against a complex step through the functions themselves."""
     ep, model = (1 + e) / 2, law.RADIAL_DISTRIBUTIONS[radial]
-    g = law.coefficients(nu, ep, NU_M, model, math.pi)
+    g = law.coefficients(nu, ep, (model, NU_M), math.pi)
     with mpmath.workdps(30):
         arguments = (mpmath.mpf(nu), mpmath.mpf(ep), mpmath.mpf(NU_M))
         values = dict(zip(NAMES, evaluator(radial, NAMES, 0, "mpmath")(*arguments), strict=True))
         slopes = dict(zip(NAMES, evaluator(radial, NAMES, 1, "mpmath")(*arguments), strict=True))
-    step = dict(zip(NAMES, direct(nu + 1e-50j, ep, NU_M, model, math.pi), strict=True))
+    step = dict(zip(NAMES, direct(nu + 1e-50j, ep, (model, NU_M), math.pi), strict=True))
     for name in NAMES[1:7]:
         value, slope = getattr(g, name).coefficients
         size = abs(float(slopes[name])) + abs(float(values[name]))  # a derivative may vanish where the function does not
@@ -154,7 +157,7 @@ def test_radial_derivative(radial, nu):
     with mpmath.workdps(30):
         for order in (1, 2):
             expected = evaluator(radial, ("g0",), order, "mpmath")(mpmath.mpf(nu), mpmath.mpf(1), mpmath.mpf(NU_M))[0]
-            g0, dg0 = law.radial(Series((nu, 1.0)), NU_M, model)
+            g0, dg0 = law.radial(Series((nu, 1.0)), (model, NU_M))
             got = (g0[1], dg0[1])[order - 1]
             assert got == pytest.approx(float(expected), rel=1e-13, abs=0.0)
             assert dg0[0] == pytest.approx(g0[1], rel=1e-14, abs=0.0)
@@ -162,10 +165,10 @@ def test_radial_derivative(radial, nu):
 
 def test_reduced_functions_are_g1_g5_g6_without_their_powers_of_nu():
     """They hold their value where g1, g5, g6 underflow."""
-    g = law.coefficients(1e-200, 0.9, NU_M, law.LUN_SAVAGE, math.pi)
+    g = law.coefficients(1e-200, 0.9, (law.LUN_SAVAGE, NU_M), math.pi)
     assert g.f1[0] == 1.0 and g.g5[0] == 0.0
     assert g.f5[0] == pytest.approx(48 * 0.9 * 0.1 / math.sqrt(math.pi), rel=1e-15, abs=0.0)
-    g = law.coefficients(0.2, 0.9, NU_M, law.LUN_SAVAGE, math.pi)
+    g = law.coefficients(0.2, 0.9, (law.LUN_SAVAGE, NU_M), math.pi)
     assert g.g1[0] == pytest.approx(0.2 * g.f1[0], rel=1e-15, abs=0.0) and g.g5[0] == pytest.approx(0.04 * g.f5[0], rel=1e-15, abs=0.0)
 
 
@@ -183,12 +186,12 @@ def test_dilute_limits(radial, e):
         "g3": 25 * root_pi / (16 * ep * (41 - 33 * ep)),
         "g4": 25 * root_pi / (16 * ep * (41 - 33 * ep)) * 12 / 5 * ep * (2 * ep - 1) * (1 - ep) * 2,
     }
-    at_zero = dict(zip(NAMES, direct(np.array(1e-200), ep, NU_M, model, math.pi), strict=True))
+    at_zero = dict(zip(NAMES, direct(np.array(1e-200), ep, (model, NU_M), math.pi), strict=True))
     for name, value in limit.items():
         assert float(at_zero[name]) == pytest.approx(value, rel=1e-14, abs=1e-300), name
-    assert law.radial(1e-200, NU_M, model)[1] == pytest.approx(dg0, rel=1e-14, abs=0.0)
+    assert law.radial(1e-200, (model, NU_M))[1] == pytest.approx(dg0, rel=1e-14, abs=0.0)
     for nu, bound in ((1e-4, 1e-2), (1e-6, 1e-4)):
-        g = dict(zip(NAMES, direct(nu, ep, NU_M, model, math.pi), strict=True))
+        g = dict(zip(NAMES, direct(nu, ep, (model, NU_M), math.pi), strict=True))
         for name, value in limit.items():
             assert abs(g[name] - value) <= bound * max(abs(value), 1e-12)
         assert abs(g["g1"] / nu - 1) <= bound
@@ -198,13 +201,13 @@ def test_dilute_limits(radial, e):
 
 def test_elastic_grains_dissipate_nothing_and_carry_no_heat_along_grad_nu():
     for model in (law.LUN_SAVAGE, law.CARNAHAN_STARLING):
-        g = law.coefficients(0.3, 1.0, NU_M, model, math.pi)
+        g = law.coefficients(0.3, 1.0, (model, NU_M), math.pi)
         assert g.g4[0] == 0.0 and g.g5[0] == 0.0 and g.g4[1] == 0.0 and g.g5[1] == 0.0
 
 
 def test_lun_savage_diverges_at_nu_max_and_carnahan_starling_does_not():
-    assert law.radial(NU_M * (1 - 1e-12), NU_M, law.LUN_SAVAGE)[0] > 1e18
-    assert law.radial(NU_M, NU_M, law.CARNAHAN_STARLING)[0] == pytest.approx((2 - NU_M) / (2 * (1 - NU_M) ** 3), rel=1e-15, abs=0.0)
+    assert law.radial(NU_M * (1 - 1e-12), (law.LUN_SAVAGE, NU_M))[0] > 1e18
+    assert law.radial(NU_M, (law.CARNAHAN_STARLING, NU_M))[0] == pytest.approx((2 - NU_M) / (2 * (1 - NU_M) ** 3), rel=1e-15, abs=0.0)
 
 
 # ------------------------------------------------------------------------------------------------ parameters
@@ -230,14 +233,14 @@ def test_unphysical_parameters_are_named_with_what_is_allowed(name, value):
 @pytest.mark.parametrize("temperature", [0.0, -1.0, math.inf, math.nan])
 def test_unphysical_far_temperature(temperature):
     with pytest.raises(InputError, match=r"^far_temperature = .*: allowed is a finite number above 0$"):
-        Chute.require_temperature(temperature)
+        BY_NAME["far_temperature"].check(temperature)
 
 
 def test_chute_numbers():
     chute = Chute(**GOOD, radial="carnahan-starling")
     delta = math.sqrt(2 / math.pi) * 2 * 0.2 / (1 + 0.8)
-    assert chute.numbers == pytest.approx([0.9, 0.3, 0.62, law.CARNAHAN_STARLING, 0.6, delta], rel=1e-15, abs=0.0)
-    assert chute.model == law.CARNAHAN_STARLING and Chute(**GOOD).model == law.LUN_SAVAGE
+    assert chute.numbers == pytest.approx([0.9, 0.3, 0.6, delta, law.CARNAHAN_STARLING, 0.62], rel=1e-15, abs=0.0)
+    assert chute.radial_law == (law.CARNAHAN_STARLING, 0.62) and Chute(**GOOD).radial_law == (law.LUN_SAVAGE, 0.62)
     assert (Chute(**GOOD).nu_max, Chute(**GOOD).wall) == (0.62, "printed")
     for e, e_w in ((1.0, 1.0), (1e-3, 1e-3)):
         Chute(**{**GOOD, "e": e, "e_w": e_w})

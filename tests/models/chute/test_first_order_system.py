@@ -30,7 +30,7 @@ from shootstab.core.series import Series
 from shootstab.models.chute.background import Background, background
 from shootstab.models.chute.first_order_system import SIZE, continuum, pencil_entries
 from shootstab.models.chute.parameters import Chute
-from shootstab.models.chute.steady import descend
+from shootstab.models.chute.steady_flow import descend
 
 PAPER = Chute(e=0.8, e_w=0.8, r=0.6, tan_theta=0.3)
 CHUTES = [PAPER, Chute(e=0.93, e_w=0.7, r=0.4, tan_theta=0.41), Chute(e=0.7, e_w=0.9, r=0.5, tan_theta=0.35, radial="carnahan-starling")]

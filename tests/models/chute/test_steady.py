@@ -18,7 +18,7 @@ from shootstab.models.chute.balance import slopes
 from shootstab.models.chute.constitutive import radial, slip_coefficient
 from shootstab.models.chute.family import BRANCHES, flows, steady_by_flux
 from shootstab.models.chute.parameters import Chute
-from shootstab.models.chute.steady import NU_TOP, Flow, _place_base, descend, top_state
+from shootstab.models.chute.steady_flow import NU_TOP, Flow, _place_base, descend, top_state
 
 PAPER = Chute(e=0.8, e_w=0.8, r=0.6, tan_theta=0.3)
 NEARLY_ELASTIC = Chute(e=0.95, e_w=0.8, r=0.6, tan_theta=0.2)
@@ -387,7 +387,7 @@ def test_taylor_integration_in_thirty_digits():
                 exact = [horner(c, t) for c in (nu, T, u, q)]
                 exact_z = [horner(c.derivative(), t) for c in (nu, T, u)]
                 exact[2] += far_velocity
-                decay, T_z, u_z, _ = slopes(np.exp(y[0]), y[1], y[3], PAPER.ep, PAPER.tan_theta, PAPER.nu_max, PAPER.model, math.pi)
+                decay, T_z, u_z, _ = slopes(np.exp(y[0]), y[1], y[3], PAPER.ep, PAPER.tan_theta, PAPER.radial_law, math.pi)
                 got = (np.exp(y[0]), y[1], y[2], np.exp(y[0]) * y[3])
                 for a, b in zip(got[:3], exact[:3], strict=True):
                     assert a == pytest.approx(float(b), rel=1e-12, abs=0.0)
@@ -429,7 +429,7 @@ def test_flow_is_analytic(far_temperature, centre, radius):
     assert np.all(np.abs(loop[:-1].mean(axis=0) - at_centre) <= 2e-12 * scale)
     y = at_centre.real
     nu, T, Q = math.exp(y[0]), y[1], y[3]
-    rates = slopes(nu, T, Q, PAPER.ep, PAPER.tan_theta, PAPER.nu_max, PAPER.model, math.pi)
+    rates = slopes(nu, T, Q, PAPER.ep, PAPER.tan_theta, PAPER.radial_law, math.pi)
     moment = (loop[:-1] / phase[:-1, None]).mean(axis=0) / radius
     for c in range(4):
         assert abs(moment[c] - rates[c]) <= 5e-12 * scale[c] / radius + 1e-12 * abs(rates[c])
@@ -443,7 +443,7 @@ def test_cauchy_riemann():
     weights = ((1, 3 / 4), (2, -3 / 20), (3, 1 / 60))
     for z in (1.3 + 0.4j, 0.3 - 0.2j, 8.0 + 2.0j):
         y = flow.at(z)
-        rates = np.array(slopes(np.exp(y[0]), y[1], y[3], PAPER.ep, PAPER.tan_theta, PAPER.nu_max, PAPER.model, math.pi))
+        rates = np.array(slopes(np.exp(y[0]), y[1], y[3], PAPER.ep, PAPER.tan_theta, PAPER.radial_law, math.pi))
         h = 0.02
         along, across = (sum(c * (flow.at(z + k * d) - flow.at(z - k * d)) for k, c in weights)[:4] / d for d in (h, 1j * h))
         assert np.all(np.abs(along - across) <= 1e-9 * (1 + np.abs(rates)))
@@ -619,7 +619,7 @@ def test_height_is_where_nu_is(chute, far_temperature):
     flow = flow_of(chute, far_temperature)
     for nu in (1e-25, 1e-12, 1e-4 * flow.base["nu"]):
         assert math.exp(flow.at(flow.height(nu))[0].real) == pytest.approx(nu, rel=1e-10, abs=0.0)
-    assert float(radial(flow.base["nu"], chute.nu_max, chute.model)[0]) > 1.0
+    assert float(radial(flow.base["nu"], chute.radial_law)[0]) > 1.0
 
 
 def test_scouting_with_cruder_flows_finds_the_same_members(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,7 +14,7 @@ from linearization import A0, A0_NU, B0, DELTA, KAPPA, KX, KY, ROUGHNESS, TABLE_
 from shootstab.models.chute import constitutive as law
 from shootstab.models.chute.background import background
 from shootstab.models.chute.parameters import Chute
-from shootstab.models.chute.steady import descend
+from shootstab.models.chute.steady_flow import descend
 from shootstab.models.chute.wall import base_matrices, wall_rows
 
 CHUTES = [
@@ -184,7 +184,7 @@ def test_wall_rows_in_psi(chute, state):
 def test_boundary_functions_are_A15_A16_A18():
     for radial in law.RADIAL_DISTRIBUTIONS:
         for nu in (0.05, 0.3, 0.55):
-            g0, _ = law.radial(nu, 0.62, law.RADIAL_DISTRIBUTIONS[radial])
+            g0, _ = law.radial(nu, (law.RADIAL_DISTRIBUTIONS[radial], 0.62))
             A = 1 + math.pi / (12 * math.sqrt(2)) * (1 + 5 / (8 * nu * g0))
             assert law.wall_shear(nu, g0, math.pi) == pytest.approx(A, rel=1e-15, abs=0.0)
     for r in (0.0, 0.2, 0.6, 0.95):

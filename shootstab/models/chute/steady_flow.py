@@ -22,6 +22,7 @@ from shootstab.models.chute import descent
 from shootstab.models.chute.balance import slip, slopes
 from shootstab.models.chute.descent import SIZE
 from shootstab.models.chute.parameters import Chute
+from shootstab.models.chute.registry import BY_NAME
 
 NU_TOP = 1e-18
 TOLERANCE = 2e-14
@@ -98,7 +99,7 @@ class Flow:
         z = float(self.nodes[i])
         for _ in range(30):
             y = self.at(z)
-            rate = slopes(np.exp(y[0]), y[1], y[3], self.chute.ep, self.chute.tan_theta, self.chute.nu_max, self.chute.model, math.pi)[0]
+            rate = slopes(np.exp(y[0]), y[1], y[3], self.chute.ep, self.chute.tan_theta, self.chute.radial_law, math.pi)[0]
             step = (target - y[0].real) / rate.real
             z += step
             if abs(step) < 1e-12 * (self.far_temperature + abs(z)):
@@ -115,7 +116,7 @@ class Flow:
     def hold_up(self) -> float:
         """M0 = ∫ν dz of (2.8); it is the pressure at the base, since p′ = −ν."""
         nu, T = self.base["nu"], self.base["T"]
-        g0, _ = law.radial(nu, self.chute.nu_max, self.chute.model)
+        g0, _ = law.radial(nu, self.chute.radial_law)
         return float(nu * law.f1(nu, g0, self.chute.ep) * T)
 
     @cached_property
@@ -135,7 +136,7 @@ def top_state(chute: Chute, far_temperature: float, log_nu: NDArray[np.complex12
     T = T_∞ (1 + (g4/g3) ν), Q = −(tanθ²/g2 − f5) T_∞^{5/2} ν / 2, u − u_∞ = −(tanθ/g2) T_∞^{3/2} ν.
     """
     nu = np.exp(log_nu)
-    c = law.coefficients(0.0, chute.ep, chute.nu_max, chute.model, math.pi)
+    c = law.coefficients(0.0, chute.ep, chute.radial_law, math.pi)
     g2, g3, g4, f5 = (float(g[0]) for g in (c.g2, c.g3, c.g4, c.f5))
     out = np.empty((len(nu), SIZE), dtype=np.complex128)
     out[:, 0] = log_nu
@@ -152,7 +153,7 @@ def descend(chute: Chute, far_temperature: float, tolerance: float = TOLERANCE) 
 
     Raises NoFlowError where the curve never meets the energy condition of the base, and for a smooth base.
     """
-    chute.require_temperature(far_temperature)
+    BY_NAME["far_temperature"].check(far_temperature)
     if law.slip_coefficient(chute.r) == 0.0:
         raise NoFlowError(f"r = {chute.r:g}: no steady flow, for a smooth base bears no shear; r must be above 0")
     z = np.zeros(6000)
@@ -191,13 +192,13 @@ def _with_slip(chute: Chute, far_temperature: float, z: NDArray[np.float64], sta
     """Add the constant to u that the slip condition asks for, and carry it into ∫νu."""
     log_nu, T, u, Q = states[-1, :4].real
     nu = math.exp(log_nu)
-    g0, _ = law.radial(nu, chute.nu_max, chute.model)
-    u_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.nu_max, chute.model, math.pi)[2]
+    g0, _ = law.radial(nu, chute.radial_law)
+    u_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.radial_law, math.pi)[2]
     far_velocity = slip(nu, T, u_z, g0, chute.r, chute.tan_theta, math.pi) - u
     states = states.copy()
     states[:, 2] += far_velocity
     # ∫_z^∞ ν dz = p
     nus = np.exp(states[:, 0])
-    g0s, _ = law.radial(nus, chute.nu_max, chute.model)
+    g0s, _ = law.radial(nus, chute.radial_law)
     states[:, 5] += far_velocity * nus * law.f1(nus, g0s, chute.ep) * states[:, 1]
     return Flow(chute, far_temperature, z, states, float(far_velocity), tolerance)
