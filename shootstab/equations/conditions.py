@@ -1,0 +1,66 @@
+"""The ends of a problem in equations: conditions in its own language at a finite place, or an end at infinity."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from shootstab.core.errors import InputError
+from shootstab.equations.affine import Condition
+from shootstab.equations.first_order import FirstOrder
+from shootstab.equations.names import Names
+from shootstab.equations.system import Row, row_of
+from shootstab.problems.ends import Infinity
+
+
+@dataclass(frozen=True, eq=False)
+class Conditions:
+    """A finite end: each formula in `conditions`, linear in the unknowns and their derivatives, vanishes at the coordinate `at`."""
+
+    at: float
+    conditions: Sequence[Any]
+
+
+End = Conditions | Infinity
+
+
+def end_of(given: Any, side: str) -> End:
+    """An end from what the user wrote. Raises InputError."""
+    if isinstance(given, dict):
+        if set(given) != {"at", "conditions"}:
+            raise InputError(f"{side} has {', '.join(map(str, given)) or 'nothing'}: allowed is {{at = ..., conditions = [...]}}")
+        given = Conditions(given["at"], given["conditions"])
+    if isinstance(given, Infinity):
+        return given
+    if not isinstance(given, Conditions):
+        raise InputError(f"{side} = {given!r}: allowed is st.Conditions(at, [...]) or st.Infinity()")
+    if isinstance(given.at, bool) or not isinstance(given.at, int | float) or not math.isfinite(given.at):
+        raise InputError(f"{side}: at = {given.at!r}: allowed is a finite number, or st.Infinity()")
+    if isinstance(given.conditions, str) or not isinstance(given.conditions, Sequence):
+        raise InputError(f"{side}: conditions = {given.conditions!r}: allowed is a list of formulas")
+    return given
+
+
+def rows_of(end: End, side: str, names: Names) -> list[tuple[str, Row]]:
+    """The conditions as the user means them, each with what errors call it."""
+    if isinstance(end, Infinity):
+        return []
+    out = []
+    for i, formula in enumerate(end.conditions, 1):
+        where = f"{side} condition {i}"
+        out.append((where, row_of(names.expression(formula, where), where)))
+    return out
+
+
+def in_states(rows: list[tuple[str, Row]], first: FirstOrder) -> list[Condition]:
+    """The conditions on the states. Raises InputError for one that holds already, by the equations."""
+    number_of = {state: i for i, state in enumerate(first.states)}
+    out = []
+    for where, row in rows:
+        reduced = first.in_states(row)
+        if not reduced:
+            raise InputError(f"{where} says nothing: the equations themselves make it true; allowed are conditions that they leave open")
+        out.append({number_of[at]: c for at, c in reduced.items()})
+    return out

@@ -1,0 +1,63 @@
+"""The real domain of a problem, and what a function of z does on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.equations.evaluation import Given, on_arrays
+from shootstab.equations.expression import Expression
+from shootstab.equations.vanishing import Vanishing
+
+SAMPLES = 801
+FAR = 1e3  # where samples end towards infinity
+FINITE = 4.0  # length that stands for an infinite one where a function is tested for being zero
+SMALL = 1e-9  # of the largest value: what is no larger is a zero
+
+
+@dataclass(frozen=True, eq=False)
+class Domain:
+    """From left to right, either of them infinite."""
+
+    left: float
+    right: float
+    given: Given
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """Inside, denser towards the ends."""
+        x = -np.cos(np.pi * (np.arange(SAMPLES) + 0.5) / SAMPLES)
+        if np.isfinite(self.left) and np.isfinite(self.right):
+            return np.asarray(0.5 * (self.left + self.right) + 0.5 * (self.right - self.left) * x)
+        if np.isfinite(self.left):
+            return np.asarray(self.left + np.geomspace(1e-6, FAR, SAMPLES))
+        if np.isfinite(self.right):
+            return np.asarray(self.right - np.geomspace(FAR, 1e-6, SAMPLES))
+        half = np.geomspace(1e-6, FAR, SAMPLES // 2)
+        return np.concatenate((-half[::-1], [0.0], half))
+
+    @property
+    def vanishing(self) -> Vanishing:
+        """The test for zero on it."""
+        left = self.left if np.isfinite(self.left) else (self.right if np.isfinite(self.right) else 0.5 * FINITE) - FINITE
+        right = self.right if np.isfinite(self.right) else left + FINITE
+        return Vanishing(left, right, self.given)
+
+    def regular(self, expression: Expression) -> bool:
+        """Whether a function of z is finite and has no zero on the samples, nor changes its sign between them."""
+        return self.zero(expression) is None
+
+    def zero(self, expression: Expression) -> float | None:
+        """A point at or next to which it vanishes or is not finite; None if there is none among the samples."""
+        z = self.points
+        with np.errstate(all="ignore"):
+            values = np.broadcast_to(np.asarray(on_arrays(z, self.given)(expression)), z.shape)
+        size = np.abs(values)
+        bad = ~np.isfinite(size)
+        if not bad.any():
+            bad = size <= SMALL * size.max()
+        if not bad.any() and not np.iscomplex(values).any():
+            bad = np.append(np.diff(np.sign(values.real)) != 0, False)
+        return float(z[bad][0]) if bad.any() else None

@@ -1,0 +1,139 @@
+"""Expressions evaluated: on arrays of doubles, on mpmath numbers, and, by the same walk, on anything else that has the operations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.equations.expression import Atom, Exponent, Expression
+from shootstab.equations.gaussian import Gaussian
+from shootstab.problems.protocol import ComplexArray
+
+Given = Mapping[str, Callable[[Any, int], Any]]  # by name, (z, order) ↦ a function's derivative of that order at z
+
+
+class Evaluator:
+    """One walk over expressions at one z; every atom is evaluated once.
+
+    number takes a Gaussian rational and apply(name, x) a function of expression.FUNCTIONS to what the walk computes with; power(x, e)
+    is x^e for an exponent that is no natural number; values are those of the atoms that are known beforehand, by their names.
+    """
+
+    def __init__(
+        self,
+        number: Callable[[Gaussian], Any],
+        apply: Callable[[str, Any], Any],
+        power: Callable[[Any, Fraction], Any],
+        values: Mapping[str, Any],
+        given: Callable[[str, int], Any],
+    ) -> None:
+        self._number, self._apply, self._power, self._values, self._given = number, apply, power, values, given
+        self._atoms: dict[Atom, Any] = {}
+        self._powers: dict[tuple[Atom, Exponent], Any] = {}
+
+    def __call__(self, expression: Expression) -> Any:
+        """Its value; 0 as a plain number where it has no terms."""
+        total: Any = None
+        for monomial, c in expression.terms.items():
+            product: Any = None
+            for atom, exponent in monomial:
+                factor = self._factor(atom, exponent)
+                product = factor if product is None else product * factor
+            coefficient = self._number(c)
+            term = coefficient if product is None else product if c.re == 1 and not c.im else product * coefficient
+            total = term if total is None else total + term
+        return 0 if total is None else total
+
+    def _factor(self, atom: Atom, exponent: Exponent) -> Any:
+        if exponent == 1:
+            return self._atom(atom)
+        if (atom, exponent) not in self._powers:
+            base = self._atom(atom)
+            natural = Fraction(exponent).denominator == 1 and exponent > 0
+            self._powers[atom, exponent] = base ** int(exponent) if natural else self._power(base, Fraction(exponent))
+        return self._powers[atom, exponent]
+
+    def _atom(self, atom: Atom) -> Any:
+        if atom not in self._atoms:
+            if atom.kind == "given":
+                self._atoms[atom] = self._given(atom.name, atom.order)
+            elif atom.argument is None:
+                self._atoms[atom] = self._values[atom.name]
+            else:
+                inner = self(atom.argument)
+                self._atoms[atom] = inner if atom.kind == "base" else self._apply(atom.name, inner)
+        return self._atoms[atom]
+
+
+def on_arrays(z: Any, given: Given, sigma: Any = None) -> Evaluator:
+    """Doubles, z real or complex (m,)."""
+    values = {"z": z, "pi": np.pi} if sigma is None else {"z": z, "pi": np.pi, "sigma": sigma}
+    return Evaluator(_double, _apply_numpy, _power_numpy, values, lambda name, order: given[name](z, order))
+
+
+def on_mpmath(z: Any, given: Given, sigma: Any = None) -> Evaluator:
+    """mpmath numbers, at the working precision."""
+    import mpmath
+
+    values = {"z": z, "pi": +mpmath.mp.pi, "sigma": sigma}
+    return Evaluator(_multiprecise, _apply_mpmath, _power_mpmath, values, lambda name, order: given[name](z, order))
+
+
+def filled(entries: Mapping[tuple[int, int], Expression], shape: tuple[int, int], z: ComplexArray, at: Evaluator) -> ComplexArray:
+    """A matrix (m, *shape) from its entries at z (m,)."""
+    out: NDArray[np.complex128] = np.zeros((len(z), *shape), dtype=np.complex128)
+    with np.errstate(all="ignore"):  # what is not finite is found, and told with its place, by who asked for the matrix
+        for (i, j), entry in entries.items():
+            out[:, i, j] = at(entry)
+    return out
+
+
+def _double(c: Gaussian) -> complex | float:
+    return complex(c) if c.im else float(c.re)
+
+
+def _apply_numpy(name: str, x: Any) -> Any:
+    if name == "sech":
+        decay = np.exp(-np.where(np.real(x) < 0, -x, x))
+        return 2 * decay / (1 + decay * decay)
+    if name == "erf":
+        from scipy.special import erf
+
+        return erf(x)
+    if name in ("sqrt", "log") and np.isrealobj(x) and (np.asarray(x) < 0).any():
+        x = np.asarray(x, dtype=np.complex128)
+    return getattr(np, name)(x)
+
+
+def _power_numpy(x: Any, exponent: Fraction) -> Any:
+    if exponent.denominator == 1:
+        return 1.0 / x ** -int(exponent)
+    if np.isrealobj(x) and (np.asarray(x) < 0).any():
+        x = np.asarray(x, dtype=np.complex128)
+    if exponent.denominator == 2:
+        root = np.sqrt(x)
+        return root ** exponent.numerator if exponent > 0 else 1.0 / root**-exponent.numerator
+    return x ** float(exponent)
+
+
+def _multiprecise(c: Gaussian) -> Any:
+    import mpmath
+
+    re, im = (mpmath.mpf(x.numerator) / x.denominator for x in (Fraction(c.re), Fraction(c.im)))
+    return mpmath.mpc(re, im) if c.im else re
+
+
+def _apply_mpmath(name: str, x: Any) -> Any:
+    import mpmath
+
+    return getattr(mpmath, name)(x)
+
+
+def _power_mpmath(x: Any, exponent: Fraction) -> Any:
+    import mpmath
+
+    return mpmath.power(x, mpmath.mpf(exponent.numerator) / exponent.denominator)

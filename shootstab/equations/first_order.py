@@ -1,0 +1,132 @@
+"""The first-order system that a reduction ends with: C(z, σ) ψ′ = D(z, σ) ψ, and every unknown in terms of its states ψ."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from shootstab.core.errors import InputError
+from shootstab.equations.elimination import determinant
+from shootstab.equations.expression import Expression, number
+from shootstab.equations.reduction import Reduction, reduced
+from shootstab.equations.system import Jet, Row, System, coefficients, combined, degree, differentiated
+from shootstab.equations.vanishing import Vanishing
+
+Entries = dict[tuple[int, int], Expression]
+MOST = 2000  # substitutions in one expression, more than any needs
+
+
+@dataclass(frozen=True, eq=False)
+class FirstOrder:
+    """states: ψ, each an unknown (or a flux) with the order of its derivative; C and D by their non-zero entries, polynomials in σ.
+
+    rules give what is no state: row = 0 holds, and finds the jet that it is filed under. fluxes are the unknowns that were introduced.
+    factors: what equations were multiplied by that may vanish somewhere, with the names of the equations.
+    """
+
+    states: tuple[Jet, ...]
+    C: Entries
+    D: Entries
+    rules: Mapping[str, tuple[Jet, Row]]
+    fluxes: Mapping[str, Row]
+    factors: tuple[tuple[Expression, str], ...]
+    leading: tuple[dict[str, Expression], ...]
+    vanishing: Vanishing
+
+    @property
+    def order(self) -> int:
+        """n."""
+        return len(self.states)
+
+    @property
+    def degree(self) -> int:
+        """In σ."""
+        return max(degree(entry) for entries in (self.C, self.D) for entry in entries.values())
+
+    @cached_property
+    def determinant(self) -> dict[int, Expression]:
+        """det C by powers of σ."""
+        columns = sorted({name for row in self.leading for name in row})
+        whole = {power: c for power, c in coefficients(determinant(self.leading, columns)).items() if not self.vanishing(c)}
+        return dict(sorted(whole.items()))
+
+    def in_states(self, row: Row) -> Row:
+        """The same in terms of the states alone, up to a factor that vanishes for single σ at most."""
+        states = set(self.states)
+        for _ in range(MOST):
+            foreign = [at for at in row if at not in states]
+            if not foreign:
+                return row
+            name, order = max(foreign, key=lambda at: at[1])
+            (_, top), rule = self.rules[name]
+            rule = differentiated(rule, order - top, self.vanishing)
+            pivot, x = rule[name, order], row[name, order]
+            p, x = (number(1), x / pivot) if degree(pivot) == 0 else (pivot, x)
+            row = combined([(p, row), (-x, rule)], self.vanishing)
+            row.pop((name, order), None)
+        raise InputError(f"a condition needs more than {MOST} substitutions: allowed are lower derivatives")
+
+
+def first_order(system: System, vanishing: Vanishing, regular: object) -> FirstOrder:
+    """The reduction of a system as a first-order one. Raises InputError where there is none."""
+    reduction: Reduction = reduced(system, vanishing, regular)  # type: ignore[arg-type]
+    tops = reduction.tops
+    if sum(tops.values()) == 0:
+        raise InputError("the equations hold no derivative that remains: they are no differential equations for the unknowns")
+    names = [*(name for name in system.unknowns if name in tops), *(name for name in reduction.fluxes if name in tops)]
+    states = tuple((name, k) for name in names for k in range(tops[name]))
+    at = {state: i for i, state in enumerate(states)}
+    C: Entries = {(i, i): number(1) for (name, k), i in at.items() if k + 1 < tops[name]}
+    D: Entries = {(i, i + 1): number(1) for (name, k), i in at.items() if k + 1 < tops[name]}
+    leading: list[dict[str, Expression]] = []
+    for name, row in zip(names, _in_order(reduction, names, tops), strict=True):
+        place = at[name, tops[name] - 1]
+        leading.append({other: row[other, tops[other]] for other in names if (other, tops[other]) in row})
+        for other, c in leading[-1].items():
+            C[place, at[other, tops[other] - 1]] = c
+        for jet, c in row.items():
+            if jet[1] < tops[jet[0]]:
+                D[place, at[jet]] = -c
+    rules = {jet[0]: (jet, row) for jet, row in (*reduction.rules, *_solved(reduction, names, tops))}
+    return FirstOrder(states, C, D, rules, reduction.fluxes, tuple(reduction.factors), tuple(leading), vanishing)
+
+
+def _in_order(reduction: Reduction, names: list[str], tops: dict[str, int]) -> list[Row]:
+    """The rows so that each has its own unknown's highest derivative, alone with the factor 1 where it is a number that stands there."""
+    price = np.full((len(names), len(names)), 1e6)
+    for i, row in enumerate(reduction.rows):
+        for j, name in enumerate(names):
+            if (name, tops[name]) in row:
+                c = row[name, tops[name]]
+                price[j, i] = 0.0 if c.constant is not None else 1.0 + len(c.terms) + 100.0 * degree(c)
+    _, chosen = linear_sum_assignment(price)
+    rows = [reduction.rows[i] for i in chosen]
+    out = []
+    for name, row in zip(names, rows, strict=True):
+        pivot = row.get((name, tops[name]), number(0)).constant
+        out.append({at: c / number(pivot) for at, c in row.items()} if pivot else row)
+    return out
+
+
+def _solved(reduction: Reduction, names: list[str], tops: dict[str, int]) -> list[tuple[Jet, Row]]:
+    """The rows combined so that each holds one of the highest derivatives only."""
+    rows = [dict(row) for row in reduction.rows]
+    left = list(range(len(rows)))
+    found: list[tuple[Jet, int]] = []
+    for _ in names:
+        done = {jet for jet, _ in found}
+        options = [(i, (name, tops[name])) for i in left for name in names if (name, tops[name]) in rows[i] and (name, tops[name]) not in done]
+        i, jet = min(options, key=lambda at: (rows[at[0]][at[1]].constant is None, degree(rows[at[0]][at[1]]), len(rows[at[0]][at[1]].terms)))
+        for r in range(len(rows)):
+            if r != i and jet in rows[r]:
+                pivot, x = rows[i][jet], rows[r][jet]
+                p, x = (number(1), x / pivot) if degree(pivot) == 0 else (pivot, x)
+                rows[r] = combined([(p, rows[r]), (-x, rows[i])], reduction.vanishing)
+                rows[r].pop(jet, None)
+        left.remove(i)
+        found.append((jet, i))
+    return [(jet, rows[i]) for jet, i in found]

@@ -1,0 +1,85 @@
+"""What the names in a problem's formulas mean: unknowns, parameters, definitions, the coordinate, the eigenvalue, π."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from shootstab.core.errors import InputError
+from shootstab.equations.expression import FUNCTIONS, PI, Atom, Expression, Z, number, of_atom
+from shootstab.equations.grammar import read
+from shootstab.equations.system import SIGMA, jet
+
+RESERVED = ("i", "I", "d", "pi", *FUNCTIONS)
+
+
+@dataclass(frozen=True, eq=False)
+class Names:
+    """where holds formulas by name, which may use each other; given are functions of the coordinate that no formula defines."""
+
+    unknowns: tuple[str, ...]
+    parameters: Mapping[str, Any]
+    where: Mapping[str, Any]
+    eigenvalue: str = "sigma"
+    variable: str = "z"
+    given: Sequence[str] = ()
+    _open: list[str] = field(default_factory=list, repr=False)
+    _known: dict[str, Expression] = field(default_factory=dict, repr=False)
+
+    def __post_init__(self) -> None:
+        """Raises InputError for a name that cannot be one, or means two things."""
+        seen: dict[str, str] = {name: "reserved" for name in RESERVED}
+        groups = (("unknown", self.unknowns), ("coordinate", [self.variable]), ("eigenvalue", [self.eigenvalue]))
+        groups += (("parameter", list(self.parameters)), ("definition", list(self.where)), ("given function", list(self.given)))
+        for kind, names in groups:
+            for name in names:
+                if not isinstance(name, str) or not name.isidentifier():
+                    raise InputError(f"the {kind} {name!r}: allowed is a name of letters, digits and _, not beginning with a digit")
+                if name in seen:
+                    raise InputError(f"the name {name} is {seen[name]} and a {kind} too: allowed is one meaning")
+                seen[name] = f"a {kind}" if kind != "eigenvalue" else "the eigenvalue"
+        if not self.unknowns:
+            raise InputError("unknowns is empty: allowed is a list of names")
+
+    def expression(self, formula: Any, where: str) -> Expression:
+        """What a formula means: text, a number, a SymPy expression. Raises InputError with the place."""
+        if isinstance(formula, Expression):
+            return formula
+        if type(formula).__module__.startswith("sympy"):
+            from shootstab.equations.symbolic import converted
+
+            return converted(formula, where, self._meaning, self._listed, self.variable)
+        if isinstance(formula, int | float | complex) and not isinstance(formula, bool):
+            return number(formula)
+        return read(formula, where, self._meaning, self._listed)
+
+    def _meaning(self, name: str) -> Expression:
+        """Raises KeyError."""
+        if name in self.unknowns:
+            return jet(name)
+        if name == self.eigenvalue:
+            return SIGMA
+        if name == self.variable:
+            return Z
+        if name == "pi":
+            return PI
+        if name in self.parameters:
+            return number(self.parameters[name])
+        if name in self.given:
+            return of_atom(Atom("given", name))
+        if name not in self.where:
+            raise KeyError(name)
+        if name not in self._known:
+            if name in self._open:
+                raise InputError(f"where: {' uses '.join([*self._open, name])}: allowed are definitions that do not use themselves")
+            self._open.append(name)
+            try:
+                self._known[name] = self.expression(self.where[name], f"where {name}")
+            finally:
+                self._open.pop()
+        return self._known[name]
+
+    def _listed(self) -> str:
+        names = [*self.unknowns, *self.where, *self.given, *self.parameters, self.variable, self.eigenvalue, "pi", "i"]
+        return ", ".join(names)

@@ -1,0 +1,108 @@
+"""Equations as rows of a matrix of differential operators: Σ_jk a_jk(z, σ) u_j^{(k)} = 0, a polynomial in σ."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from shootstab.core.errors import InputError
+from shootstab.equations.expression import Atom, Expression, number, of_atom
+from shootstab.equations.vanishing import Vanishing
+
+Jet = tuple[str, int]  # an unknown and the order of its derivative
+Row = dict[Jet, Expression]
+
+EIGENVALUE = Atom("eigenvalue", "sigma")
+SIGMA = of_atom(EIGENVALUE)
+
+
+def jet(name: str, order: int = 0) -> Expression:
+    """The order-th derivative of an unknown."""
+    return of_atom(Atom("jet", name, order))
+
+
+def row_of(expression: Expression, where: str, homogeneous: bool = True) -> Row:
+    """The coefficients of the unknowns and their derivatives. Raises InputError for what is not linear in them."""
+    row: Row = {}
+    for outer, coefficient in expression.collected(lambda atom: atom.kind == "jet"):
+        if len(outer) == 1 and outer[0][1] == 1:
+            atom = outer[0][0]
+            row[atom.name, atom.order] = coefficient
+        elif outer:
+            product = "*".join(str(a) if e == 1 else f"{a}**{e}" for a, e in outer)
+            raise InputError(f"{where} is not linear: it holds {product}: allowed are the unknowns times functions of the coordinate")
+        elif homogeneous:
+            raise InputError(f"{where} holds the term {coefficient} without an unknown: allowed are homogeneous linear equations")
+    if not row:
+        raise InputError(f"{where} holds no unknown: allowed are linear equations for them")
+    return row
+
+
+def linear(row: Row) -> Expression:
+    """The expression that a row stands for."""
+    total = number(0)
+    for (name, order), coefficient in row.items():
+        total = total + coefficient * jet(name, order)
+    return total
+
+
+def combined(rows: Iterable[tuple[Expression, Row]], vanishing: Vanishing) -> Row:
+    """Σ factor · row, without the coefficients that vanish."""
+    total: Row = {}
+    for factor, row in rows:
+        for at, coefficient in row.items():
+            term = factor * coefficient
+            total[at] = total[at] + term if at in total else term
+    return {at: c for at, c in total.items() if not vanishing(c)}
+
+
+def differentiated(row: Row, times: int, vanishing: Vanishing) -> Row:
+    """d^times/dz^times of the equation."""
+    for _ in range(times):
+        out: Row = {}
+        for (name, order), c in row.items():
+            for at, term in (((name, order + 1), c), ((name, order), c.derivative())):
+                out[at] = out[at] + term if at in out else term
+        row = {at: c for at, c in out.items() if not vanishing(c)}
+    return row
+
+
+def orders(rows: Iterable[Row]) -> dict[str, int]:
+    """The highest derivative of each unknown in the rows."""
+    found: dict[str, int] = {}
+    for row in rows:
+        for name, order in row:
+            found[name] = max(found.get(name, 0), order)
+    return found
+
+
+def degree(expression: Expression) -> int:
+    """In the eigenvalue."""
+    return max((int(Fraction(e)) for monomial in expression.terms for atom, e in monomial if atom == EIGENVALUE), default=0)
+
+
+def coefficients(expression: Expression) -> dict[int, Expression]:
+    """Of the powers of the eigenvalue."""
+    return {int(outer[0][1]) if outer else 0: c for outer, c in expression.collected(lambda atom: atom == EIGENVALUE)}
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """The user's equations: unknowns in their order, rows (one an equation), names of the equations as errors call them."""
+
+    unknowns: tuple[str, ...]
+    rows: tuple[Row, ...]
+    names: tuple[str, ...]
+
+    @staticmethod
+    def of(unknowns: tuple[str, ...], equations: Mapping[str, Expression]) -> System:
+        """From expressions by their names. Raises InputError: not linear, more or fewer equations than unknowns, an unknown nowhere."""
+        rows = tuple(row_of(expression, where) for where, expression in equations.items())
+        if len(rows) != len(unknowns):
+            raise InputError(f"{len(rows)} equations for the {len(unknowns)} unknowns {', '.join(unknowns)}: allowed are as many")
+        held = orders(rows)
+        for name in unknowns:
+            if name not in held:
+                raise InputError(f"no equation holds the unknown {name}: allowed are unknowns that the equations determine")
+        return System(unknowns, rows, tuple(equations))

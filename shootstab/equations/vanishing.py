@@ -1,0 +1,52 @@
+"""Whether an expression vanishes identically.
+
+Polynomials in z, 1/z, π, jets and the eigenvalue have one form only: they vanish where no term is left. With functions in them they are
+evaluated at points of the complex plane without any property, near the domain of the problem, to DIGITS digits: a value below
+10^−CLOSE of the sum of the sizes of its terms at each of them is zero. An analytic function other than zero that is so small at all of
+these points does not come from a formula that somebody wrote down.
+"""
+
+from __future__ import annotations
+
+from shootstab.equations.evaluation import Given, on_mpmath
+from shootstab.equations.expression import Expression
+from shootstab.equations.gaussian import Gaussian
+
+DIGITS = 60  # of the evaluation
+CLOSE = 40  # of them agree where it vanishes
+PLACES = (0.3819660113 + 0.0618033989j, 0.7071067812 - 0.0440220341j)  # chosen: along the domain and beside it, in its lengths
+SIGMAS = (0.6180339887 + 0.4142135624j, -0.5772156649 + 0.2718281828j)
+SIMPLE = ("variable", "eigenvalue", "constant", "jet")
+
+
+class Vanishing:
+    """The test on a domain from left to right, ends at infinity replaced by finite ones."""
+
+    def __init__(self, left: float, right: float, given: Given) -> None:
+        self._left, self._right, self._given = left, right, given
+        self._known: dict[Expression, bool] = {}
+
+    def __call__(self, expression: Expression) -> bool:
+        """Whether it is zero for every z and eigenvalue. Functions that are given to doubles only are tested as such."""
+        if not expression.terms:
+            return True
+        if len(expression.terms) == 1 or all(atom.kind in SIMPLE for monomial in expression.terms for atom, _ in monomial):
+            return False
+        if expression not in self._known:
+            self._known[expression] = all(self._at(expression, *point) for point in zip(PLACES, SIGMAS, strict=True))
+        return self._known[expression]
+
+    def _at(self, expression: Expression, place: complex, sigma: complex) -> bool:
+        import mpmath
+
+        with mpmath.workdps(DIGITS):
+            z = mpmath.mpf(self._left) + mpmath.mpc(place) * (mpmath.mpf(self._right) - mpmath.mpf(self._left))
+            at = on_mpmath(z, self._given, mpmath.mpc(sigma))
+            terms = [at(Expression({monomial: c})) for monomial, c in expression.terms.items()]
+            size = mpmath.fsum(abs(x) for x in terms)
+            return bool(abs(mpmath.fsum(terms)) <= mpmath.mpf(10) ** -CLOSE * size)
+
+    def constant(self, expression: Expression) -> Gaussian | None:
+        """Its value where it is a number other than zero written down as one, else None."""
+        value = expression.constant
+        return value or None
