@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from shootstab.discriminants.compound import Compound
     from shootstab.discriminants.frame import Frame
     from shootstab.discriminants.riccati import Riccati
+    from shootstab.formulation.conditions import Conditions
+    from shootstab.formulation.problem import equations
     from shootstab.models import chute, gallery
     from shootstab.problems import Infinity, Interface, LinearProblem, Wall
     from shootstab.problems.closed_form import ClosedProblem
@@ -46,6 +48,8 @@ _HOMES = {
     "Frame": "shootstab.discriminants.frame",
     "InputError": "shootstab.core.errors",
     "problem": "shootstab.problems",
+    "equations": "shootstab.formulation.problem",
+    "Conditions": "shootstab.formulation.conditions",
     "Wall": "shootstab.problems",
     "LinearProblem": "shootstab.problems",
     "Interface": "shootstab.problems",
@@ -71,6 +75,7 @@ _HOMES = {
 __all__ = [
     "ClosedProblem",
     "Compound",
+    "Conditions",
     "ConvergenceError",
     "Disc",
     "Frame",
@@ -88,6 +93,7 @@ __all__ = [
     "count",
     "count_unstable",
     "critical",
+    "equations",
     "find",
     "gallery",
     "problem",

@@ -18,6 +18,7 @@ FLOORS = {
     "discriminants": 4,
     "multiprecision": 4,
     "analyses": 5,
+    "formulation": 5,
     "models": 6,
     "io": 7,
     "cli": 8,

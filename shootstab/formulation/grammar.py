@@ -17,8 +17,8 @@ from collections.abc import Callable
 from fractions import Fraction
 
 from shootstab.core.errors import InputError
-from shootstab.equations.expression import FUNCTIONS, Expression, function, number
-from shootstab.equations.gaussian import I
+from shootstab.formulation.expression import FUNCTIONS, Expression, function, number
+from shootstab.formulation.gaussian import ONE, I
 
 TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?P<unit>[jJ](?!\w))?|(?P<name>[^\W\d]\w*)|(?P<sign>\*\*|[-+*/^(),=]))"
@@ -104,11 +104,11 @@ class Reader:
         exponent = self._signed()
         self._depth -= 1
         value = exponent.constant
-        natural = value is not None and not value.im and Fraction(value.re).denominator == 1 and 0 <= value.re <= 64
+        natural = value is not None and not value.im and value.re in range(65)
         if not natural and any(atom.kind in ("jet", "eigenvalue") for e in (base, exponent) for atom in e.atoms()):
             raise self._error("a power of an unknown or of the eigenvalue: allowed are natural ones up to 64", at)
         try:
-            if value is not None and not value.im and abs(value.re) <= 64:
+            if value is not None and not value.im and -64 <= value.re <= 64:  # longer ones by the exponential
                 return base ** (value.re if Fraction(value.re).denominator > 1 else int(value.re))
             return function("exp", exponent * function("log", base))
         except ZeroDivisionError:
@@ -179,8 +179,8 @@ class Reader:
         return function(name, argument)
 
     def _derivative(self, arguments: list[Expression], at: int) -> Expression:
-        order = arguments[1].constant if len(arguments) == 2 else number(1).constant
-        if len(arguments) > 2 or order is None or order.im or not 0 <= order.re <= MOST_DERIVATIVES or Fraction(order.re).denominator != 1:
+        order = arguments[1].constant if len(arguments) == 2 else ONE
+        if len(arguments) > 2 or order is None or order.im or not 0 <= order.re <= MOST_DERIVATIVES or order.re != int(order.re):
             raise self._error(f"allowed is d(f) or d(f, n) with n from 0 to {MOST_DERIVATIVES}", at)
         value = arguments[0]
         for _ in range(int(order.re)):

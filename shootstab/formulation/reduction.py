@@ -9,8 +9,8 @@ higher derivatives than these. L_ij is the coefficient of u_j^{(c_j)} in that de
                         ones from the other rows: c_j falls by g_i.
     some c_j = 0        u_j is found from one row and removed from the others.
 
-At the end L u^{(c)} + lower derivatives = 0 with L nonsingular for almost every z and σ, and the order is n = Σ c_j. Whatever L, Σ c_j − Σ g_i
-does not change in the second step. Instead of dividing by a coefficient that holds σ, or that is one of several in its row, fluxes become
+At the end L u^{(c)} + lower derivatives = 0 with L nonsingular for almost every z and σ, and the order is n = Σ c_j. The second
+step does not change Σ c_j − Σ g_i. Instead of dividing by a coefficient that holds σ, or that is one of several in its row, fluxes become
 unknowns: with q_i = Σ_j L_ij u_j^{(c_j − 1)} row i starts with q_i′, and c_j falls by 1.
 
 Source: the idea of row-reduced matrices, T. Kailath, Linear Systems (1980), 6.3, here with coefficients that depend on z.
@@ -22,10 +22,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from shootstab.core.errors import InputError
-from shootstab.equations.elimination import left_null_vector
-from shootstab.equations.expression import Expression, number, quotient
-from shootstab.equations.system import Jet, Row, System, combined, degree, differentiated, orders
-from shootstab.equations.vanishing import Vanishing
+from shootstab.formulation.elimination import left_null_vector
+from shootstab.formulation.expression import Expression, number, quotient
+from shootstab.formulation.system import Jet, Row, System, combined, degree, differentiated, orders
+from shootstab.formulation.vanishing import Vanishing
 
 MOST = 400  # steps of a reduction, more than any needs
 
@@ -66,7 +66,9 @@ class Reduction:
     def leading(self) -> list[dict[str, Expression]]:
         """L, row by row."""
         c = self.tops
-        return [{name: e for (name, order), e in row.items() if order == c[name] - g} for row, g in zip(self.rows, self.gaps(), strict=True)]
+        return [
+            {name: e for (name, order), e in row.items() if order == c[name] - g} for row, g in zip(self.rows, self.gaps(), strict=True)
+        ]
 
     def _step(self) -> bool:
         """Whether there was anything to do."""

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from shootstab.core.errors import InputError
-from shootstab.equations.affine import Condition
-from shootstab.equations.first_order import FirstOrder
-from shootstab.equations.names import Names
-from shootstab.equations.system import Row, row_of
+from shootstab.formulation.affine import Condition
+from shootstab.formulation.first_order import FirstOrder
+from shootstab.formulation.names import Names
+from shootstab.formulation.system import Row, row_of
 from shootstab.problems.ends import Infinity
 
 

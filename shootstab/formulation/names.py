@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from shootstab.core.errors import InputError
-from shootstab.equations.expression import FUNCTIONS, PI, Atom, Expression, Z, number, of_atom
-from shootstab.equations.grammar import read
-from shootstab.equations.system import SIGMA, jet
+from shootstab.formulation.expression import FUNCTIONS, PI, Atom, Expression, Z, number, of_atom
+from shootstab.formulation.grammar import read
+from shootstab.formulation.system import SIGMA, jet
 
 RESERVED = ("i", "I", "d", "pi", *FUNCTIONS)
 
@@ -29,9 +29,11 @@ class Names:
 
     def __post_init__(self) -> None:
         """Raises InputError for a name that cannot be one, or means two things."""
-        seen: dict[str, str] = {name: "reserved" for name in RESERVED}
-        groups = (("unknown", self.unknowns), ("coordinate", [self.variable]), ("eigenvalue", [self.eigenvalue]))
-        groups += (("parameter", list(self.parameters)), ("definition", list(self.where)), ("given function", list(self.given)))
+        seen: dict[str, str] = dict.fromkeys(RESERVED, "reserved")
+        groups: list[tuple[str, Sequence[str]]] = [
+            *(("unknown", self.unknowns), ("coordinate", [self.variable]), ("eigenvalue", [self.eigenvalue])),
+            *(("parameter", list(self.parameters)), ("definition", list(self.where)), ("given function", self.given)),
+        ]
         for kind, names in groups:
             for name in names:
                 if not isinstance(name, str) or not name.isidentifier():
@@ -39,6 +41,11 @@ class Names:
                 if name in seen:
                     raise InputError(f"the name {name} is {seen[name]} and a {kind} too: allowed is one meaning")
                 seen[name] = f"a {kind}" if kind != "eigenvalue" else "the eigenvalue"
+        for name, value in self.parameters.items():
+            try:
+                number(value)
+            except InputError as error:
+                raise InputError(f"the parameter {name}: {error}") from None
         if not self.unknowns:
             raise InputError("unknowns is empty: allowed is a list of names")
 
@@ -47,7 +54,7 @@ class Names:
         if isinstance(formula, Expression):
             return formula
         if type(formula).__module__.startswith("sympy"):
-            from shootstab.equations.symbolic import converted
+            from shootstab.formulation.symbolic import converted
 
             return converted(formula, where, self._meaning, self._listed, self.variable)
         if isinstance(formula, int | float | complex) and not isinstance(formula, bool):

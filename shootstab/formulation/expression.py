@@ -14,7 +14,7 @@ from fractions import Fraction
 from typing import Any
 
 from shootstab.core.errors import InputError
-from shootstab.equations.gaussian import ONE, Gaussian
+from shootstab.formulation.gaussian import ONE, Gaussian
 
 LARGEST = 4000  # chosen: monomials that a power of a sum is multiplied out to at most
 Exponent = int | Fraction

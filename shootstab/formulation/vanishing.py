@@ -8,9 +8,9 @@ these points does not come from a formula that somebody wrote down.
 
 from __future__ import annotations
 
-from shootstab.equations.evaluation import Given, on_mpmath
-from shootstab.equations.expression import Expression
-from shootstab.equations.gaussian import Gaussian
+from shootstab.formulation.evaluation import Given, on_mpmath
+from shootstab.formulation.expression import Expression
+from shootstab.formulation.gaussian import Gaussian
 
 DIGITS = 60  # of the evaluation
 CLOSE = 40  # of them agree where it vanishes

@@ -21,9 +21,11 @@ class Gaussian:
         """The number that was meant: a float is the shortest decimal that it stands for. Raises InputError for what is no finite number."""
         if isinstance(x, Gaussian):
             return x
-        if isinstance(x, int | Fraction):
+        if isinstance(x, int | Fraction) and not isinstance(x, bool):
             return Gaussian(x)
         try:
+            if isinstance(x, str | bool):
+                raise TypeError
             value = complex(x)
             return Gaussian(_decimal(value.real), _decimal(value.imag))
         except (TypeError, ValueError, OverflowError):
@@ -68,11 +70,11 @@ class Gaussian:
     def __str__(self) -> str:
         if not self.im:
             return _plain(self.re)
-        imaginary = {1: "i", -1: "-i"}.get(self.im) if self.im in (1, -1) else f"{_plain(self.im)}*i"
-        return str(imaginary) if not self.re else f"({_plain(self.re)}{'' if self.im < 0 else '+'}{imaginary})"
+        imaginary = "i" if self.im == 1 else "-i" if self.im == -1 else f"{_plain(self.im)}*i"
+        return imaginary if not self.re else f"({_plain(self.re)}{'' if self.im < 0 else '+'}{imaginary})"
 
 
-ZERO, ONE, I = Gaussian(0), Gaussian(1), Gaussian(0, 1)
+ONE, I = Gaussian(1), Gaussian(0, 1)  # noqa: E741 - the imaginary unit
 
 
 def _decimal(x: float) -> Fraction:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from shootstab.core.errors import InputError
-from shootstab.equations.expression import Atom, Expression, number, of_atom
-from shootstab.equations.vanishing import Vanishing
+from shootstab.formulation.expression import Atom, Expression, number, of_atom
+from shootstab.formulation.vanishing import Vanishing
 
 Jet = tuple[str, int]  # an unknown and the order of its derivative
 Row = dict[Jet, Expression]

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from shootstab.equations.expression import Atom, Exponent, Expression
-from shootstab.equations.gaussian import Gaussian
+from shootstab.formulation.expression import Atom, Exponent, Expression
+from shootstab.formulation.gaussian import Gaussian
 from shootstab.problems.protocol import ComplexArray
 
 Given = Mapping[str, Callable[[Any, int], Any]]  # by name, (z, order) ↦ a function's derivative of that order at z
@@ -116,7 +116,7 @@ def _power_numpy(x: Any, exponent: Fraction) -> Any:
         x = np.asarray(x, dtype=np.complex128)
     if exponent.denominator == 2:
         root = np.sqrt(x)
-        return root ** exponent.numerator if exponent > 0 else 1.0 / root**-exponent.numerator
+        return root**exponent.numerator if exponent > 0 else 1.0 / root**-exponent.numerator
     return x ** float(exponent)
 
 

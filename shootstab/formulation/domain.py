@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shootstab.equations.evaluation import Given, on_arrays
-from shootstab.equations.expression import Expression
-from shootstab.equations.vanishing import Vanishing
+from shootstab.formulation.evaluation import Given, on_arrays
+from shootstab.formulation.expression import Expression
+from shootstab.formulation.vanishing import Vanishing
 
 SAMPLES = 801
 FAR = 1e3  # where samples end towards infinity

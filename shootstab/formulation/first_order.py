@@ -10,11 +10,11 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from shootstab.core.errors import InputError
-from shootstab.equations.elimination import determinant
-from shootstab.equations.expression import Expression, number
-from shootstab.equations.reduction import Reduction, reduced
-from shootstab.equations.system import Jet, Row, System, coefficients, combined, degree, differentiated
-from shootstab.equations.vanishing import Vanishing
+from shootstab.formulation.elimination import determinant
+from shootstab.formulation.expression import Expression, number
+from shootstab.formulation.reduction import Reduction, reduced
+from shootstab.formulation.system import Jet, Row, System, coefficients, combined, degree, differentiated
+from shootstab.formulation.vanishing import Vanishing
 
 Entries = dict[tuple[int, int], Expression]
 MOST = 2000  # substitutions in one expression, more than any needs
@@ -119,8 +119,12 @@ def _solved(reduction: Reduction, names: list[str], tops: dict[str, int]) -> lis
     found: list[tuple[Jet, int]] = []
     for _ in names:
         done = {jet for jet, _ in found}
-        options = [(i, (name, tops[name])) for i in left for name in names if (name, tops[name]) in rows[i] and (name, tops[name]) not in done]
-        i, jet = min(options, key=lambda at: (rows[at[0]][at[1]].constant is None, degree(rows[at[0]][at[1]]), len(rows[at[0]][at[1]].terms)))
+        options = [
+            (i, (name, tops[name])) for i in left for name in names if (name, tops[name]) in rows[i] and (name, tops[name]) not in done
+        ]
+        i, jet = min(
+            options, key=lambda at: (rows[at[0]][at[1]].constant is None, degree(rows[at[0]][at[1]]), len(rows[at[0]][at[1]].terms))
+        )
         for r in range(len(rows)):
             if r != i and jet in rows[r]:
                 pivot, x = rows[i][jet], rows[r][jet]

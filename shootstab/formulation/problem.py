@@ -4,22 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
-from shootstab.equations.affine import AffineSystem, affine
-from shootstab.equations.conditions import Conditions, End, end_of, in_states, rows_of
-from shootstab.equations.continuous_spectrum import InteriorSpectrum, interior_spectrum
-from shootstab.equations.domain import Domain
-from shootstab.equations.evaluation import Given, filled, on_arrays
-from shootstab.equations.first_order import FirstOrder, first_order
-from shootstab.equations.limits import with_limit
-from shootstab.equations.names import Names
-from shootstab.equations.system import Row, System
+from shootstab.formulation.affine import AffineSystem, affine
+from shootstab.formulation.conditions import Conditions, End, end_of, in_states, rows_of
+from shootstab.formulation.continuous_spectrum import InteriorSpectrum, interior_spectrum
+from shootstab.formulation.digits import EquationDigits
+from shootstab.formulation.domain import Domain
+from shootstab.formulation.evaluation import Given, filled, on_arrays
+from shootstab.formulation.first_order import FirstOrder, first_order
+from shootstab.formulation.gaussian import Gaussian
+from shootstab.formulation.limits import with_limit
+from shootstab.formulation.names import Names
+from shootstab.formulation.system import Row, System
 from shootstab.problems.ends import Infinity, Wall
 from shootstab.problems.linear_problem import LinearProblem
 from shootstab.problems.pencil_function import PencilFunction
@@ -27,7 +29,6 @@ from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.two_point import reduce_to_two_points
 
 LARGEST = 64  # states, as problems.linear_problem has it
-NEITHER: tuple[tuple[str, Row], ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +55,15 @@ class EquationProblem(LinearProblem):
 
     def heights(self, points: int) -> NDArray[np.float64] | None:
         return super().heights(points) if self.spectrum_inside.single else None
+
+    @property
+    def multiprecision(self) -> Callable[[], EquationDigits] | None:
+        """The same expressions on power series. None where a function is given to doubles only, or an end is at infinity."""
+        ends = self.formulation.left, self.formulation.right
+        if self.formulation.domain.given or not all(isinstance(end, Conditions) for end in ends):
+            return None
+        left, right = (Gaussian.of(end.at).re for end in ends if isinstance(end, Conditions))
+        return lambda: EquationDigits(self.affine, Fraction(left), Fraction(right))
 
     @property
     def crossings(self) -> tuple[tuple[NDArray[np.float64], ComplexArray], ...]:
@@ -111,7 +121,7 @@ def assembled(formulation: Formulation, fold: float = 0.0, reference: complex | 
     ends = formulation.left, formulation.right
     finite = [isinstance(end, Conditions) for end in ends]
     _require_count(first, formulation, finite)
-    system = affine(first, *conditions, *finite)
+    system = affine(first, conditions[0], conditions[1], finite[0], finite[1])
     if system.size > LARGEST:
         raise InputError(f"the equations have {system.size} states: allowed are {LARGEST}")
     matrices = PencilFunction(system.size, pencil_of(system, domain.given), vectorized=True)
@@ -121,9 +131,7 @@ def assembled(formulation: Formulation, fold: float = 0.0, reference: complex | 
     ]
     reduction = reduce_to_two_points(matrices, made[0], made[1], (), fold, reference)
     curve: Callable[[Any], Any] | None = spectrum.curve if spectrum.curves else None
-    return EquationProblem(
-        matrices, reduction, curve, formulation=formulation, first_order=first, affine=system, spectrum_inside=spectrum
-    )
+    return EquationProblem(matrices, reduction, curve, formulation=formulation, first_order=first, affine=system, spectrum_inside=spectrum)
 
 
 def pencil_of(system: AffineSystem, given: Given) -> Callable[[ComplexArray], tuple[ComplexArray, ...]]:

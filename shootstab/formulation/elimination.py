@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeVar
 
-from shootstab.equations.expression import Expression, number, quotient
-from shootstab.equations.system import degree
-from shootstab.equations.vanishing import Vanishing
+from shootstab.formulation.expression import Expression, number, quotient
+from shootstab.formulation.system import degree
+from shootstab.formulation.vanishing import Vanishing
 
 K = TypeVar("K")
 SparseRow = dict[str, Expression]

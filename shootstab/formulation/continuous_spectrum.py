@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from shootstab.core.errors import InputError
-from shootstab.equations.domain import Domain
-from shootstab.equations.evaluation import on_arrays
-from shootstab.equations.expression import Expression, number
-from shootstab.equations.first_order import FirstOrder
+from shootstab.formulation.domain import Domain
+from shootstab.formulation.evaluation import on_arrays
+from shootstab.formulation.expression import Expression, number
+from shootstab.formulation.first_order import FirstOrder
 from shootstab.problems.protocol import ComplexArray
 
 

@@ -5,18 +5,19 @@ Where σ occurs to a power q above 1, the states J that it multiplies so are car
 
     ξ′ − σ ψ_J′ = κ (ξ − σ ψ_J),
 
-and ξ − σ ψ_J = c e^{κz} is zero everywhere if it is at one place. Between two finite ends κ = 0 and a condition at one of them says so. With an
-end at infinity κ is such that e^{κz} grows towards it: what decays has c = 0, without a condition, and with two such ends the count of
-decaying solutions is right for either sign. σ ψ_J′ is put in from the row of ψ_J where that needs no further copies. The modes are those of the polynomial problem, with their multiplicities.
+and ξ − σ ψ_J = c e^{κz} is zero everywhere if it is at one place. Between two finite ends κ = 0, and a condition at one of them says so.
+With an end at infinity κ is such that e^{κz} grows towards it: what decays has c = 0, without a condition, and with two such ends the
+count of decaying solutions is right for either sign. σ ψ_J′ is put in from the row of ψ_J where that needs no further copies. The modes
+are those of the polynomial problem, with their multiplicities.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from shootstab.equations.expression import Expression, number
-from shootstab.equations.first_order import Entries, FirstOrder
-from shootstab.equations.system import SIGMA, coefficients, degree
+from shootstab.formulation.expression import Expression, number
+from shootstab.formulation.first_order import Entries, FirstOrder
+from shootstab.formulation.system import SIGMA, coefficients, degree
 
 Condition = dict[int, Expression]  # of the states by their number, polynomials in σ
 

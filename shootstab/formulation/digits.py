@@ -1,0 +1,214 @@
+"""Problems in equations to any number of digits: the same expressions, evaluated on power series in the arithmetic at work.
+
+See multiprecision.integration. Between two finite ends the integration starts with the solutions that the conditions at one of them leave,
+or, where σ occurs at both, with all of them beside their starting values (problems.subdomains: the augmented state).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from functools import partial
+from operator import mul
+from typing import Any
+
+import mpmath
+
+from shootstab.formulation.affine import AffineSystem
+from shootstab.formulation.analytic_series import SeriesFunctions
+from shootstab.formulation.evaluation import Evaluator
+from shootstab.formulation.expression import Expression
+from shootstab.formulation.gaussian import Gaussian
+from shootstab.multiprecision import small_matrices as matrices
+from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
+from shootstab.multiprecision.integration import Base, Entries, Expansion, Progress
+from shootstab.multiprecision.settings import Settings
+from shootstab.multiprecision.taylor import Taylor, real_series
+
+
+class EquationDigits:
+    """See multiprecision.integration.MultiprecisionProblem: a system between two finite ends, without given functions."""
+
+    real = False
+
+    def __init__(self, system: AffineSystem, left: Fraction, right: Fraction) -> None:
+        self._system = system
+        self._augmented = bool(system.left[1] and system.right[1])
+        self._backwards = bool(system.left[1]) and not self._augmented
+        self._ends = (right, left) if self._backwards else (left, right)
+        self.size = system.size * (1 + self._augmented)
+
+    def base(self, arithmetic: Arithmetic, settings: Settings, progress: Progress) -> Base:
+        return ()
+
+    def integration(self, arithmetic: Arithmetic, settings: Settings, base: Base) -> EquationIntegration:
+        return EquationIntegration(arithmetic, settings, self._system, self._ends, self._backwards, self._augmented)
+
+
+class EquationIntegration:
+    """See multiprecision.integration.Integration."""
+
+    def __init__(
+        self,
+        arithmetic: Arithmetic,
+        settings: Settings,
+        system: AffineSystem,
+        ends: tuple[Fraction, Fraction],
+        backwards: bool,
+        augmented: bool,
+    ) -> None:
+        self._arithmetic, self._settings, self._system, self._augmented = arithmetic, settings, system, augmented
+        self._z, self._wall = (arithmetic.number(end) for end in ends)
+        self._step = (self._wall - self._z) / settings.order  # a first trial; steps double from there
+        sides = [(system.left, system.left_rows), (system.right, system.right_rows)]
+        self._start_rows, self._wall_rows = [
+            self._rows(*side, z) for side, z in zip(sides[::-1] if backwards else sides, ends, strict=True)
+        ]
+
+    def begin(self, sigma: Any) -> None:
+        """The start is an end of the problem."""
+
+    def far_frame(self, sigma: Any) -> tuple[Matrix, Any]:
+        one, n = self._arithmetic.number(1), self._system.size
+        if self._augmented:
+            identity = [[self._arithmetic.number(int(i == j)) for j in range(n)] for i in range(n)]
+            return [*identity, *[list(row) for row in identity]], one
+        return _null_space(self._arithmetic, self._start_rows[0], n), one
+
+    def expand(self, longest: float) -> Expansion:
+        arithmetic = self._arithmetic
+        left = self._wall - self._z
+        first, limit = arithmetic.log2(self._step), float(mpmath.log(longest, 2)) if longest < float("inf") else float("inf")
+        at_wall = arithmetic.log2(left) <= min(first, limit)
+        inside = self._step if first <= limit else arithmetic.number(longest) * (1 if left > 0 else -1)
+        h = left if at_wall else inside
+        self._h = h
+        z = real_series(arithmetic, [self._z, h] + [arithmetic.number(0)] * (self._settings.order - 2))
+        at = on_series(arithmetic, z)
+        C0, C1, D0, D1 = (self._entries(part, z, at) for part in self._system.parts)
+        if self._augmented:
+            one = 0 * z + 1
+            C0 = {**C0, **{(i, i): one for i in range(self._system.size)}}
+        return Expansion(h, C0, C1, D0, D1, at_wall)
+
+    def advance(self) -> None:
+        self._z = self._arithmetic.rounded(self._z + self._h)
+        self._step = 2 * self._h
+
+    def wall_rows(self) -> tuple[Matrix, Matrix]:
+        if not self._augmented:
+            return self._wall_rows
+        nothing = [self._arithmetic.number(0)] * self._system.size
+        a, b = self._start_rows, self._wall_rows
+        W0, W1 = ([[*row, *nothing] for row in a[part]] + [[*nothing, *row] for row in b[part]] for part in (0, 1))
+        return W0, W1
+
+    def corrected_base(self) -> Base:
+        return ()
+
+    def _entries(self, part: Mapping[tuple[int, int], Expression], z: Taylor, at: Evaluator) -> Entries:
+        shift = self._system.size if self._augmented else 0
+        out: dict[tuple[int, int], Taylor] = {}
+        for (i, j), entry in part.items():
+            value = at(entry)
+            out[i + shift, j + shift] = value if isinstance(value, Taylor) else 0 * z + value
+        return out
+
+    def _rows(self, parts: Any, count: int, z: Fraction) -> tuple[Matrix, Matrix]:
+        at = on_numbers(self._arithmetic, self._arithmetic.number(z))
+        nothing = self._arithmetic.number(0)
+        W0, W1 = (
+            [[at(part[i, j]) if (i, j) in part else nothing for j in range(self._system.size)] for i in range(count)] for part in parts
+        )
+        return W0, W1
+
+
+def on_numbers(arithmetic: Arithmetic, z: Any) -> Evaluator:
+    """Expressions at one z, in numbers of the arithmetic."""
+    seed = partial(_seed, arithmetic)
+    return Evaluator(partial(_number, arithmetic), seed, partial(_root, arithmetic), {"z": z, "pi": arithmetic.pi}, _not_given)
+
+
+def on_series(arithmetic: Arithmetic, z: Taylor) -> Evaluator:
+    """Expressions on the power series z."""
+    real, wide = (
+        SeriesFunctions(dot, partial(_seed, arithmetic), partial(_root, arithmetic)) for dot in (arithmetic.dot, partial(_dot, arithmetic))
+    )
+
+    def computed(x: Taylor, do: Callable[[SeriesFunctions, list[Any]], list[Any]], branches: bool) -> Taylor:
+        """In real numbers where x is real, and a function with branches is not at a negative one."""
+        coefficients = x.coefficients(z.terms)
+        is_real = x.im is None and not (branches and coefficients[0] < 0)
+        return _wrapped(arithmetic, do(real, coefficients) if is_real else do(wide, [arithmetic.complex(c) for c in coefficients]))
+
+    def applied(name: str, x: Any) -> Any:
+        if not isinstance(x, Taylor):
+            return _seed(arithmetic, name, x)
+        return computed(x, lambda functions, a: functions.apply(name, a), name in ("log", "sqrt"))
+
+    def power(x: Any, exponent: Fraction) -> Any:
+        if not isinstance(x, Taylor):
+            return _root(arithmetic, x, exponent)
+        if exponent.denominator == 1:
+            return 1 / x ** -int(exponent)
+        return computed(x, lambda functions, a: functions.power(a, exponent), True)
+
+    return Evaluator(partial(_number, arithmetic), applied, power, {"z": z, "pi": arithmetic.pi}, _not_given)
+
+
+def _not_given(name: str, order: int) -> Any:
+    raise AssertionError(f"{name} has no digits: refused where the problem offers its capabilities")
+
+
+def _number(arithmetic: Arithmetic, c: Gaussian) -> Any:
+    re = arithmetic.number(Fraction(c.re))
+    return re + 1j * arithmetic.complex(Fraction(c.im)) if c.im else re
+
+
+def _dot(arithmetic: Arithmetic, a: Any, b: Any) -> Any:
+    """Σ a_j b_j of complex numbers; 0 of none."""
+    return arithmetic.rounded(sum(map(mul, a, b), arithmetic.complex(0)))
+
+
+def _seed(arithmetic: Arithmetic, name: str, x: Any) -> Any:
+    """A function of a number, by mpmath at the working precision."""
+    if name == "pi":
+        return arithmetic.pi
+    value = getattr(mpmath, name)(arithmetic.to_mpmath(x))
+    return arithmetic.complex(value) if isinstance(value, mpmath.mpc) else arithmetic.number(value)
+
+
+def _root(arithmetic: Arithmetic, x: Any, exponent: Fraction) -> Any:
+    value = mpmath.power(arithmetic.to_mpmath(x), mpmath.mpf(exponent.numerator) / exponent.denominator)
+    return arithmetic.complex(value) if isinstance(value, mpmath.mpc) else arithmetic.number(value)
+
+
+def _wrapped(arithmetic: Arithmetic, coefficients: list[Any]) -> Taylor:
+    parts = [arithmetic.parts(x) for x in coefficients]
+    nothing = arithmetic.number(0)
+    re, im = ([p[k] for p in parts] for k in (0, 1))
+    made = [
+        arithmetic.series([nothing if x is None else x for x in part]) if any(x is not None for x in part) else None for part in (re, im)
+    ]
+    return Taylor(arithmetic, len(coefficients), *made)
+
+
+def _null_space(arithmetic: Arithmetic, rows: Matrix, n: int) -> Matrix:
+    """A basis (n, n − m) of the solutions of m independent rows, by elimination with the largest pivots."""
+    work, pivots = [list(row) for row in rows], []
+    for r in range(len(work)):
+        i, j = max(
+            ((i, j) for i in range(r, len(work)) for j in range(n) if j not in pivots), key=lambda at: arithmetic.log2(work[at[0]][at[1]])
+        )
+        work[r], work[i] = work[i], work[r]
+        work[r] = [x / work[r][j] for x in work[r]]
+        pivots.append(j)
+        for other in range(len(work)):
+            if other != r and not matrices.vanishes(work[other][j]):
+                factor = work[other][j]
+                work[other] = [x - factor * y for x, y in zip(work[other], work[r], strict=True)]
+    free = [j for j in range(n) if j not in pivots]
+    basis = [[arithmetic.number(int(i == j)) for j in free] for i in range(n)]
+    for r, pivot in enumerate(pivots):
+        basis[pivot] = [arithmetic.rounded(-work[r][j]) for j in free]
+    return basis
