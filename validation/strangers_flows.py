@@ -66,6 +66,14 @@ def channel(name: str, source: str, pencil: Any, guesses: list[complex], N: int 
     )
 
 
+EVEN, ODD = np.eye(4)[[1, 3]], np.eye(4)[[0, 2]]
+
+
+def half_channel(R: float, rows: Any, guesses: list[complex]) -> Any:
+    """Modes of one parity of Poiseuille flow, on elements that resolve the layer at the centre."""
+    return collocated(4, poiseuille(R, 1.0), Fixed(-1, CLAMPED), Fixed(0, rows), guesses, cuts=(-0.97, -0.8, -0.4, -0.2, -0.1), N=28)
+
+
 def squire(y: Any) -> Any:
     """η″ = (α² + iαR U + Rσ)η in plane Couette flow, R = 800, α = 1."""
     return np.array([[0, 1], [1 + 800j * y, 0]]), np.array([[0, 0], [800, 0]])
@@ -325,7 +333,14 @@ STRANGERS = [
         also=None,
         quick=True,
     ),
-    channel("Poiseuille, R = 10⁶, P branch", "issue 18 A4", poiseuille(1e6, 1.0), [-0.00352664 - 0.99648197j, -0.00353482 - 0.99646594j], N=170, refined=2),
+    Stranger(
+        "Poiseuille, R = 10⁶, P branch",
+        "issue 18 A4",
+        "collocation",
+        walls(4, poiseuille(1e6, 1.0), -1, CLAMPED, 1, CLAMPED),
+        lambda: [m for rows in (EVEN, ODD) for m in half_channel(1e6, rows, [-0.0035339 - 0.9964645j])()],
+        refined=2,
+    ),
     channel("Couette, R = 800", "textbook", couette(800.0, 1.0), [-0.12952206 - 0.5764738j, -0.12952206 + 0.5764738j], N=48, unstable=0),
     channel("Poiseuille, R = 5772.22, near critical", "Orszag 1971", poiseuille(5772.22181620970, 1.02054744928533), [-1j * 1.0205474 * 0.2640003], scale=0.27),
     Stranger("Squire modes of Couette flow", "textbook", "collocation", walls(2, squire, -1, [[1, 0]], 1, [[1, 0]]), collocated(2, squire, Fixed(-1, [[1, 0]]), Fixed(1, [[1, 0]]), [-0.12718249 + 0.78187852j, -0.2214305 - 0.61863618j, -0.36678798 - 0.36686964j], N=60)),
