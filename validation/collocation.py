@@ -1,4 +1,4 @@
-"""Eigenvalues by Chebyshev collocation, from a pencil and its ends alone: the truth where there is no formula. It uses nothing of shootstab.
+"""Eigenvalues by Chebyshev collocation, from a pencil and its ends alone: the truth where there is no formula. Independent of shootstab.
 
 (C0 + σ C1) ψ′ = (D0 + σ D1) ψ on elements. On each the n components are polynomials of degree N, given by their Chebyshev coefficients; the
 equation holds at the N zeros of T_N, and n conditions an element (walls, continuity or interfaces) close the count n(N + 1): no row of a

@@ -17,6 +17,8 @@ CLAIMS = (
     "gallery",
     "digits",
     "calibration",
+    "strangers",
+    "fuzz_pencils",
 )
 
 

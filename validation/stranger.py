@@ -19,10 +19,10 @@ ROUNDING = 2.3e-16
 
 @dataclass(frozen=True)
 class Stranger:
-    """A problem with its truth. modes() gives what eigenvalues it has in region (repeated by multiplicity) and how sure each is, absolutely.
+    """A problem with its truth. modes() gives what eigenvalues it has in region (repeated by multiplicity) and how sure each is.
 
-    origin says where the truth comes from: "exact", "collocation", "published". near are claims that are no modes. on are claims on the
-    essential spectrum. scale is what a number is small against, where 0 is a mode. separation: how far apart modes are, relative to scale.
+    origin says where the truth comes from: "exact", "independent", "collocation", "published". spurious are claims that are no modes, on
+    claims on the essential spectrum. scale is what a number is small against, where 0 is a mode. also: what else is asked.
     """
 
     name: str
@@ -49,7 +49,9 @@ def exactly(*values: complex) -> Callable[[], Sequence[tuple[complex, float]]]:
     return lambda: [(complex(v), 2.3e-16 * abs(v)) for v in values]
 
 
-def collocated(size: int, pencil: Callable[[Any], Any], left: Fixed | Far, right: Fixed | Far, guesses: Sequence[complex], **kw: Any) -> Any:
+def collocated(
+    size: int, pencil: Callable[[Any], Any], left: Fixed | Far, right: Fixed | Far, guesses: Sequence[complex], **kw: Any
+) -> Any:
     """Modes near the guesses by collocation at two resolutions; how far they moved, and rounding, is how sure they are."""
 
     def modes() -> list[tuple[complex, float]]:
@@ -82,4 +84,17 @@ def jumps(places: Sequence[float], n: int) -> list[Any]:
     return [st.Interface.jump(z, np.eye(n)) for z in places]
 
 
-__all__ = ["DIGITS", "Discretization", "Far", "Fixed", "Joint", "Stranger", "collocated", "exactly", "jumps", "line", "second_order", "walls"]
+__all__ = [
+    "DIGITS",
+    "Discretization",
+    "Far",
+    "Fixed",
+    "Joint",
+    "Stranger",
+    "collocated",
+    "exactly",
+    "jumps",
+    "line",
+    "second_order",
+    "walls",
+]

@@ -1,11 +1,12 @@
 """Problems that others posed: bug reports, forum threads, textbooks, published tables, raw spectra; each with its truth.
 
-`python validation/strangers.py [--quick] [--only WORD] [--readme FILE]`. Every problem is asked in a process of its own, with a limit on CPU time and
-1 GiB of memory beyond what the program takes for itself. Exit status 1 if an answer is wrong or lost, a refusal untrue, or a limit passed.
+`python validation/strangers.py [--quick] [--only WORD] [--readme FILE]`. Every problem is asked in a process of its own, with a limit on
+CPU time and 1 GiB of memory beyond what the program takes for itself. Exit status 1 if an answer is wrong or lost, a refusal untrue, or a
+limit passed.
 
-What is asked of each problem: `refine` next to its modes (is the true value within the bound, and is there an answer), `verify` of the true values to
-eight digits, of claims that are no modes and of claims on the essential spectrum, `verify` of an incomplete list (is what is missing named), `count`
-and `find` in a region whose modes are all known, and a count in a disc with the radius that eight digits mean.
+What is asked of each problem: `refine` next to its modes (is the true value within the bound, and is there an answer), `verify` of the true
+values to eight digits, of claims that are no modes and of claims on the essential spectrum, `verify` of an incomplete list (is what is
+missing named), `count` and `find` in a region whose modes are all known, and counts in small discs.
 """
 
 from __future__ import annotations
@@ -21,13 +22,14 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from claims import Case, Claim
 from stranger import Stranger
 
 import shootstab as st
-from shootstab.core.records import CONFIRMED, CONTINUUM, INACCURATE, SPURIOUS
+from shootstab.core.records import CONFIRMED, CONTINUUM, SPURIOUS, UNRESOLVED
 
 RIGHT, WRONG, LOST, UNTRUE, HEAVY, SLOW = "right", "WRONG", "lost", "UNTRUE", "HEAVY", "SLOW"
 MEMORY = 2**30  # bytes beyond the program's own: asked
@@ -46,7 +48,7 @@ class Answer:
     seconds: float = 0.0
 
 
-class OutOfTime(Exception):
+class OutOfTimeError(Exception):
     """A question took longer than allowed."""
 
 
@@ -89,7 +91,7 @@ def timed(s: Stranger, question: str, ask: Callable[[], Iterator[Answer]], modes
     """The answers to one question, with a limit on its CPU time."""
 
     def ring(*_: Any) -> None:
-        raise OutOfTime
+        raise OutOfTimeError
 
     if question.split()[0] in s.skip:
         return
@@ -101,7 +103,7 @@ def timed(s: Stranger, question: str, ask: Callable[[], Iterator[Answer]], modes
             answer.seconds = time.process_time() - began
             began = time.process_time()
             yield answer
-    except OutOfTime:
+    except OutOfTimeError:
         yield Answer(question, SLOW, f"more than {s.seconds:g} s", seconds=time.process_time() - began)
     except MemoryError as error:
         yield Answer(question, HEAVY, f"MemoryError: {str(error)[:80]}", seconds=time.process_time() - began)
@@ -150,7 +152,13 @@ def judged(question: str, sigma: complex, error: float, s: Stranger, modes: Sequ
     ratio = error / max(off, 0.1 * error, 1e-300)
     ratio = error / off if off > 0 else math.inf
     if off > error + sure:
-        return Answer(question, WRONG, f"{sigma:.15g} ± {error:.1e}, truth {v:.15g} ± {sure:.0e}: off by {off / max(error, 1e-300):.3g} bounds", digits, ratio)
+        return Answer(
+            question,
+            WRONG,
+            f"{sigma:.15g} ± {error:.1e}, truth {v:.15g} ± {sure:.0e}: off by {off / max(error, 1e-300):.3g} bounds",
+            digits,
+            ratio,
+        )
     if error > max(1e-7 * size, PESSIMISM * sure):
         return Answer(question, LOST, f"bound {error:.1e} says nothing, off {off:.1e}", digits, ratio)
     return Answer(question, RIGHT, f"± {error:.1e}", digits, ratio)
@@ -173,13 +181,12 @@ def verify(s: Stranger, problem: Any, modes: Sequence[tuple[complex, float]]) ->
     expected += [(CONTINUUM, SPURIOUS)] * len(s.on)
     report = st.verify(problem, claims, digits=s.digits - 1, region=s.region)
     for claim, verdict, right in zip(claims, report.verdicts, expected, strict=True):
-        if verdict.verdict in right:
-            outcome = RIGHT
-        else:
-            outcome = LOST if verdict.verdict in ("unresolved",) else WRONG
+        outcome = RIGHT if verdict.verdict in right else LOST if verdict.verdict == UNRESOLVED else WRONG
         if outcome == LOST and untrue(verdict.why, s, modes):
             outcome = UNTRUE
-        yield Answer(f"verify {claim:.8g}", outcome, f"{verdict.verdict}, not {' or '.join(right)}: {verdict.why}" if outcome != RIGHT else right[0])
+        yield Answer(
+            f"verify {claim:.8g}", outcome, f"{verdict.verdict}, not {' or '.join(right)}: {verdict.why}" if outcome != RIGHT else right[0]
+        )
     for m in report.missing:
         yield Answer("verify", WRONG, f"{complex(m.sigma):.12g} (times {m.multiplicity}) is called missing")
     for u in report.undecided:
@@ -218,7 +225,9 @@ def find(s: Stranger, problem: Any, modes: Sequence[tuple[complex, float]]) -> I
     """All modes of the region, each within its bound, with multiplicities that add up."""
     found = st.find(problem, s.region).modes
     total = sum(m.multiplicity for m in found)
-    yield Answer("find", RIGHT if total == len(modes) else WRONG, f"{total}" if total == len(modes) else f"{total} found, truth {len(modes)}")
+    yield Answer(
+        "find", RIGHT if total == len(modes) else WRONG, f"{total}" if total == len(modes) else f"{total} found, truth {len(modes)}"
+    )
     for m in found:
         if not modes:
             continue
@@ -228,7 +237,11 @@ def find(s: Stranger, problem: Any, modes: Sequence[tuple[complex, float]]) -> I
             yield judged(f"find {complex(m.sigma):.6g}", complex(m.sigma), float(m.error), s, modes)
         else:
             inside = sum(abs(v - complex(m.sigma)) <= m.error + e for v, e in modes)
-            yield Answer(f"find {complex(m.sigma):.6g}", RIGHT if inside >= m.multiplicity else WRONG, f"× {m.multiplicity} ± {m.error:.1e}, {inside} within")
+            yield Answer(
+                f"find {complex(m.sigma):.6g}",
+                RIGHT if inside >= m.multiplicity else WRONG,
+                f"× {m.multiplicity} ± {m.error:.1e}, {inside} within",
+            )
 
 
 def missing(s: Stranger, problem: Any, modes: Sequence[tuple[complex, float]]) -> Iterator[Answer]:
@@ -256,7 +269,9 @@ def unstable(s: Stranger, problem: Any) -> Iterator[Answer]:
 # apart
 
 
-def apart(work: Callable[[Callable[[dict[str, Any]], None]], None], memory: int | None, seconds: float) -> tuple[list[dict[str, Any]], float, str]:
+def apart(
+    work: Callable[[Callable[[dict[str, Any]], None]], None], memory: int | None, seconds: float
+) -> tuple[list[dict[str, Any]], float, str]:
     """What work(tell) tells, in a process of its own: what was told, MB beyond the parent's, and how it ended if not well."""
     read, write = os.pipe()
     sys.stdout.flush()
@@ -267,8 +282,7 @@ def apart(work: Callable[[Callable[[dict[str, Any]], None]], None], memory: int 
         try:
             resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(seconds), math.ceil(seconds) + 5))
             if memory is not None:
-                with open("/proc/self/statm") as file:
-                    own = int(file.read().split()[0]) * os.sysconf("SC_PAGE_SIZE")
+                own = int(Path("/proc/self/statm").read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE")
                 resource.setrlimit(resource.RLIMIT_AS, (own + memory, own + memory))
             with os.fdopen(write, "w") as out:
                 work(lambda told: (out.write(json.dumps(told) + "\n"), out.flush(), None)[2])
@@ -279,7 +293,13 @@ def apart(work: Callable[[Callable[[dict[str, Any]], None]], None], memory: int 
     with os.fdopen(read) as lines:
         told = [json.loads(line) for line in lines]
     _, status, usage = os.wait4(pid, 0)
-    ended = "" if status == 0 else f"killed by signal {os.WTERMSIG(status)}" if os.WIFSIGNALED(status) else f"exit status {os.WEXITSTATUS(status)}"
+    ended = (
+        ""
+        if status == 0
+        else f"killed by signal {os.WTERMSIG(status)}"
+        if os.WIFSIGNALED(status)
+        else f"exit status {os.WEXITSTATUS(status)}"
+    )
     own_rss = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return told, max(0.0, (usage.ru_maxrss - own_rss) / 1024), ended
 
@@ -384,7 +404,8 @@ def print_result(r: Result) -> None:
     digits = min((a.digits for a in r.answers if not math.isnan(a.digits)), default=math.nan)
     ratio = min((a.ratio for a in r.answers if not math.isnan(a.ratio)), default=math.nan)
     print(
-        f"{'ok ' if not r.bad else 'BAD'} {r.stranger.name:44s} {len(r.answers) - len(r.bad):3d}/{len(r.answers):3d} right, digits {digits:4.1f}, "
+        f"{'BAD' if r.bad else 'ok '} {r.stranger.name:44s} {len(r.answers) - len(r.bad):3d}/{len(r.answers):3d} right, "
+        f"digits {digits:4.1f}, "
         f"bound/error {ratio:7.2g}, {r.seconds:6.1f} s, {r.megabytes:5.0f} MB, truth {r.truth_seconds:.1f} s",
         flush=True,
     )
@@ -434,8 +455,7 @@ def main() -> int:
         pass
     print(summary(results))
     if args.readme:
-        with open(args.readme, "w") as file:
-            file.write(readme(results))
+        Path(args.readme).write_text(readme(results))
     return any(r.bad for r in results)
 
 

@@ -124,9 +124,9 @@ def free_benard_modes(Ra: float, k: float, Pr: float, count: int) -> Any:
 
 
 def rotating_couette(R: float, Ro: float, k: float) -> Any:
-    """Streamwise vortices in plane Couette flow U = y on [−1, 1] that rotates, S = Ro R: (D² − k²)(D² − k² − Rσ)v = …; of Bénard's form, Pr = 1.
+    """Streamwise vortices in plane Couette flow U = y on [−1, 1] that rotates, Coriolis Ro, in (v, v′, v″, v‴, u, u′).
 
-    u: (D² − k² − Rσ)u = R(1 − Ro)v; v: (D² − k²)(D² − k² − Rσ)v = −k² R Ro u·(−1)."""
+    (D² − k² − Rσ)u = R(1 − Ro)v, (D² − k²)(D² − k² − Rσ)v = −k² R Ro u: Bénard's equations."""
     a = k * k
 
     def pencil(y: Any) -> Any:
@@ -164,9 +164,8 @@ def eady_modes(mu: float) -> Any:
 def layers(r: float, g: float, k: float) -> Any:
     """Two inviscid layers, −1 < z < 0 of density 1 at speed 0 and 0 < z < 1 of density r at speed 1, wave k, gravity g.
 
-    ψ = (φ, w) with φ the pressure over k and w: on either side w″ = k²w; with the displacement, w/(σ + ikU) continuous and
-    p = −ρ(σ + ikU)w′/k² with ρ g ζ. State (w, w′); rows at 0 are quadratic in σ: made affine by carrying q = w/(σ + ikU) instead:
-    q″ = k²q on either side, q continuous, Σ ± ρ((σ + ikU)² q′ + …). A second pair (Q = σ q) keeps it affine."""
+    q = w/(σ + ikU), the displacement: q″ = k²q, continuous; pressure: [ρ(σ + ikU)²q′] = (1 − r) g k² q at z = 0. Affine in σ with Q = σq
+    beside it, state (q, q′, Q, Q′)."""
     a = k * k
 
     def pencil(z: Any) -> Any:
@@ -185,7 +184,9 @@ def layers(r: float, g: float, k: float) -> Any:
     moving_behind[3, 3], behind[3, 3], behind[3, 1] = -r, -2j * k * r, r * k * k
     before[3, 0] = (1 - r) * g * a
     wall = [[1, 0, 0, 0], [0, 0, 1, 0]]
-    return lambda: st.problem(4, pencil, st.Wall(-1, wall), st.Wall(1, wall), interfaces=[st.Interface(0.0, before, behind, moving_before, moving_behind)])
+    return lambda: st.problem(
+        4, pencil, st.Wall(-1, wall), st.Wall(1, wall), interfaces=[st.Interface(0.0, before, behind, moving_before, moving_behind)]
+    )
 
 
 def layers_modes(r: float, g: float, k: float) -> list[complex]:
@@ -194,10 +195,9 @@ def layers_modes(r: float, g: float, k: float) -> list[complex]:
 
 
 def film(R: float, alpha: float, beta: float) -> Any:
-    """Film down a plane, U = 1 − y², y = 0 at the free surface, y = 1 at the wall (Yih 1963), speed of the surface 1, no surface tension.
+    """A film down a plane at angle β, U = 1 − y², its free surface at y = 0 and the wall at y = 1, no surface tension (Yih 1963).
 
-    φ″(0) + (α² + U″/(U − c)·…)φ = 0: with c′ = c − 1, (c′)(φ″ + α²φ) + U″… made affine through an interface-free row: φ(0) = c′ η with η carried
-    as a fifth, constant component. η: φ″ + α²φ = 2η·(−1)·(−1); normal: φ‴ − 3α²φ′ + iαR c′ φ′ − 2iα cot β η·… = 0."""
+    The displacement η of the surface is a fifth, constant component."""
     a2 = alpha * alpha
     base = poiseuille(R, alpha)
 
@@ -207,8 +207,8 @@ def film(R: float, alpha: float, beta: float) -> Any:
         D0[:4, :4], D1[:4, :4] = d0, d1
         return D0, D1
 
-    # σ = −iα c, c′ = c − 1 = iσ/α − 1. Kinematic: φ = (c − 1)η. Tangential: φ″ + α²φ = −U″η·(−1)… : u′ + U″η + v_x: φ″ + U″η + α²φ = 0, U″ = −2.
-    # Normal: −p + 2v_y/R: iα R[(U − c)φ′ ] = φ‴ − 3α²φ′ − iα 2cotβ η (gravity of a film of surface speed 1: g sinβ h²/2ν U = 1, g cosβ/(U²/h) R = 2 cotβ)
+    # c = iσ/α. Kinematic: φ = (c − 1)η. No shear: φ″ + α²φ + U″η = 0, U″ = −2.
+    # No normal stress: iαR(1 − c)φ′ = φ‴ − 3α²φ′ − 2iα cot β η, as a film with surface speed 1 has gravity g cos β = 2 cot β/R
     rows = np.zeros((3, 5), dtype=complex)
     moving = np.zeros((3, 5), dtype=complex)
     rows[0, 0], rows[0, 4], moving[0, 4] = 1, 1, -1j / alpha
@@ -304,7 +304,11 @@ def stratified(J: float, k: float) -> Any:
 
     # (σ + ikU)b + N²w = 0 differentiated: (σ + ikU)b′ = −N²w′ − N²′w − ikU′b; at the wall b(σ + ikU) = 0 with w = 0
     wall3 = [[1, 0, 0], [0, 0, 1]]
-    return lambda: st.problem(3, pencil, st.Wall(-half, wall3), st.Wall(half, [[1, 0, 0]]), continuum=lambda z: -1j * k * np.tanh(z)), pencil, half
+    return (
+        lambda: st.problem(3, pencil, st.Wall(-half, wall3), st.Wall(half, [[1, 0, 0]]), continuum=lambda z: -1j * k * np.tanh(z)),
+        pencil,
+        half,
+    )
 
 
 def stratified_stranger(J: float, k: float, guess: complex) -> Stranger:
@@ -314,7 +318,15 @@ def stratified_stranger(J: float, k: float, guess: complex) -> Stranger:
         "Hazel 1972; chebfun issue 1575",
         "collocation",
         make,
-        collocated(3, pencil, Fixed(-half, [[1, 0, 0], [0, 0, 1]]), Fixed(half, [[1, 0, 0]]), [guess], cuts=(-6, -3, -1.5, -0.6, 0, 0.6, 1.5, 3, 6), N=22),
+        collocated(
+            3,
+            pencil,
+            Fixed(-half, [[1, 0, 0], [0, 0, 1]]),
+            Fixed(half, [[1, 0, 0]]),
+            [guess],
+            cuts=(-6, -3, -1.5, -0.6, 0, 0.6, 1.5, 3, 6),
+            N=22,
+        ),
         region=st.Rectangle(0.02 - 0.2j, 0.6 + 0.21j),
         spurious=(0.35 + 0.1j,),
         on=(0.5j * k,),
@@ -342,8 +354,27 @@ STRANGERS = [
         refined=2,
     ),
     channel("Couette, R = 800", "textbook", couette(800.0, 1.0), [-0.12952206 - 0.5764738j, -0.12952206 + 0.5764738j], N=48, unstable=0),
-    channel("Poiseuille, R = 5772.22, near critical", "Orszag 1971", poiseuille(5772.22181620970, 1.02054744928533), [-1j * 1.0205474 * 0.2640003], scale=0.27),
-    Stranger("Squire modes of Couette flow", "textbook", "collocation", walls(2, squire, -1, [[1, 0]], 1, [[1, 0]]), collocated(2, squire, Fixed(-1, [[1, 0]]), Fixed(1, [[1, 0]]), [-0.12718249 + 0.78187852j, -0.2214305 - 0.61863618j, -0.36678798 - 0.36686964j], N=60)),
+    channel(
+        "Poiseuille, R = 5772.22, near critical",
+        "Orszag 1971",
+        poiseuille(5772.22181620970, 1.02054744928533),
+        [-1j * 1.0205474 * 0.2640003],
+        scale=0.27,
+    ),
+    Stranger(
+        "Squire modes of Couette flow",
+        "textbook",
+        "collocation",
+        walls(2, squire, -1, [[1, 0]], 1, [[1, 0]]),
+        collocated(
+            2,
+            squire,
+            Fixed(-1, [[1, 0]]),
+            Fixed(1, [[1, 0]]),
+            [-0.12718249 + 0.78187852j, -0.2214305 - 0.61863618j, -0.36678798 - 0.36686964j],
+            N=60,
+        ),
+    ),
     Stranger(
         "Bickley jet, R = 100, α = 0.8",
         "issue 18 C17",
@@ -368,7 +399,9 @@ STRANGERS = [
         "Michalke 1964",
         "collocation",
         lambda: st.problem(2, rayleigh_mixing(0.4446), st.Infinity(), st.Infinity(), continuum=lambda y: -0.4446j * np.tanh(y)),
-        collocated(2, rayleigh_mixing(0.4446), Far(-25.0, 1), Far(25.0, 1), [0.1897], cuts=(-10, -5, -2, -1, -0.4, 0, 0.4, 1, 2, 5, 10), N=24),
+        collocated(
+            2, rayleigh_mixing(0.4446), Far(-25.0, 1), Far(25.0, 1), [0.1897], cuts=(-10, -5, -2, -1, -0.4, 0, 0.4, 1, 2, 5, 10), N=24
+        ),
         region=st.Rectangle(0.01 - 0.3j, 0.4 + 0.31j),
         spurious=(0.05, 0.3),
         on=(0.2j,),
@@ -382,7 +415,14 @@ STRANGERS = [
         region=st.Rectangle(0.02 - 0.3j, 0.6 + 0.31j),
         on=(0.2j, 0.45j),
     ),
-    Stranger("Rayleigh's broken-line layer, k = 0.4", "Rayleigh 1880", "exact", piecewise_shear(0.4), exactly(*[v for v in piecewise_modes(0.4) if v.real > 0]), region=st.Rectangle(0.02 - 0.3j, 0.6 + 0.31j)),
+    Stranger(
+        "Rayleigh's broken-line layer, k = 0.4",
+        "Rayleigh 1880",
+        "exact",
+        piecewise_shear(0.4),
+        exactly(*[v for v in piecewise_modes(0.4) if v.real > 0]),
+        region=st.Rectangle(0.02 - 0.3j, 0.6 + 0.31j),
+    ),
     Stranger("two layers, Kelvin–Helmholtz", "textbook", "exact", layers(0.6, 1.0, 3.0), exactly(*layers_modes(0.6, 1.0, 3.0))),
     Stranger("two layers, waves only", "textbook", "exact", layers(0.3, 2.0, 1.0), exactly(*layers_modes(0.3, 2.0, 1.0))),
     film_stranger(),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import cmath
 import json
-import math
 import os
 import struct
 import subprocess
@@ -16,7 +15,7 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
-from numpy.polynomial import chebyshev as C
+from numpy.polynomial import chebyshev
 from stranger import Fixed, Stranger, collocated, walls
 from strangers_flows import CLAMPED, poiseuille
 
@@ -25,14 +24,14 @@ AGREES, DIFFERS = 1e-9, 1e-2  # relative: a claim this near to a mode is the mod
 
 
 def tau(M: int) -> Any:
-    """σ of plane Poiseuille flow by Chebyshev's tau method, as a first-order system of φ, φ′, φ″, φ‴ with two tau terms each way; inf and all."""
+    """σ of plane Poiseuille flow by Chebyshev's tau method, as a first-order system of φ, φ′, φ″, φ‴; inf and all."""
     n = M + 1
     D = np.zeros((n, n))
     for k in range(n):
-        D[:, k] = np.pad(C.chebder(np.eye(n)[k]), (0, n))[:n] if k else 0
+        D[:, k] = np.pad(chebyshev.chebder(np.eye(n)[k]), (0, n))[:n] if k else 0
     one, Y2 = np.eye(n), np.zeros((n, n))
     for k in range(n):
-        Y2[:, k] = C.chebmul(np.eye(n)[k], C.poly2cheb([0, 0, 1]))[:n]
+        Y2[:, k] = chebyshev.chebmul(np.eye(n)[k], chebyshev.poly2cheb([0, 0, 1]))[:n]
     U = one - Y2
     a2 = ALPHA**2
     L, B = np.zeros((4 * n, 4 * n), dtype=complex), np.zeros((4 * n, 4 * n), dtype=complex)
@@ -105,12 +104,15 @@ def judge(values: Any, answer: dict[str, Any], unit: complex, truth: Sequence[co
         finite = [complex(x) * unit for x in values if cmath.isfinite(complex(x)) and abs(x) < 1e15]
         if min(abs(s - x) for x in finite) < AGREES * abs(s):
             wrong.append(f"{s:.9g} is claimed, and missing")
-    yield "raw spectrum", "WRONG" if wrong else "lost" if lost else "right", f"{judged} judged; {len(wrong)} wrong, {len(lost)} lost: {(wrong + lost)[:2]}"
+    yield (
+        "raw spectrum",
+        "WRONG" if wrong else "lost" if lost else "right",
+        f"{judged} judged; {len(wrong)} wrong, {len(lost)} lost: {(wrong + lost)[:2]}",
+    )
 
 
 def dedalus(kind: str) -> Callable[[Any, Any], Iterator[tuple[str, str, str]]]:
     """A tau spectrum, inf included, in one kind of file."""
-    from typing import cast
 
     def write(path: Path, values: Any) -> None:
         if kind == "npy":
@@ -135,7 +137,7 @@ def dedalus(kind: str) -> Callable[[Any, Any], Iterator[tuple[str, str, str]]]:
             return
         yield from judge(values, answer, 1.0, resolved())
 
-    return cast(Any, ask)
+    return ask
 
 
 def legolas_file(path: Path, omega: Any) -> None:
@@ -205,5 +207,3 @@ STRANGERS = [
     *(raw(f"tau spectrum of Poiseuille flow, {kind}", dedalus(kind)) for kind in ("npy", "csv", "text", "h5")),
     raw("spectrum in Legolas' file", legolas),
 ]
-
-__all__ = ["STRANGERS", "math"]
