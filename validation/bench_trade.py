@@ -1,4 +1,4 @@
-"""`shootstab trade` for the four built-in scenes of the chute: tables, JSON and the pictures of the README."""
+"""`shootstab trade` for the four built-in scenes of the chute: tables, JSON and the pictures of the claims."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The gallery: digits and time of every solved problem, and what a problem of one's own costs; `--table` prints the README's table."""
+"""The gallery: digits and time of every solved problem, and what a problem of one's own costs; `--table` prints the table of README.md."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def cases(quick: bool) -> Iterator[Case]:
 
 
 def table() -> None:
-    """The README's table."""
+    """The table of validation/README.md."""
     print("| problem | eigenvalue | published | bound | time |\n|---|---|---|---|---|")
     for case, mode, seconds in rows(False):
         v, digits = mode.sigma / case.unit, case.digits

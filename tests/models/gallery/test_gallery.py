@@ -1,15 +1,15 @@
-"""models/gallery: every solved problem against its published digits, and the README's problem of one's own."""
+"""models/gallery: every solved problem against its published digits, and the guide's problem of one's own."""
 
 from __future__ import annotations
 
 import importlib
-import re
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pages
 import pytest
 
 import shootstab as st
@@ -108,17 +108,17 @@ def test_every_gallery_scene_is_a_problem() -> None:
             assert load(name).problem.size >= 2
 
 
-def readme_problem() -> str:
-    """The README's block that writes down a problem."""
-    blocks = [b for b in re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL) if "st.problem(" in b]
-    assert len(blocks) == 1
-    return blocks[0]
+def guide_problem() -> str:
+    """The guide's block that writes down a problem."""
+    return next(
+        b.text for b in pages.blocks((ROOT / "shootstab" / "guide" / "your-own-equations.md").read_text()) if b.name == "channel.py"
+    )
 
 
-def test_the_readmes_problem_in_python_and_as_module_and_object(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    code = readme_problem()
+def test_the_guides_problem_in_python_and_as_module_and_object(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    code = guide_problem()
     assert len([line for line in code.splitlines() if line.strip()]) <= 15
-    module = tmp_path / "channel_of_the_readme.py"
+    module = tmp_path / "channel_of_the_guide.py"
     module.write_text(code)
     done = subprocess.run([sys.executable, str(module)], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "confirmed"
@@ -130,7 +130,7 @@ def test_the_readmes_problem_in_python_and_as_module_and_object(tmp_path: Path, 
     claims.write_text("0.23752649,0.00373967\n0.3+0.1j,\n".replace("0.3+0.1j,", "0.3,0.1"))
     words = [
         "verify",
-        "channel_of_the_readme:problem",
+        "channel_of_the_guide:problem",
         str(claims),
         "--as",
         "phase-speed",
