@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from shootstab import __version__
-from shootstab.cli import commands, guide_command
+from shootstab.cli import commands, explain_command, guide_command
 from shootstab.cli import sweep_command as sweeping
 from shootstab.cli import trade_command as trading
 from shootstab.core.errors import InputError, ShootstabError
@@ -105,6 +105,8 @@ def parser() -> argparse.ArgumentParser:
     find = _command(subparsers, commands.find, "all modes in a region, without a guess")
     _add_region(find, "rectangle", "disc", "polygon", default="rectangle")
     find.add_argument("--resonances", action="store_true", help="list zeros beyond the continuous spectrum too")
+
+    _command(subparsers, explain_command.explain, "what the reduction of the scene's equations found")
 
     _command(subparsers, commands.steady, "the steady flow of the scene")
 

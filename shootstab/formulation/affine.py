@@ -15,9 +15,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from shootstab.core.errors import InputError
 from shootstab.formulation.expression import Expression, number
 from shootstab.formulation.first_order import Entries, FirstOrder
-from shootstab.formulation.system import SIGMA, coefficients, degree
+from shootstab.formulation.system import SIGMA, Row, coefficients, degree
 
 Condition = dict[int, Expression]  # of the states by their number, polynomials in σ
 
@@ -79,6 +80,18 @@ def affine(first: FirstOrder, left: list[Condition], right: list[Condition], lef
         ends[at_right] += [({(0, at): number(1)}, {(0, below): number(-1)}) for at, below in extra]
     stacked = [tuple({(r, j): c for r, row in enumerate(end) for (_, j), c in row[part].items()} for part in (0, 1)) for end in ends]
     return AffineSystem(n + len(copies), C[0], C[1], D[0], D[1], stacked[0], stacked[1], len(ends[0]), len(ends[1]))  # type: ignore[arg-type]
+
+
+def in_states(rows: list[tuple[str, Row]], first: FirstOrder) -> list[Condition]:
+    """The conditions on the states. Raises InputError for one that holds already, by the equations."""
+    number_of = {state: i for i, state in enumerate(first.states)}
+    out = []
+    for where, row in rows:
+        reduced = first.in_states(row)
+        if not reduced:
+            raise InputError(f"{where} says nothing: the equations themselves make it true; allowed are conditions that they leave open")
+        out.append({number_of[at]: c for at, c in reduced.items()})
+    return out
 
 
 def _split(entries: Entries, copies: dict[tuple[int, int], int]) -> tuple[Entries, Entries]:

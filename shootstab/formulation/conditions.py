@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from shootstab.core.errors import InputError
-from shootstab.formulation.affine import Condition
-from shootstab.formulation.first_order import FirstOrder
 from shootstab.formulation.names import Names
 from shootstab.formulation.system import Row, row_of
 from shootstab.problems.ends import Infinity
@@ -51,16 +49,4 @@ def rows_of(end: End, side: str, names: Names) -> list[tuple[str, Row]]:
     for i, formula in enumerate(end.conditions, 1):
         where = f"{side} condition {i}"
         out.append((where, row_of(names.expression(formula, where), where)))
-    return out
-
-
-def in_states(rows: list[tuple[str, Row]], first: FirstOrder) -> list[Condition]:
-    """The conditions on the states. Raises InputError for one that holds already, by the equations."""
-    number_of = {state: i for i, state in enumerate(first.states)}
-    out = []
-    for where, row in rows:
-        reduced = first.in_states(row)
-        if not reduced:
-            raise InputError(f"{where} says nothing: the equations themselves make it true; allowed are conditions that they leave open")
-        out.append({number_of[at]: c for at, c in reduced.items()})
     return out

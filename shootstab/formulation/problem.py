@@ -5,24 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
-from shootstab.formulation.affine import AffineSystem, affine
-from shootstab.formulation.conditions import Conditions, End, end_of, in_states, rows_of
+from shootstab.formulation.affine import AffineSystem, Condition, affine, in_states
+from shootstab.formulation.collocation import Collocation, collocation
+from shootstab.formulation.conditions import Conditions
 from shootstab.formulation.continuous_spectrum import InteriorSpectrum, interior_spectrum
 from shootstab.formulation.digits import EquationDigits
-from shootstab.formulation.domain import Domain
 from shootstab.formulation.evaluation import Given, filled, on_arrays
+from shootstab.formulation.explanation import Lines, explanation
 from shootstab.formulation.first_order import FirstOrder, first_order
 from shootstab.formulation.gaussian import Gaussian
 from shootstab.formulation.limits import with_limit
-from shootstab.formulation.names import Names
-from shootstab.formulation.system import Row, System
-from shootstab.problems.ends import Infinity, Wall
+from shootstab.formulation.statement import Statement, stated
+from shootstab.formulation.system import degree, shown
+from shootstab.problems.ends import Wall
 from shootstab.problems.linear_problem import LinearProblem
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray
@@ -31,25 +33,13 @@ from shootstab.problems.two_point import reduce_to_two_points
 LARGEST = 64  # states, as problems.linear_problem has it
 
 
-@dataclass(frozen=True, eq=False)
-class Formulation:
-    """A problem as the user wrote it, read: equations and conditions as rows over the unknowns, the ends, given functions."""
-
-    names: Names
-    system: System
-    left: End
-    right: End
-    left_rows: tuple[tuple[str, Row], ...]
-    right_rows: tuple[tuple[str, Row], ...]
-    domain: Domain
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class EquationProblem(LinearProblem):
     """A problem made by `equations`: the engine's view of it, what the reduction found, and what the user wrote."""
 
-    formulation: Formulation
+    statement: Statement
     first_order: FirstOrder
+    conditions: tuple[list[Condition], list[Condition]]
     affine: AffineSystem
     spectrum_inside: InteriorSpectrum
 
@@ -57,10 +47,29 @@ class EquationProblem(LinearProblem):
         return super().heights(points) if self.spectrum_inside.single else None
 
     @property
+    def explanation(self) -> Lines:
+        """What the reduction found, in words."""
+        told = explanation(self.statement, self.first_order, self.conditions, self.affine, self.spectrum_inside)
+        at_ends = [
+            (
+                f"at {at.where}",
+                f"{at.decaying} of {len(at.rates)} solutions decay at {self.statement.names.eigenvalue} = {self.generic_sigma:.4g}, "
+                f"the rates are {', '.join(f'{rate:.4g}' for rate in at.rates)}",
+            )
+            for at in self.ends(self.generic_sigma)
+        ]
+        return [*told, *at_ends]
+
+    @cached_property
+    def pseudospectral(self) -> Collocation | None:
+        """The equations as they stand, by collocation. None with an end at infinity."""
+        return collocation(self.statement)
+
+    @property
     def multiprecision(self) -> Callable[[], EquationDigits] | None:
         """The same expressions on power series. None where a function is given to doubles only, or an end is at infinity."""
-        ends = self.formulation.left, self.formulation.right
-        if self.formulation.domain.given or not all(isinstance(end, Conditions) for end in ends):
+        ends = self.statement.left, self.statement.right
+        if self.statement.domain.given or not all(isinstance(end, Conditions) for end in ends):
             return None
         left, right = (Gaussian.of(end.at).re for end in ends if isinstance(end, Conditions))
         return lambda: EquationDigits(self.affine, Fraction(left), Fraction(right))
@@ -97,30 +106,18 @@ def equations(
     Raises InputError, which names the equation or condition and the place: an unknown name, a term that is not linear, as many equations
     as unknowns, dependent equations, a point at which the order changes, and conditions that are too many, too few, or say nothing.
     """
-    names = Names(_names(unknowns), dict(parameters or {}), dict(where or {}), eigenvalue, variable, tuple(given or ()))
-    if isinstance(equations, str) or not isinstance(equations, Sequence):
-        raise InputError(f"equations = {equations!r}: allowed is a list of formulas")
-    ends = end_of(left, "left"), end_of(right, "right")
-    low = ends[0].at if isinstance(ends[0], Conditions) else -np.inf
-    high = ends[1].at if isinstance(ends[1], Conditions) else np.inf
-    if not low < high:
-        raise InputError(f"the ends lie at {variable} = {low:g} and {high:g}: allowed is a left end below the right one")
-    read = {f"equation {i}": names.expression(e, f"equation {i}") for i, e in enumerate(equations, 1)}
-    system = System.of(names.unknowns, read)
-    rows = [tuple(rows_of(end, side, names)) for end, side in zip(ends, ("left", "right"), strict=True)]
-    formulation = Formulation(names, system, *ends, rows[0], rows[1], Domain(float(low), float(high), dict(given or {})))
-    return assembled(formulation, fold, reference)
+    statement = stated(unknowns, equations, left, right, parameters or {}, where or {}, eigenvalue, variable, given or {})
+    return assembled(statement, fold, reference)
 
 
-def assembled(formulation: Formulation, fold: float = 0.0, reference: complex | None = None) -> EquationProblem:
-    """The reduction of a formulation, and the problem that it makes."""
-    domain = formulation.domain
-    first = first_order(formulation.system, domain.vanishing, domain.regular)
-    spectrum = interior_spectrum(first, domain, formulation.names.variable)
-    conditions = [in_states(list(rows), first) for rows in (formulation.left_rows, formulation.right_rows)]
-    ends = formulation.left, formulation.right
-    finite = [isinstance(end, Conditions) for end in ends]
-    _require_count(first, formulation, finite)
+def assembled(statement: Statement, fold: float = 0.0, reference: complex | None = None) -> EquationProblem:
+    """The reduction of a statement, and the problem that it makes."""
+    domain = statement.domain
+    first = first_order(statement.system, domain.vanishing, domain.regular)
+    spectrum = interior_spectrum(first, domain, statement.names.variable)
+    conditions = [in_states(list(rows), first) for rows in (statement.left_rows, statement.right_rows)]
+    ends, finite = (statement.left, statement.right), statement.finite
+    _require_count(first, statement, conditions, finite)
     system = affine(first, conditions[0], conditions[1], finite[0], finite[1])
     if system.size > LARGEST:
         raise InputError(f"the equations have {system.size} states: allowed are {LARGEST}")
@@ -131,7 +128,16 @@ def assembled(formulation: Formulation, fold: float = 0.0, reference: complex | 
     ]
     reduction = reduce_to_two_points(matrices, made[0], made[1], (), fold, reference)
     curve: Callable[[Any], Any] | None = spectrum.curve if spectrum.curves else None
-    return EquationProblem(matrices, reduction, curve, formulation=formulation, first_order=first, affine=system, spectrum_inside=spectrum)
+    return EquationProblem(
+        matrices,
+        reduction,
+        curve,
+        statement=statement,
+        first_order=first,
+        conditions=(conditions[0], conditions[1]),
+        affine=system,
+        spectrum_inside=spectrum,
+    )
 
 
 def pencil_of(system: AffineSystem, given: Given) -> Callable[[ComplexArray], tuple[ComplexArray, ...]]:
@@ -151,30 +157,26 @@ def _wall(z: float, rows: tuple[Any, Any], count: int, size: int, given: Given) 
     return Wall(float(z), W0, W1 if W1.any() else None)
 
 
-def _names(unknowns: Sequence[str]) -> tuple[str, ...]:
-    if isinstance(unknowns, str) or not isinstance(unknowns, Sequence):
-        raise InputError(f"unknowns = {unknowns!r}: allowed is a list of names")
-    return tuple(unknowns)
-
-
-def _require_count(first: FirstOrder, formulation: Formulation, finite: list[bool]) -> None:
+def _require_count(first: FirstOrder, statement: Statement, conditions: list[list[Condition]], finite: tuple[bool, bool]) -> None:
     """As many conditions as the order, where both ends are finite; at an end at infinity the count is that of what decays."""
-    left, right = len(formulation.left_rows), len(formulation.right_rows)
-    for side, count, is_finite in (("left", left, finite[0]), ("right", right, finite[1])):
-        if is_finite and count == 0:
+    left, right = len(statement.left_rows), len(statement.right_rows)
+    names = statement.names
+    held = [*first.C.values(), *first.D.values(), *(c for rows in conditions for row in rows for c in row.values())]
+    if not any(degree(c) for c in held):
+        raise InputError(
+            f"neither the equations nor the conditions hold the eigenvalue {names.eigenvalue}: they pose no eigenvalue problem"
+        )
+    for side, count, other in (("left", left, right), ("right", right, left)):
+        if all(finite) and count == 0 and other == first.order:
+            raise InputError(
+                f"all {other} conditions stand at one end: an initial-value problem, whose only solution is zero whatever "
+                f"{names.eigenvalue} is; it has no eigenvalues"
+            )
+        if finite[side == "right"] and count == 0:
             raise InputError(f"{side} has no conditions: allowed is at least one (the order of the equations is {first.order})")
-        if is_finite and count >= first.order + (not all(finite)):
-            raise InputError(f"{side} has {count} conditions: the order of the equations is {first.order}, which leaves none free")
+        if finite[side == "right"] and count > first.order:
+            raise InputError(f"{side} has {count} conditions: allowed are {first.order}, the order of the equations")
     if all(finite) and left + right != first.order:
         listed = ", ".join(shown(state) for state in first.states)
         told = f"{left} conditions at the left end and {right} at the right"
         raise InputError(f"{told}: allowed are {first.order} in all, the order of the equations, whose states are {listed}")
-
-
-def shown(state: tuple[str, int]) -> str:
-    """A state as the user would write it."""
-    name, order = state
-    return name if order == 0 else f"d({name})" if order == 1 else f"d({name},{order})"
-
-
-__all__ = ["Conditions", "EquationProblem", "Infinity", "equations"]

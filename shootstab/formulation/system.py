@@ -22,6 +22,12 @@ def jet(name: str, order: int = 0) -> Expression:
     return of_atom(Atom("jet", name, order))
 
 
+def shown(at: Jet) -> str:
+    """A derivative as the user would write it."""
+    name, order = at
+    return name if order == 0 else f"d({name})" if order == 1 else f"d({name},{order})"
+
+
 def row_of(expression: Expression, where: str, homogeneous: bool = True) -> Row:
     """The coefficients of the unknowns and their derivatives. Raises InputError for what is not linear in them."""
     row: Row = {}

@@ -207,6 +207,11 @@ _GALLERY: Mapping[str, tuple[Table, str]] = {
 
 def _gallery(name: str, description: str, tables: Mapping[str, Any]) -> Scene:
     _require_tables(tables, ("problem",))
+    if isinstance(tables["problem"], dict) and "equations" in tables["problem"]:
+        from shootstab.formulation.scene import from_table
+
+        problem = from_table(tables["problem"])
+        return Scene(name, description, problem, symbol=problem.statement.names.eigenvalue.replace("sigma", "σ"))
     wanted = tables["problem"].get("name") if isinstance(tables["problem"], dict) else None
     if not isinstance(wanted, str) or wanted not in _GALLERY:
         raise InputError(f"[problem] name = {shortened(wanted)}: allowed is one of {', '.join(_GALLERY)}")

@@ -147,3 +147,8 @@ def test_what_users_are_told(what: str, changed: dict[str, Any], told: str) -> N
     walls = {"left": st.Conditions(-1, ["u", "v"]), "right": st.Conditions(1, ["u", "v"])}
     with pytest.raises(InputError, match=told):
         posed("plane Poiseuille flow", **{**walls, **changed})
+
+
+def test_an_initial_value_operator_has_no_eigenvalues() -> None:
+    with pytest.raises(InputError, match=r"all 1 conditions stand at one end: an initial-value problem, .* it has no eigenvalues"):
+        st.equations(["u"], ["d(u) - sigma*u"], st.Conditions(0, ["u"]), st.Conditions(1, []))

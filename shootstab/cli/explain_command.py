@@ -1,0 +1,30 @@
+"""`shootstab explain SCENE`: what the reduction of a scene's equations found."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from typing import TYPE_CHECKING
+
+from shootstab.cli.commands import DONE, answer
+from shootstab.io import scenes
+from shootstab.problems.capabilities import EXPLANATION
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+
+def explain(options: Namespace) -> int:
+    """Order, states, the continuous spectrum inside, conditions on the states."""
+    scene = scenes.load(options.scene)
+    lines = EXPLANATION.required(scene.problem)
+
+    def tables() -> list[RenderableType]:
+        from rich.table import Table
+
+        grid = Table.grid(padding=(0, 2))
+        for heading, text in lines:
+            grid.add_row(heading, text.replace("[", r"\["))
+        return [grid]
+
+    answer(options, {"explanation": [{"heading": heading, "text": text} for heading, text in lines]}, tables)
+    return DONE

@@ -1,0 +1,75 @@
+"""What the reduction found, in words: order, states, what was done to the equations, the continuous spectrum, the conditions."""
+
+from __future__ import annotations
+
+import re
+
+from shootstab.formulation.affine import AffineSystem, Condition
+from shootstab.formulation.conditions import Conditions
+from shootstab.formulation.continuous_spectrum import InteriorSpectrum
+from shootstab.formulation.expression import Expression
+from shootstab.formulation.first_order import FirstOrder
+from shootstab.formulation.statement import Statement
+from shootstab.formulation.system import Row, shown
+
+Lines = list[tuple[str, str]]
+LONGEST = 400  # characters of a formula that are shown
+
+
+def explanation(
+    statement: Statement,
+    first: FirstOrder,
+    conditions: tuple[list[Condition], list[Condition]],
+    system: AffineSystem,
+    inside: InteriorSpectrum,
+) -> Lines:
+    """Pairs of a heading and what belongs to it; formulas in the user's names, parameters by their values."""
+    names = statement.names
+
+    def text(expression: Expression) -> str:
+        found = str(expression)
+        for ours, theirs in (("sigma", names.eigenvalue), ("z", names.variable)):
+            found = _renamed(found, ours, theirs)
+        return found if len(found) <= LONGEST else found[:LONGEST] + " …"
+
+    def row_text(row: Row) -> str:
+        return " + ".join(f"({text(c)})*{shown(at)}" for at, c in sorted(row.items()))
+
+    def condition_text(condition: Condition) -> str:
+        return row_text({first.states[j]: c for j, c in condition.items()}) + " = 0"
+
+    lines: Lines = [
+        ("unknowns", ", ".join(names.unknowns)),
+        ("order", f"{first.order}: as many conditions, or solutions that decay, are needed in all"),
+        ("states", ", ".join(map(shown, first.states))),
+    ]
+    for flux, row in first.fluxes.items():
+        lines.append(("flux", f"{flux} = {row_text(row)}, a state in place of a division"))
+    states = {name for name, _ in first.states}
+    for name, ((_, top), row) in first.rules.items():
+        if name not in states and top == 0:
+            others = {at: -c for at, c in row.items() if at != (name, 0)}
+            lines.append(("removed", f"{name} = ({row_text(others) or '0'}) / ({text(row[name, 0])})"))
+    for factor, where in first.factors:
+        lines.append(("multiplied", f"{where} by {text(factor)}, which may vanish"))
+    added = system.size - first.order
+    powers = f"to higher powers: {added} states are carried again, times powers of {names.eigenvalue}; the modes are the same"
+    lines.append(("eigenvalue", f"{names.eigenvalue} occurs {powers if added else 'to the first power'}"))
+    terms = [f"({text(c)})*{names.eigenvalue}**{k}" if k else f"({text(c)})" for k, c in first.determinant.items()]
+    lines.append(("det C", " + ".join(terms)))
+    curve = "none: det C does not hold the eigenvalue"
+    if inside.curves:
+        many = f"{inside.curves} curves, the zeros of det C in {names.eigenvalue}"
+        found = inside.expression
+        curve = many if found is None else f"{names.eigenvalue} = {text(found)}, {names.variable} along the domain"
+    lines.append(("continuous spectrum inside", curve))
+    for side, end, rows in zip(("left", "right"), (statement.left, statement.right), conditions, strict=True):
+        if isinstance(end, Conditions):
+            lines += [(f"{side}, {names.variable} = {end.at:g}", condition_text(row)) for row in rows]
+        else:
+            lines.append((f"{side}, infinity", "solutions decay"))
+    return lines
+
+
+def _renamed(text: str, ours: str, theirs: str) -> str:
+    return text if ours == theirs else re.sub(rf"\b{ours}\b", theirs, text)
