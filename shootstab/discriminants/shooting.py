@@ -183,17 +183,20 @@ class Shooting:
             self._regrid(errors, everywhere=turn < REDISTRIBUTIONS)
         raise ConvergenceError(f"no mesh found that holds local errors of {self.method.rtol:.1e} at sigma = {sigma:.6g}")
 
-    def _reach_out(self, sigma: complex) -> None:
-        """Begin farther out, where the far frame holds for σ and for somewhat larger ones; the rest of the mesh stays."""
+    def _reach_out(self, sigma: complex) -> bool:
+        """Begin farther out, where the far frame holds for σ and for somewhat larger ones; the rest of the mesh stays.
+
+        False where the problem has no place farther out: then the error of its far frame is a part of the bound.
+        """
         nodes, sampled = self._mesh, self._sampled_system
         assert sampled is not None
         outwards = nodes[0].real - nodes[-1].real
         straight = self.problem.mesh(self.problem.start(sigma, FAR_MARGIN * self._far_tolerance))
         beyond = straight[(straight - nodes[0].real) * outwards > 1e-9 * outwards**2]
         if len(beyond) == 0:
-            self._build(sigma, self._far_tolerance)
-        else:
-            self._sampled_system = resample(self.problem, np.concatenate((beyond, nodes)), sampled)
+            return False
+        self._sampled_system = resample(self.problem, np.concatenate((beyond, nodes)), sampled)
+        return True
 
     def _regrid(self, errors: np.ndarray, everywhere: bool) -> None:
         """Spread the steps anew, or only split those that err too much."""
@@ -219,8 +222,7 @@ class Shooting:
         sampled = self._sampled_system
         far = self._start(self.problem.far_frame(sampled.nodes[0].real, sigma))
         self._far_error = far.error
-        if far.error > 10 * self._far_tolerance:
-            self._reach_out(sigma)
+        if far.error > 10 * self._far_tolerance and self._reach_out(sigma):
             return self._shoot(sigma, tangent)
         self.evaluations += 1
         return self.method.propagate(sampled, self._rows, far, sigma, tangent)

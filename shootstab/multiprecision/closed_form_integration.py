@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from fractions import Fraction
 from typing import Any
 
+import mpmath
+
+from shootstab.core.errors import InputError
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix, exact, simplified
 from shootstab.multiprecision.integration import Base, Entries, Expansion, Progress
 from shootstab.multiprecision.settings import Settings
@@ -33,14 +37,17 @@ class ClosedFormIntegration:
 
     def __init__(self, arithmetic: Arithmetic, problem: ClosedForm, settings: Settings) -> None:
         self._arithmetic, self._problem, self._settings = arithmetic, problem, settings
-        self._z, self._wall = (self._real(end) for end in problem.exact_ends(self._exact))
+        self._z, self._wall = (self._end(end) for end in problem.exact_ends(self._exact))
         self._step = (self._wall - self._z) / settings.order  # a first trial; steps double from there
 
     def _exact(self, x: float) -> Any:
         return self._arithmetic.complex(exact(x))
 
-    def _real(self, x: Any) -> Any:
-        return simplified(self._arithmetic, x)
+    def _end(self, z: Any) -> Any:
+        """z as a real number: from the arithmetic itself, or as int, Fraction, mpf, or the decimal that a float stands for."""
+        if isinstance(z, float):
+            z = exact(z)
+        return self._arithmetic.number(z) if isinstance(z, int | Fraction | mpmath.mpf) else simplified(self._arithmetic, z)
 
     def begin(self, sigma: Any) -> None:
         """The far end is where the problem says."""
@@ -57,7 +64,12 @@ class ClosedFormIntegration:
         h = left if at_wall else inside
         self._h = h
         z = real_series(arithmetic, [self._z, h] + [arithmetic.number(0)] * (self._settings.order - 2))
-        C0, C1, D0, D1 = (self._entries(part, z) for part in self._problem.exact_pencil(z, self._exact))
+        try:
+            parts = self._problem.exact_pencil(z, self._exact)
+        except (TypeError, AttributeError) as error:
+            advice = "allowed are formulas with +, −, ·, / and ** for numbers of any kind, which cosh of numpy or math is not"
+            raise InputError(f"exact_pencil cannot be computed for a power series in z ({error}): {advice}") from error
+        C0, C1, D0, D1 = (self._entries(part, z) for part in parts)
         return Expansion(h, C0, C1, D0, D1, at_wall)
 
     def advance(self) -> None:

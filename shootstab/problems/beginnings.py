@@ -65,20 +65,24 @@ class InfiniteBeginning:
         """The decaying space, begun at this distance from the origin: of the limit, or of the pencil frozen there."""
         side = self.limit.direction
         z = self.origin + side * distance
-        frozen = self.given.start is not None
+        frozen = self.given.start is not None and self.given.limit is None
         limit = AsymptoticPencil(*self.pencil.at(z), side) if frozen else self.limit
         tail = None if frozen else tails(self.pencil, limit, self.origin, distance)
         return DecayingSpace(KatoFrame(limit, self.k, self.reference, distance), self.pencil, self.origin, z, tail, INFINITIES[side])
 
 
-def distance_from(origin: float, pencil: PencilFunction, end: Infinity, limit: AsymptoticPencil, side: int) -> float:
-    """How far from origin to begin. Raises InputError where the start that was given lies on the wrong side of it."""
+def infinite_beginning(
+    pencil: PencilFunction, end: Infinity, limit: AsymptoticPencil, k: int, reference: complex, origin: float
+) -> InfiniteBeginning:
+    """Cut where the coefficients have come to their limit, or where the user says. Raises InputError where that is on the other side."""
+    side = limit.direction
     if end.start is None:
-        return truncation_distance(pencil, limit, origin, INFINITIES[side])
-    distance = end.start - side * origin
+        distance = truncation_distance(pencil, limit, k, reference, origin, INFINITIES[side])
+    else:
+        distance = end.start - side * origin
     if distance <= 0.0:
         raise InputError(f"at {INFINITIES[side]} start = {end.start:g}: allowed is a |z| beyond {origin:g}")
-    return distance
+    return InfiniteBeginning(pencil, end, limit, k, reference, origin, distance)
 
 
 def _null_space(W0: ComplexArray) -> ComplexArray:

@@ -38,7 +38,7 @@ class ClosedForm(Protocol):
         ...
 
     def exact_ends(self, exact: Exact) -> tuple[Any, Any]:
-        """z of the far end and of the wall, real."""
+        """z of the far end and of the wall, real: what `exact` gives, or an int, a Fraction, an mpf, or a float for its decimal."""
         ...
 
     def exact_pencil(self, z: Any, exact: Exact) -> Sequence[Mapping[tuple[int, int], Any]]:

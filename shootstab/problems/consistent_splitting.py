@@ -20,8 +20,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shootstab.core.errors import InputError, ShootstabError
+from shootstab.core.errors import InputError, Undecidable
 from shootstab.problems.ends import INFINITIES
+from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.splitting import CLOSE, AsymptoticPencil, decaying_count, gap
 
 DIRECTIONS = (1.0, -1.0, 1j, -1j)  # growth first
@@ -50,6 +51,21 @@ class Sample:
     width: float
 
 
+def _width(limit: AsymptoticPencil, sigma: complex, rates: ComplexArray) -> float:
+    """The gap between rates that decay and others, or between all and 0 where they are of one kind, relative to the largest rate.
+
+    0 where it is rounding.
+    """
+    k, largest, clear = decaying_count(rates), float(np.abs(rates).max()), float(np.abs(rates.real).min())
+    if not clear > CLOSE * largest:
+        return 0.0
+    try:
+        limit.splitting(sigma, k)
+    except Undecidable:
+        return 0.0
+    return (gap(rates, k) if 0 < k < len(rates) else clear) / largest
+
+
 @dataclass(frozen=True)
 class EndConditions:
     """n, the order; fixed, by side, the solutions that a wall leaves free; the limits of infinite ends, and the counts given for them."""
@@ -65,13 +81,10 @@ class EndConditions:
         for side, limit in self.limits.items():
             try:
                 rates = limit.rates(sigma)
-            except ShootstabError:
+            except Undecidable:
                 return None
-            counts[side] = k = decaying_count(rates)
-            largest = float(np.abs(rates).max())
-            clear = float(np.abs(rates.real).min())
-            apart = gap(rates, k) if 0 < k < self.n else clear
-            width = min(width, apart / largest if clear > CLOSE * largest else 0.0)
+            counts[side] = decaying_count(rates)
+            width = min(width, _width(limit, sigma, rates))
         return Sample(sigma, counts, width)
 
     def fits(self, sample: Sample) -> bool:
@@ -122,7 +135,11 @@ def consistent_splitting(conditions: EndConditions, near: complex | None) -> Con
         raise InputError(
             "C is singular at an end at infinity, whatever sigma is: allowed is a pencil that can be solved for the derivative"
         )
-    raise _refusal(conditions, next((s for s in seen if s.width > 0.0), seen[0]))
+    if not any(s.width > 0.0 for s in seen):
+        ends = " and ".join(INFINITIES[side] for side in conditions.limits)
+        told = f"at {ends} rates have a real part that is 0, or one to rounding, whatever sigma is, as next to a regular singular point"
+        raise InputError(f"{told}: allowed are rates of which it is known whether they decay, or st.Wall(z, rows) short of that end")
+    raise _refusal(conditions, next(s for s in seen if s.width > 0.0))
 
 
 def _rays(scale: float) -> Iterator[NDArray[np.complex128]]:

@@ -15,7 +15,7 @@ from shootstab.problems.protocol import ComplexArray, FarFrame
 from shootstab.problems.splitting import gap
 from shootstab.problems.truncation import frozen_error, tail_error
 
-WORST = 9e-16  # relative error of a frame beyond which nothing is begun: no start would be better
+WORST = 1e-6  # chosen: relative error of a frame beyond which no digit of a mode is promised and nothing is begun
 
 
 class StartingSpace(Protocol):
@@ -76,13 +76,17 @@ class DecayingSpace:
         return self.kato_frame.k
 
     def frame(self, sigma: complex) -> FarFrame:
-        """Raises Undecidable on the continuous spectrum, ConvergenceError where the space is not known well enough for this σ."""
+        """With the error that coefficients off their limit, or a frozen pencil, and rounding make.
+
+        Raises Undecidable on the continuous spectrum, ConvergenceError where the space is not known well enough for this σ.
+        """
         frame, tangent, log_scale, split = self.kato_frame.frame(sigma)
         limit = self.kato_frame.limit
         if self.tail is not None:
             error = tail_error(limit, self.tail, split, sigma)
         else:
             error = frozen_error(self.matrices, limit, self.origin, self.z, split, self.columns, sigma)
+        error += split.rounding
         if error > WORST:
             where = f"at {self.where}, begun at z = {self.z:g}"
             raise ConvergenceError(f"{where}, the decaying space is known to {error:.1e} only for sigma = {sigma:.6g}")

@@ -35,9 +35,13 @@ class Wall:
 class Infinity:
     """An end at infinity: solutions decay towards it.
 
-    decaying is the number of solutions that do, found from the limiting matrix if it is not given. limit is what the pencil is there, by
-    default what the function gives at ±∞. Where the coefficients have no limit (x² in a potential), or come to it slower than
-    exponentially, start is the |z| at which to begin with the decaying space of the matrix frozen there.
+    decaying is the number of solutions that do, found from the limiting matrix if it is not given. limit is what the pencil is there (D0,
+    D1 or C0, C1, D0, D1), by default what the function gives at ±∞. start is the |z| at which to begin. Without a limit beside it, it says
+    that the coefficients have none (x² in a potential), and the decaying space is that of the pencil frozen there; with one, the
+    space is that of the limit. What either misses is a part of the bound. By default the start is where the coefficients are at
+    their limit to rounding, to which they have to come exponentially.
+
+    Raises InputError for a start that is no finite number above 0.
     """
 
     decaying: int | None = None
@@ -45,8 +49,6 @@ class Infinity:
     limit: tuple[ArrayLike, ...] | None = None
 
     def __post_init__(self) -> None:
-        if self.start is not None and self.limit is not None:
-            raise InputError("Infinity has both start and limit: allowed is one of them, as start says that there is no limit to use")
         if self.start is not None and not 0.0 < self.start < math.inf:
             raise InputError(f"Infinity has start = {self.start!r}: allowed is a finite number above 0, the |z| to begin at")
 
@@ -97,7 +99,8 @@ def as_matrix(values: ArrayLike, shape: tuple[int | None, int], named: str) -> C
     except (ValueError, TypeError) as error:
         raise InputError(f"{named} are no matrix ({error}): allowed is an array of shape {allowed}") from None
     if matrix.ndim != 2 or matrix.shape[1] != shape[1] or (shape[0] is not None and len(matrix) != shape[0]) or len(matrix) == 0:
-        raise InputError(f"{named} have shape {matrix.shape}: allowed is {allowed}")
+        empty = ", with one condition at least: where there is none, the other end holds them all" if len(matrix) == 0 else ""
+        raise InputError(f"{named} have shape {matrix.shape}: allowed is {allowed}{empty}")
     if not np.isfinite(matrix).all():
         raise InputError(f"{named} are not finite: allowed are finite numbers")
     return matrix

@@ -51,8 +51,7 @@ class PencilFunction:
             try:
                 parts = self.function(z)
             except (ArithmeticError, ValueError) as error:
-                where = f"z = {z:g}" if isinstance(z, float) else "some z"
-                raise InputError(f"the pencil cannot be computed at {where}: {type(error).__name__}: {error}") from error
+                raise _not_computed(f"z = {z:g}" if isinstance(z, float) else "some z", error) from error
         if not isinstance(parts, tuple | list) or len(parts) not in NAMES:
             count = len(parts) if isinstance(parts, tuple | list) else type(parts).__name__
             raise InputError(f"the pencil gives {count}: allowed are two matrices, D0 and D1, or four, C0, C1, D0 and D1")
@@ -75,8 +74,18 @@ class PencilFunction:
         """All points in one compiled loop."""
         n, count = self.size, len(self._parts(points[0]))
         out = np.empty((count, len(points), n, n), dtype=np.complex128)
-        _loop(count)(self.function, points, out)
+        try:
+            _loop(count)(self.function, points, out)
+        except (ArithmeticError, ValueError) as error:
+            for z in points.tolist():  # the one point that is singular is found, and named
+                self._parts(z)
+            raise _not_computed("some z", error) from error
         return self._pencil(list(out), points.astype(np.complex128))
+
+
+def _not_computed(where: str, error: Exception) -> InputError:
+    advice = "allowed is a pencil that is finite on the whole interval, ends included: at a singular point put the wall next to it"
+    return InputError(f"the pencil cannot be computed at {where}: {type(error).__name__}: {error}: {advice}")
 
 
 _LOOPS: dict[int, Any] = {}

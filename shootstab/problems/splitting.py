@@ -10,11 +10,16 @@ and with B = A′ in the basis (X, X2), X2 = Q [Z; I], its derivative P′ = X G
 
     G T22 − T11 G = −B12,   H T11 − T22 H = B21
 
-(T. Kato, Perturbation Theory for Linear Operators, II.4).
+(T. Kato, Perturbation Theory for Linear Operators, II.4). A is balanced first, so that its norm is no larger than its rates make it.
+
+How well the space is known. Rounding changes A by E, ‖E‖ ≈ ε‖A‖, and turns the space by ‖E‖/sep(T11, T22), as long as
+‖E‖ ‖T12‖ < sep²/4 (G. W. Stewart, SIAM Review 15 (1973), theorem 4.11). Beyond that the gap itself may be rounding: a defective pair,
+two equal rates with one solution, splits by √‖E‖ in some direction, and a space is found where there is none.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,7 +29,9 @@ from numpy.typing import NDArray
 from shootstab.core.errors import Undecidable
 from shootstab.problems.protocol import ComplexArray
 
-CLOSE = 1e-12  # of the largest rate: a gap below this is rounding
+CLOSE = 1e-12  # chosen: of the largest rate; a gap below this is rounding
+EPSILON = float(np.finfo(float).eps)
+UNRESOLVED = 100.0  # chosen: ‖E‖ ‖T12‖ in units of sep², times this; a defective pair that rounding has split has 1/4 to 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,30 +67,47 @@ class AsymptoticPencil:
         return np.asarray(rates[np.argsort(rates.real)])
 
     def splitting(self, sigma: complex, k: int) -> SpectralSplitting:
-        """The k solutions that decay fastest. Raises Undecidable where the k-th rate and the next have one real part."""
+        """The k solutions that decay fastest.
+
+        Raises Undecidable where the k-th rate and the next have one real part, or one to rounding.
+        """
         A, slope = self.matrix(sigma)
         n = len(A)
         if k in (0, n):
             whole = np.eye(n, dtype=np.complex128)
             X, X2 = whole[:, :k], whole[:, k:]
             return SpectralSplitting(
-                A, slope, X, X2, X.T, np.zeros((k, n - k), dtype=np.complex128), np.zeros((n - k, k), dtype=np.complex128), X2.T
+                A, slope, X, X2, X.T, np.zeros((k, n - k), dtype=np.complex128), np.zeros((n - k, k), dtype=np.complex128), X2.T, 0.0
             )
-        rates = np.sort(np.linalg.eigvals(A).real)
+        balanced, (scales, _) = scipy.linalg.matrix_balance(A, permute=False, separate=True)
+        rates = np.sort(np.linalg.eigvals(balanced).real)
         gap = rates[k] - rates[k - 1]
         if not gap > CLOSE * np.abs(rates).max():
             raise Undecidable(f"at infinity the rates {k} and {k + 1} have one real part at sigma = {sigma:.6g}: the continuous spectrum")
         middle = 0.5 * (rates[k] + rates[k - 1])
-        T, Q, found = scipy.linalg.schur(A, output="complex", sort=lambda mu: mu.real < middle)
-        if found != k:
-            raise Undecidable(f"at infinity the rates {k} and {k + 1} cannot be told apart at sigma = {sigma:.6g}: the continuous spectrum")
+        T, Q, found = scipy.linalg.schur(balanced, output="complex", sort=lambda mu: mu.real < middle)
+        error = math.inf if found != k else _rounding(T, k)
+        if not math.isfinite(error):
+            raise Undecidable(f"at infinity the rates {k} and {k + 1} are one to rounding at sigma = {sigma:.6g}: no space is told apart")
         T11, T12, T22 = T[:k, :k], T[:k, k:], T[k:, k:]
         Z = sylvester(T11, T22, -T12)
-        X, left = Q[:, :k], Q[:, :k].conj().T - Z @ Q[:, k:].conj().T
-        X2, left2 = Q[:, :k] @ Z + Q[:, k:], Q[:, k:].conj().T
+        rows, columns = Q.conj().T / scales, scales[:, None] * Q
+        X, left = columns[:, :k], rows[:k] - Z @ rows[k:]
+        X2, left2 = columns[:, :k] @ Z + columns[:, k:], rows[k:]
         G = sylvester(T11, T22, left @ slope @ X2)
         H = -sylvester(T22, T11, left2 @ slope @ X)
-        return SpectralSplitting(A, slope, X, X2, left, G, H, left2)
+        return SpectralSplitting(A, slope, X, X2, left, G, H, left2, error)
+
+
+def _rounding(T: ComplexArray, k: int) -> float:
+    """The relative error ‖E‖/sep of the space of the first k rates; infinite where these are not told from the others."""
+    _, _, _, _, _, sep, _ = scipy.linalg.lapack.ztrsen(
+        np.arange(len(T)) < k, T, np.eye(len(T)), job=b"V", wantq=0, lwork=2 * k * (len(T) - k)
+    )
+    changed = EPSILON * float(np.linalg.norm(T))
+    if UNRESOLVED * changed * float(np.linalg.norm(T[:k, k:])) > sep * sep:
+        return math.inf
+    return changed / float(sep)
 
 
 def sylvester(T: ComplexArray, U: ComplexArray, right: ComplexArray) -> ComplexArray:
@@ -94,7 +118,10 @@ def sylvester(T: ComplexArray, U: ComplexArray, right: ComplexArray) -> ComplexA
 
 @dataclass(frozen=True, eq=False)
 class SpectralSplitting:
-    """A and A′ (n, n), bases X (n, k) and X2 (n, n−k) of the two invariant spaces, their dual rows left and left2, and G, H of P′."""
+    """A and A′ (n, n), bases X (n, k) and X2 (n, n−k) of the two invariant spaces, their dual rows left and left2, and G, H of P′.
+
+    rounding is the relative error of X that rounding makes.
+    """
 
     A: ComplexArray
     A_slope: ComplexArray
@@ -104,6 +131,7 @@ class SpectralSplitting:
     G: ComplexArray
     H: ComplexArray
     left2: ComplexArray
+    rounding: float
 
     @property
     def trace(self) -> complex:

@@ -6,6 +6,9 @@ infinity,
 
     |V⁻¹| ∫_z^∞ |C⁻¹(ΔD − ΔC A)| ds |V|.
 
+The place is that from which on the integrand is negligible against the rates, at a σ of the problem's own size: what each matrix is for
+itself does not matter, as a D1 that vanishes at infinity shows.
+
 Where they have no limit the matrix is frozen at z. Its space turns at the rate |ℓ2 A_z X|; of what it is wrong by, only that which
 the integration towards the wall has not damped by the gap between the rates after half the way is an error of the mode.
 """
@@ -13,6 +16,7 @@ the integration towards the wall has not damped by the gap between the rates aft
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,16 +26,17 @@ from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import Pencil
 from shootstab.problems.splitting import AsymptoticPencil, SpectralSplitting, gap
 
-NEGLIGIBLE = 1e-20  # of the largest entry of each matrix: coefficients are at their limit
-NEAREST, FARTHEST = 2.0**-10, 2.0**20
+NEGLIGIBLE = 1e-20  # chosen: of the rates; so |σ| may be 1e4 times the problem's own size before its rounding is passed
+NEAREST, FARTHEST = 2.0**-10, 2.0**20  # chosen: distances tried
 SAMPLES = 64
-TAIL = 2.0  # the tail is sampled out to so many times the distance, 1 more
+TAIL = 2.0  # chosen: the tail is sampled out to so many times the distance, 1 more
 WAY = 9  # points at which the gap is sampled between a frozen end and half the way
+LARGEST = 1e6  # chosen: times the reference, the largest σ for which coefficients are to be at their limit
 
 
-def limit_at(matrices: PencilFunction, direction: int, given: tuple[object, ...] | None, where: str) -> AsymptoticPencil:
+def limit_at(pencil: PencilFunction, direction: int, given: tuple[object, ...] | None, where: str) -> AsymptoticPencil:
     """The pencil at ±∞, as given or as the function says. Raises InputError where it says nothing finite."""
-    source = matrices if given is None else PencilFunction(matrices.size, lambda z: given)
+    source = pencil if given is None else PencilFunction(pencil.size, lambda z: given)
     try:
         return AsymptoticPencil(*source.at(direction * math.inf), direction)
     except InputError as error:
@@ -41,18 +46,23 @@ def limit_at(matrices: PencilFunction, direction: int, given: tuple[object, ...]
         raise InputError(f"at {where}: {error}: {advice}") from error
 
 
-def truncation_distance(matrices: PencilFunction, limit: AsymptoticPencil, origin: float, where: str) -> float:
-    """How far from origin the coefficients have come to their limit, to rounding.
+def truncation_distance(pencil: PencilFunction, limit: AsymptoticPencil, k: int, reference: complex, origin: float, where: str) -> float:
+    """How far from origin the coefficients have come to their limit, where k solutions decay at σ = reference, to rounding.
 
     Raises InputError where they come to it slower than exponentially.
     """
+    split = limit.splitting(reference, k)
+    there = limit.C0, limit.C1, limit.D0, limit.D1
+    nearest = _parts(pencil(np.array([origin + limit.direction * NEAREST], dtype=np.complex128)))
+    fixed, moving = (float(np.abs(M).max()) for M in (nearest[2], nearest[3]))
+    size = min(max(abs(reference), fixed / moving if moving > 0.0 else 0.0), LARGEST * abs(reference))
+    to_basis, from_basis = np.abs(np.concatenate((split.left, split.left2))), np.abs(np.concatenate((split.X, split.X2), axis=1))
+    rates = float((to_basis @ np.abs(split.A) @ from_basis).max()) or 1.0
 
     def settled(distance: float) -> bool:
-        pencil = matrices((origin + limit.direction * distance * np.geomspace(1.0, 1.0 + TAIL, SAMPLES)).astype(np.complex128))
-        for at, there in zip(_parts(pencil), (limit.C0, limit.C1, limit.D0, limit.D1), strict=True):
-            if (np.abs(at - there) > NEGLIGIBLE * np.abs(there).max()).any():
-                return False
-        return True
+        z = (origin + limit.direction * distance * np.geomspace(1.0, 1.0 + TAIL, SAMPLES)).astype(np.complex128)
+        off = [np.abs(at - end) for at, end in zip(_parts(pencil(z)), there, strict=True)]
+        return bool((to_basis @ _moved(limit, off, split, reference, size) @ from_basis).max() <= NEGLIGIBLE * rates)
 
     far = NEAREST
     while not settled(far):
@@ -71,33 +81,40 @@ def truncation_distance(matrices: PencilFunction, limit: AsymptoticPencil, origi
     return high
 
 
-def tails(matrices: PencilFunction, limit: AsymptoticPencil, origin: float, distance: float) -> tuple[NDArray[np.float64], ...]:
-    """∫|ΔC0|, ∫|ΔC1|, ∫|ΔD0|, ∫|ΔD1| (n, n) from there outwards."""
+def tails(pencil: PencilFunction, limit: AsymptoticPencil, origin: float, distance: float) -> tuple[NDArray[np.float64], ...]:
+    """∫|ΔC0|, ∫|ΔC1|, ∫|ΔD0|, ∫|ΔD1|, each (n, n), from there outwards; beyond the samples as of coefficients that fall off as 1/s²."""
     s = distance * np.geomspace(1.0, 1.0 + TAIL, SAMPLES)
-    pencil = matrices((origin + limit.direction * s).astype(np.complex128))
-    there = limit.C0, limit.C1, limit.D0, limit.D1
-    return tuple(np.trapezoid(np.abs(at - end), s, axis=0) for at, end in zip(_parts(pencil), there, strict=True))
+    at = pencil((origin + limit.direction * s).astype(np.complex128))
+    off = [np.abs(M - end) for M, end in zip(_parts(at), (limit.C0, limit.C1, limit.D0, limit.D1), strict=True)]
+    return tuple(np.trapezoid(M, s, axis=0) + s[-1] * M[-1] for M in off)
 
 
 def tail_error(limit: AsymptoticPencil, tail: tuple[NDArray[np.float64], ...], split: SpectralSplitting, sigma: complex) -> float:
     """The relative error of the frame, largest over its rows, that coefficients off their limit make."""
     if not any(part.any() for part in tail):
         return 0.0
-    C0, C1, D0, D1 = tail
-    size = abs(sigma)
-    moved = np.abs(np.linalg.inv(limit.C0 + sigma * limit.C1)) @ (D0 + size * D1 + (C0 + size * C1) @ np.abs(split.A))
+    moved = _moved(limit, tail, split, sigma, abs(sigma))
     return _relative(split, np.abs(np.concatenate((split.left, split.left2))) @ moved @ np.abs(split.X))
 
 
+def _moved(
+    limit: AsymptoticPencil, off: Sequence[NDArray[np.float64]], split: SpectralSplitting, sigma: complex, size: float
+) -> NDArray[np.float64]:
+    """|C⁻¹| (|ΔD| + |ΔC| |A|), (…, n, n), for ΔC0, ΔC1, ΔD0, ΔD1 of the same shape and |σ| = size in them."""
+    C0, C1, D0, D1 = off
+    inverse = np.abs(np.linalg.inv(limit.C0 + sigma * limit.C1))
+    return np.asarray(inverse @ (D0 + size * D1 + (C0 + size * C1) @ np.abs(split.A)))
+
+
 def frozen_error(
-    matrices: PencilFunction, limit: AsymptoticPencil, origin: float, z: float, split: SpectralSplitting, k: int, sigma: complex
+    pencil: PencilFunction, limit: AsymptoticPencil, origin: float, z: float, split: SpectralSplitting, k: int, sigma: complex
 ) -> float:
     """The relative error that the frozen space at z makes after half the way to the origin, damped by the gap."""
     step = 1e-3 * (z - origin)
-    near = AsymptoticPencil(*matrices.at(z - step), limit.direction).matrix(sigma)[0]
+    near = AsymptoticPencil(*pencil.at(z - step), limit.direction).matrix(sigma)[0]
     turning = np.abs(split.left2 @ (split.A - near) @ split.X) / abs(step)
     way = np.linspace(1.0, 0.5, WAY)
-    gaps = [gap(AsymptoticPencil(*matrices.at(origin + (z - origin) * x), limit.direction).rates(sigma), k) for x in way]
+    gaps = [gap(AsymptoticPencil(*pencil.at(origin + (z - origin) * x), limit.direction).rates(sigma), k) for x in way]
     damped = math.exp(-float(np.trapezoid(gaps[::-1], abs(z - origin) * way[::-1])))
     return damped * _relative(split, np.concatenate((np.zeros((k, k)), turning / gaps[0])))
 

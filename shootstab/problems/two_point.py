@@ -13,7 +13,7 @@ import numpy as np
 import scipy.linalg
 
 from shootstab.core.errors import InputError
-from shootstab.problems.beginnings import InfiniteBeginning, WallBeginning, distance_from
+from shootstab.problems.beginnings import InfiniteBeginning, WallBeginning, infinite_beginning
 from shootstab.problems.consistent_splitting import ConsistentSplitting, EndConditions, consistent_splitting
 from shootstab.problems.decaying_space import ConstantSpace
 from shootstab.problems.ends import INFINITIES, WALLS, Infinity, Interface, Wall
@@ -72,8 +72,7 @@ def reduce_to_two_points(
     beginnings: Beginnings = dict(walls)
     for side, end in infinities.items():
         origin = (joints[0].z if side < 0 else joints[-1].z) if joints else walls[-side].z
-        truncation = distance_from(origin, pencil, end, limits[side], side)
-        beginnings[side] = InfiniteBeginning(pencil, end, limits[side], splitting.counts[side], splitting.reference, origin, truncation)
+        beginnings[side] = infinite_beginning(pencil, end, limits[side], splitting.counts[side], splitting.reference, origin)
     return _many_subdomains(n, beginnings, joints) if joints else _one_subdomain(beginnings)
 
 
@@ -93,7 +92,7 @@ def _ordered(left: Wall | Infinity, right: Wall | Infinity, interfaces: tuple[In
 
 def _limit(pencil: PencilFunction, end: Infinity, side: int) -> AsymptoticPencil:
     """What the pencil is at an infinite end; frozen at the start where it has no limit."""
-    if end.start is not None:
+    if end.start is not None and end.limit is None:
         return AsymptoticPencil(*pencil.at(side * end.start), side)
     return limit_at(pencil, side, end.limit, INFINITIES[side])
 

@@ -327,6 +327,7 @@ MISTAKES: dict[str, tuple[Any, tuple[str, ...]]] = {
     "no function": (lambda: st.problem(2, 3.0, *WALLS), ("pencil = 3.0", "a function")),  # type: ignore[arg-type]
     "no end": (lambda: st.problem(2, string, 0.0, WALLS[1]), ("left = 0.0", "st.Wall")),  # type: ignore[arg-type]
     "columns": (lambda: st.problem(2, string, st.Wall(0, [[1, 0, 0]]), WALLS[1]), ("left wall", "shape (1, 3)", "(m, 2)")),
+    "no row": (lambda: st.problem(2, string, WALLS[0], st.Wall(1, np.zeros((0, 2)))), ("right wall", "one condition at least")),
     "one row flat": (lambda: st.problem(2, string, st.Wall(0, [1, 0]), WALLS[1]), ("left wall", "shape (2,)")),
     "NaN in rows": (lambda: st.problem(2, string, WALLS[0], st.Wall(1, [[math.nan, 0]])), ("right wall", "not finite")),
     "words in rows": (lambda: st.problem(2, string, WALLS[0], st.Wall(1, [["a", 0]])), ("right wall", "no matrix")),  # type: ignore[list-item]
@@ -373,7 +374,7 @@ MISTAKES: dict[str, tuple[Any, tuple[str, ...]]] = {
         lambda: st.problem(2, string, st.Infinity(start=1), st.Infinity(start=1), fold=2.0),
         ("start = 1", "beyond 2"),
     ),
-    "start and limit": (lambda: st.Infinity(start=1.0, limit=string(0.0)), ("start and limit",)),
+    "start that is none": (lambda: st.Infinity(start=math.inf), ("start = inf", "finite number above 0")),
 }
 
 
@@ -417,6 +418,22 @@ def test_a_compiled_function_that_is_wrong_is_told_in_the_same_words() -> None:
 
     with pytest.raises(InputError, match=r"D0 has shape \(3, 3\)"):
         st.refine(st.problem(2, pencil, *WALLS), -9.0)
+
+
+@pytest.mark.parametrize("compiled", [False, True])
+@pytest.mark.parametrize("walls", [(0, 1), (-1, 0)])
+def test_a_wall_at_a_singular_point_is_named(walls: tuple[float, float], compiled: bool) -> None:
+    from numba import njit
+
+    def pencil(z):  # type: ignore[no-untyped-def]
+        D0, D1 = np.zeros((2, 2)), np.zeros((2, 2))
+        D0[0, 1], D0[1, 0], D1[1, 0] = 1.0, 1 / z, 1.0
+        return D0, D1
+
+    function = njit(pencil) if compiled else pencil
+    with pytest.raises(InputError, match="at z = 0: ZeroDivisionError") as refusal:
+        st.refine(st.problem(2, function, st.Wall(walls[0], FIXED), st.Wall(walls[1], FIXED)), -9.0)
+    assert "put the wall next to it" in str(refusal.value)
 
 
 def test_a_continuum_that_is_no_number() -> None:
