@@ -9,10 +9,11 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from shootstab.analyses.accuracy import Inaccurate
 from shootstab.analyses.find import modes_of
 from shootstab.analyses.refine import refine
 from shootstab.analyses.refine_double import examine
-from shootstab.analyses.zeros import Crowded, Inaccurate, Zeros, zeros_in
+from shootstab.analyses.zeros import Crowded, Zeros, zeros_in
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.records import CONFIRMED, CONTINUUM, INACCURATE, SPURIOUS, UNRESOLVED, Mode, Verdict, digits_between
 from shootstab.core.regions import Disc

@@ -1,7 +1,7 @@
 """How many modes a region holds, cut along the continuous spectrum.
 
 The contour is the boundary of the region, both sides of every part of the curve inside it, and small circles around the ends of the
-curve that lie inside. On the curve D has two values, one continued from each side, and both are computed there along bent paths. With z
+curve that lie inside. On the curve D has two values, one continued from each side, and both are computed there along deformed paths. With z
 rising, the left side of the curve is the one of singular points above the real z-axis (σ_c is analytic, so it keeps orientation):
 
     2πi n = Σ_boundary Δ ln D + Σ_curve (Δ ln D_left − Δ ln D_right) − Σ_ends ∮ d ln D.
@@ -18,22 +18,24 @@ from itertools import pairwise
 
 import numpy as np
 
+from shootstab.analyses.accuracy import Sample, require_accurate
 from shootstab.core.discriminant import Value
 from shootstab.core.regions import Disc, Region
-from shootstab.discriminants.continuation import Continuation, Undecidable
+from shootstab.discriminants.continuation import Branch, Continuation, Undecidable
 from shootstab.essential_spectrum.interior import Continuum
 from shootstab.roots.winding import Pieces, change, follow, whole_turns
 
-END = 1e-5  # radius of the circles around the ends, in the extent of the curve
-OFF = 1e-9  # how far from a crossing, in t or in z, the two sides are told apart
-SLACK = 1e-2  # of a turn: the pieces of the contour meet to OFF only
+END = 1e-5  # chosen: radius of the circles around the ends, in the extent of the curve
+OFF = 1e-9  # chosen: how far from a crossing, in t or in z, the two sides are told apart
+SLACK = 1e-2  # chosen, of a turn: the legs of the contour meet to OFF only
 
 
 @dataclass(frozen=True)
 class RegionCount:
     """count modes in the region outside the discs left_out, which surround ends of the continuous spectrum.
 
-    closure is how far from a whole number the turns of D's phase were; evaluations how often D was computed; pieces the contour.
+    closure is how far from a whole number the turns of D's phase were; evaluations how often D was computed; pieces the contour; cut says
+    whether the continuous spectrum enters the region.
     """
 
     count: int
@@ -41,72 +43,81 @@ class RegionCount:
     left_out: tuple[Disc, ...]
     evaluations: int
     pieces: Pieces = field(default=(), repr=False)
+    cut: bool = False
+
+
+class _Contour:
+    """Legs of a contour, followed one after the other, with every sample and the discriminant that it is of."""
+
+    def __init__(self, continuation: Continuation) -> None:
+        self.continuation = continuation
+        self.asked: list[Sample] = []
+        self.legs: list[tuple[int, tuple[Value, ...]]] = []
+
+    def off_the_curve(self, sigma: complex) -> Value:
+        """D along whatever path suits σ: it is the same function."""
+        return self._value(self.continuation.at(sigma), sigma)
+
+    def on_the_curve(self, z: float, side: int) -> Value:
+        """D at σ_c(z), continued from the side of singular points above (+1) or below (−1) the real z-axis."""
+        sigma = complex(self.continuation.problem.continuum_at(np.array([z + 0j]))[0])
+        return self._value(self.continuation.beside(z, sigma, side), sigma)
+
+    def follow(self, sign: int, evaluate: Callable[[float], Value], stops: Sequence[float], closed: bool = False) -> None:
+        """Add a leg, which counts with this sign."""
+        self.legs.append((sign, tuple(follow(evaluate, stops, closed))))
+
+    def counted(self, left_out: tuple[Disc, ...], cut: bool) -> RegionCount:
+        """The turns of D's phase as a number of modes. Raises Inaccurate where D is not known well enough for it."""
+        phase = sum(sign * sum(change(a, b).imag for a, b in pairwise(values)) for sign, values in self.legs)
+        count = whole_turns(phase, SLACK)
+        require_accurate(self.continuation.problem, self.asked)
+        closure = abs(phase / (2 * math.pi) - count)
+        return RegionCount(count, closure, left_out, sum(len(values) for _, values in self.legs), tuple(self.legs), cut)
+
+    def _value(self, branch: Branch, sigma: complex) -> Value:
+        value = branch.discriminant.with_derivative(sigma)
+        self.asked.append((branch.discriminant, value))
+        return value
 
 
 def count_in_region(continuation: Continuation, region: Region) -> RegionCount:
     """Count the modes in a region.
 
-    Raises Undecidable where the continuous spectrum runs over itself, or an end of it lies on the boundary; ConvergenceError where a mode
-    lies on the contour.
+    Raises Undecidable where the continuous spectrum runs over itself, or an end of it lies on the boundary; Inaccurate where D is not
+    known well enough; ConvergenceError where a mode lies on the contour.
     """
     if continuation.barrier is not None and continuation.barrier.enters(region):
         raise Undecidable("the continuous spectrum of an end at infinity enters the region")
     if continuation.barrier is not None and continuation.barrier.beyond(region.boundary(0.0)):
         raise Undecidable("the region lies beyond the continuous spectrum of an end at infinity")
     curve = continuation.continuum
-    samples: list[list[Value]] = []
-    everywhere = _everywhere(continuation)
+    contour = _Contour(continuation)
     if curve is None:
-        samples.append(_around(everywhere, region, region.corners, closed=True))
-        return _closed(samples, [1], ())
+        _follow_boundary(contour, region, region.corners, closed=True)
+        return contour.counted((), False)
     inside = parts_inside(curve, region)
     if inside and _runs_over_itself(curve):
         raise Undecidable("the continuous spectrum runs over itself inside the region: nothing tells the sides apart")
     ends = ends_inside(curve, region)
-    signs: list[int] = []
     for first, last in _between_crossings(curve, region, inside):
         stops = [first, *(t for t in region.corners if first < t < last), *(t + 1 for t in region.corners if first < t + 1 < last), last]
-        closed = last - first == 1.0
-        samples.append(_around(everywhere, region, stops, closed))
-        signs.append(1)
+        _follow_boundary(contour, region, stops, closed=last - first == 1.0)
     for low, high in inside:
-        below, above = outside_ends(curve, low, high, ends)
-        for side, sign in ((1, 1), (-1, -1)):
-            samples.append(follow(_on_the_curve(continuation, side), [below, above]))
-            signs.append(sign)
+        stops = list(outside_ends(curve, low, high, ends))
+        for side in (1, -1):
+            contour.follow(side, lambda z, side=side: contour.on_the_curve(z, side), stops)  # type: ignore[misc]
     for disc, crossing in ends:
         turn = disc.parameter(crossing)
-        samples.append(follow(lambda t, d=disc: everywhere(d.boundary(t % 1.0)), [turn + OFF, turn + 0.5, turn + 1 - OFF]))  # type: ignore[misc]
-        signs.append(-1)
-    return _closed(samples, signs, tuple(d for d, _ in ends))
+        stops = [turn + OFF, turn + 0.5, turn + 1 - OFF]
+        contour.follow(-1, lambda t, d=disc: contour.off_the_curve(d.boundary(t % 1.0)), stops)  # type: ignore[misc]
+    return contour.counted(tuple(d for d, _ in ends), bool(inside))
 
 
-def _around(everywhere: Callable[[complex], Value], region: Region, stops: Sequence[float], closed: bool) -> list[Value]:
-    """Samples along the boundary, the stop of largest |σ| first: its mesh serves the others, which would grow to it."""
-    everywhere(max((region.boundary(t % 1.0) for t in stops), key=abs))
-    return follow(lambda t: everywhere(region.boundary(t % 1.0)), stops, closed)
-
-
-def _closed(samples: list[list[Value]], signs: list[int], left_out: tuple[Disc, ...]) -> RegionCount:
-    phase = sum(sign * sum(change(a, b).imag for a, b in pairwise(values)) for values, sign in zip(samples, signs, strict=True))
-    count = whole_turns(phase, SLACK)
-    pieces = tuple((sign, tuple(values)) for values, sign in zip(samples, signs, strict=True))
-    return RegionCount(count, abs(phase / (2 * math.pi) - count), left_out, sum(len(v) for v in samples), pieces)
-
-
-def _everywhere(continuation: Continuation) -> Callable[[complex], Value]:
-    """D off the curve, along whatever path suits σ: it is the same function."""
-    return lambda sigma: continuation.at(sigma).discriminant.with_derivative(sigma)
-
-
-def _on_the_curve(continuation: Continuation, side: int) -> Callable[[float], Value]:
-    """D on the curve as a function of z, continued from the side of singular points above (+1) or below (−1) the real z-axis."""
-
-    def value(z: float) -> Value:
-        sigma = complex(continuation.problem.continuum_at(np.array([z + 0j]))[0])
-        return continuation.beside(z, sigma, side).discriminant.with_derivative(sigma)
-
-    return value
+def _follow_boundary(contour: _Contour, region: Region, stops: Sequence[float], closed: bool) -> None:
+    """The boundary of the region from the first stop to the last, the stop of largest |σ| first: its mesh serves the others."""
+    contour.off_the_curve(max((region.boundary(t % 1.0) for t in stops), key=abs))
+    contour.follow(1, lambda t: contour.off_the_curve(region.boundary(t % 1.0)), stops, closed)
 
 
 def parts_inside(curve: Continuum, region: Region) -> list[tuple[float, float]]:

@@ -5,25 +5,30 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from shootstab.analyses.accuracy import Tightening
+from shootstab.analyses.count import counted_twice
 from shootstab.analyses.cut_region import RegionCount, count_in_region, end_discs
 from shootstab.analyses.multiple import multiple
 from shootstab.analyses.refine import refine
 from shootstab.analyses.refine_double import tightened
 from shootstab.analyses.resonances import find_resonances
-from shootstab.analyses.zeros import accurate_count, polish
+from shootstab.analyses.zeros import accurate_count
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.records import Mode
-from shootstab.core.regions import Disc, Region
+from shootstab.core.regions import Disc, Region, size
 from shootstab.discriminants.continuation import Continuation, Undecidable
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.method import Method
 from shootstab.problems.protocol import Problem
 from shootstab.roots import search as roots
-from shootstab.roots.search import Search, Zero
+from shootstab.roots.search import Arrival, Search, Zero, polish
 from shootstab.roots.winding import Winding
 
-WIDER = 4.0  # from one circle around a multiple zero to the next
-WIDEST = 1e-3  # of |σ|
+SEARCHING = Frame(rtol=1e-9)  # chosen: zeros are polished on its meshes, and refined on others
+WITHIN = 1e-2  # chosen: of a region's size, how well its modes are to be known for their number to mean something
+LEAST_RTOL = 1e-14  # derived: what `refine` allows
+WIDER = 4.0  # chosen: from one circle around a multiple zero to the next
+LARGEST = 1e3  # chosen: the last of them, in the first: beyond, the zero was not multiple to any purpose
 
 
 @dataclass(frozen=True)
@@ -36,24 +41,27 @@ class Found:
 
 
 def find(problem: Problem, region: Region, rtol: float = 1e-8, resonances: bool = False, method: Method | None = None) -> Found:
-    """All modes in a region; a multiple one is one mode with its multiplicity, and the multiplicities add up to survey.count.
+    """All modes in a region, each to rtol, and to WITHIN of the region's size at least.
 
-    What lies within survey.left_out, around ends of the continuous spectrum, is not looked for. Raises Undecidable or ConvergenceError
+    A multiple one is one mode with its multiplicity, and the multiplicities add up to counted.count.
+
+    What lies within counted.left_out, around ends of the continuous spectrum, is not looked for. Raises Undecidable or ConvergenceError
     where the region as a whole cannot be counted.
     """
-    continuation = Continuation(problem, method or Frame(rtol=1e-9))
-    zeros, whole = find_modes(continuation, region)
-    modes = tuple(mode for zero in zeros for mode in modes_of(continuation, zero, rtol))
+    continuation, zeros, whole = find_modes(Continuation(problem, method or SEARCHING), region)
+    within = max(WITHIN * size(region), LEAST_RTOL * max(map(abs, region.hull)))
+    modes = tuple(mode for zero in zeros for mode in modes_of(continuation, zero, min(rtol, within / max(abs(zero.sigma), within))))
     return Found(modes, whole, tuple(find_resonances(continuation, region)) if resonances else None)
 
 
-def find_modes(continuation: Continuation, region: Region, known: Sequence[Zero] = ()) -> tuple[list[Zero], RegionCount]:
-    """The modes in the region that are not known yet, and the count of the whole.
+def find_modes(continuation: Continuation, region: Region, known: Sequence[Zero] = ()) -> tuple[Continuation, list[Zero], RegionCount]:
+    """A continuation accurate enough for the region, the modes in it that are not known yet, and the count of the whole.
 
     Raises Undecidable or ConvergenceError where the region as a whole cannot be counted.
     """
-    whole = count_in_region(continuation, region)
-    return roots.find(_everywhere(continuation), region, known, whole), whole
+    tightening = Tightening(continuation)
+    accurate, whole = counted_twice(tightening, region)
+    return accurate, roots.find(_everywhere(tightening, accurate), region, known, whole), whole
 
 
 def modes_of(continuation: Continuation, zero: Zero, rtol: float) -> list[Mode]:
@@ -63,7 +71,7 @@ def modes_of(continuation: Continuation, zero: Zero, rtol: float) -> list[Mode]:
     tried: Method | None = tightened(continuation.method)
     while tried is not None:
         continuation, tried = Continuation(continuation.problem, tried), tightened(tried)
-    parts = _in_a_circle(_everywhere(continuation), zero)
+    parts = _in_a_circle(_everywhere(Tightening(continuation), continuation), zero)
     return [
         refine(continuation.problem, z.sigma, rtol) if z.radius == 0.0 else multiple(continuation, z.sigma, z.multiplicity, z.radius, rtol)
         for z in parts
@@ -76,7 +84,7 @@ def _in_a_circle(search: Search, zero: Zero) -> list[Zero]:
     Raises ConvergenceError where no circle about it holds as many.
     """
     radius = zero.radius
-    while radius <= WIDEST * abs(zero.sigma):
+    while radius <= LARGEST * zero.radius:
         disc = Disc(zero.sigma, radius)
         try:
             counted = search.closely(disc)
@@ -88,25 +96,31 @@ def _in_a_circle(search: Search, zero: Zero) -> list[Zero]:
     raise ConvergenceError(f"{zero.multiplicity} zeros were counted at {zero.sigma:.12g}, but no circle is found in which they stay")
 
 
-def _everywhere(continuation: Continuation) -> Search:
-    """A search for modes along whatever paths suit them."""
+def _everywhere(tightening: Tightening, continuation: Continuation) -> Search:
+    """A search for modes along whatever paths suit them: the continuation polishes, and those of the tightening count."""
     ends = [] if continuation.continuum is None else end_discs(continuation.continuum)
 
-    def arrive(start: complex) -> complex | None:
+    def arrive(start: complex, length: float) -> Arrival | None:
         try:
-            near = polish(continuation.at(start).discriminant)(start)
+            near = polish(continuation.at(start).discriminant)(start, length)
             # the path that suits the zero may be another one, on which this is no zero
-            return None if near is None else polish(continuation.at(near).discriminant)(near)
+            return None if near is None else polish(continuation.at(near.sigma).discriminant)(near.sigma, length)
         except ConvergenceError:
             return None
 
-    def closely(disc: Disc) -> Winding:
-        branches = continuation.branches(disc.centre, disc.radius)
+    def count(region: Region) -> RegionCount:
+        return tightening.first(lambda c: count_in_region(c, region))[1]
+
+    def in_circle(c: Continuation, disc: Disc) -> Winding:
+        branches = c.branches(disc.centre, disc.radius)
         if len(branches) > 1:
             raise Undecidable(f"the continuous spectrum crosses the circle of {disc.radius:.1e}")
-        return accurate_count(branches[0], disc)
+        return accurate_count(c.problem, branches[0], disc)
+
+    def closely(disc: Disc) -> Winding:
+        return tightening.first(lambda c: in_circle(c, disc))[1]
 
     def holds(region: Region, sigma: complex) -> bool:
         return region.contains(sigma) and not any(disc.contains(sigma) and region.contains(disc.centre) for disc in ends)
 
-    return Search(lambda region: count_in_region(continuation, region), closely, arrive, holds)
+    return Search(count, closely, arrive, holds)

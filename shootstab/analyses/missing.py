@@ -41,7 +41,7 @@ def find_missing(
     known = claimed_modes(verdicts)
     low, high = _extremes(box)
     try:
-        zeros, whole = find_modes(continuation, box, known)
+        _, zeros, whole = find_modes(continuation, box, known)
     except ConvergenceError as error:
         undecided += (f"from {low:.6g} to {high:.6g}: {error}",)
         if not isinstance(error, Undecidable) or not isinstance(box, Rectangle):
@@ -52,7 +52,7 @@ def find_missing(
             return (), NOT_SEARCHED, undecided
         low = complex(max(edge, low.real), low.imag)
         try:
-            zeros, whole = find_modes(continuation, Rectangle(low, high), known)
+            _, zeros, whole = find_modes(continuation, Rectangle(low, high), known)
         except ConvergenceError as again:
             return (), NOT_SEARCHED, (*undecided, f"from {low:.6g} to {high:.6g}: {again}")
     where = f"missing modes were looked for from {low:.6g} to {high:.6g}, which holds {whole.count}"

@@ -5,17 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from shootstab.analyses.cut_region import ends_inside, outside_ends, parts_inside
-from shootstab.analyses.zeros import accurate_count, polish
-from shootstab.core.regions import Polygon, Region
-from shootstab.discriminants.continuation import Branch, Continuation
+from shootstab.analyses.zeros import search_on
+from shootstab.core.regions import Polygon, Region, size
+from shootstab.discriminants.continuation import Continuation
 from shootstab.roots.iterations import newton
-from shootstab.roots.search import Search, find
-from shootstab.roots.winding import wind
+from shootstab.roots.search import find
 
-DEPTH = 0.2  # how far beyond the real z-axis singular points are followed, in the scale of the curve
-STRIDE = 0.3  # from one strip of the curve to the next, in the same scale
-SAME = 1e-7  # relative distance below which two numbers mean one zero
-EDGE = 6  # points along a side of a strip
+DEPTH = 0.2  # chosen: how far beyond the real z-axis singular points are followed, in the scale of the curve
+STRIDE = 0.3  # chosen: from one strip of the curve to the next, in the same scale
+ONE_ZERO = 1e-7  # chosen: of a strip's size, the distance below which zeros found on two branches are one
+ARRIVED = 1e-10  # chosen, below ONE_ZERO of a strip: relative length of the last step to a zero of D itself
+EDGE = 6  # chosen: points along a side of a strip
 
 
 def find_resonances(continuation: Continuation, region: Region) -> list[complex]:
@@ -37,11 +37,12 @@ def find_resonances(continuation: Continuation, region: Region) -> list[complex]
             for side in (1, -1):
                 strip = _image(continuation, z, width, -side * DEPTH * scale)
                 branch = continuation.beside(z + width / 2, curve.at(z + width / 2), side)
-                for zero in _zeros(branch, strip):
-                    # a part of the system that is not singular has its modes on both sides: they are modes, not resonances
-                    own = newton(continuation.at(zero).discriminant, zero, 1e-10)
-                    if all(abs(zero - other) > SAME * abs(zero) for other in [own.sigma, *found]):
-                        found.append(zero)
+                for zero in find(search_on(continuation.problem, branch), strip):
+                    # a subsystem that is not singular has its modes on both sides: they are modes, not resonances
+                    own = newton(continuation.at(zero.sigma).discriminant, zero.sigma, ARRIVED)
+                    same = ONE_ZERO * size(strip)
+                    if all(abs(zero.sigma - other) > same for other in [own.sigma, *found]):
+                        found.append(zero.sigma)
             z += width
     return found
 
@@ -51,9 +52,3 @@ def _image(continuation: Continuation, z: float, width: float, depth: float) -> 
     along, down = np.linspace(0.0, width, EDGE), np.linspace(0.0, depth, EDGE)
     rim = np.concatenate((z + along, z + width + 1j * down[1:], z + 1j * depth + along[::-1][1:], z + 1j * down[::-1][1:-1]))
     return Polygon(tuple(continuation.problem.continuum_at(rim.astype(np.complex128)).tolist()))
-
-
-def _zeros(branch: Branch, strip: Polygon) -> list[complex]:
-    D = branch.discriminant
-    search = Search(lambda region: wind(D, region), lambda disc: accurate_count(branch, disc), polish(D))
-    return [zero.sigma for zero in find(search, strip)]

@@ -104,4 +104,4 @@ def _unstable(continuation: Continuation, known: list[Zero]) -> tuple[tuple[Mode
     said = f"in all {counted.count} modes have Re sigma > {counted.floor:.1e}, none of them |sigma| > {counted.radius:g}"
     if counted.count == sum(k.multiplicity for k in known if k.sigma.real > counted.floor):
         return (), said
-    return modes_with_bounds(continuation, find_modes(continuation, HalfDisc(counted.radius, counted.floor), known)[0]), said
+    return modes_with_bounds(continuation, find_modes(continuation, HalfDisc(counted.radius, counted.floor), known)[1]), said

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from shootstab.core.errors import InputError
 
-SIDES = 12  # of the polygon around a disc
+SIDES = 12  # chosen: of the polygon that stands for the hull of a disc
 
 
 class Region(Protocol):
@@ -185,37 +185,10 @@ def _area(points: tuple[complex, ...]) -> float:
     return sum((p.conjugate() * q).imag for p, q in zip(sides, sides[1:] + sides[:1], strict=True))
 
 
-def halves(region: Region, cut: float) -> tuple[Polygon, Polygon]:
-    """The hull of a region cut in two across its longer side, at this fraction of it."""
-    vertices = region.hull
-    turn = 1.0 + 0j
-    re, im = [v.real for v in vertices], [v.imag for v in vertices]
-    if max(re) - min(re) < max(im) - min(im):
-        turn = -1j  # cut across the imaginary direction
-    turned = [turn * v for v in vertices]
-    low, high = min(v.real for v in turned), max(v.real for v in turned)
-    at = low + cut * (high - low)
-    sides = (_clipped(turned, at, 1.0), _clipped(turned, at, -1.0))
-    lower, upper = (Polygon(tuple(v / turn for v in side)) for side in sides)
-    return lower, upper
-
-
 def size(region: Region) -> float:
     """The diameter of the hull."""
     vertices = region.hull
     return max(abs(p - q) for p in vertices for q in vertices)
-
-
-def _clipped(vertices: list[complex], at: float, sign: float) -> list[complex]:
-    """The part of a convex polygon with sign·(Re − at) ≤ 0."""
-    out: list[complex] = []
-    for p, q in zip(vertices, vertices[1:] + vertices[:1], strict=True):
-        inside, ahead = sign * (p.real - at) <= 0.0, sign * (q.real - at) <= 0.0
-        if inside:
-            out.append(p)
-        if inside != ahead and p.real != at and q.real != at:
-            out.append(complex(at, p.imag + (q.imag - p.imag) * (at - p.real) / (q.real - p.real)))
-    return out
 
 
 def _convex(points: tuple[complex, ...]) -> tuple[complex, ...]:

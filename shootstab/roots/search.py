@@ -4,6 +4,9 @@ The n zeros inside have the power sums s_k = (1/2πi)∮ σ^k d ln D (Delves & L
 that has them as its zeros (Newton's identities), and an iteration on D polishes those. That is done while n is a handful; where it
 is more, or the iterations do not arrive at n zeros, the region is divided. Zeros that lie close together are counted one by one in
 small circles; those that no circle separates are one multiple zero.
+
+Every length that decides anything is a fraction of the region at hand, so that a search does the same wherever the region lies: a zero at
+σ = 0 is one like any other.
 """
 
 from __future__ import annotations
@@ -14,16 +17,23 @@ from typing import Protocol
 
 import numpy as np
 
+from shootstab.core.discriminant import Discriminant
+from shootstab.core.division import divisions
 from shootstab.core.errors import ConvergenceError
-from shootstab.core.regions import Disc, Region, halves, size
+from shootstab.core.regions import Disc, Region, size
+from shootstab.roots.iterations import newton
 from shootstab.roots.winding import Pieces, power_sums
 
-HANDFUL = 5  # zeros taken from the moments of one contour
-CLOSE = 1e-5  # relative distance of two zeros that an iteration may confuse: such are counted one by one
-SAME = 1e-7  # relative distance below which two numbers mean one zero
-SMALLEST = 1e-9  # of the first region's size: what is left in so small a part is one multiple zero
-RESOLVED = 1e-12  # of |σ|: nothing is divided further
-CUTS = (0.5, 0.47, 0.55, 0.41, 0.62, 0.36)  # where a region is divided; the next if a zero lies on the cut
+HANDFUL = 5  # chosen: zeros taken from the moments of one contour; the polynomial of more is ill-conditioned
+CLOSE = (1e-6, 1e-4, 1e-2)  # chosen: of the region's size, distances of zeros that an iteration may confuse: such are counted one by one
+SAME = 1e-8  # chosen: of the region's size, the distance below which two numbers mean one zero
+POLISHED = 0.1 * SAME  # derived: how exactly an iteration is to arrive for two arrivals at one zero to be the same
+STEPS = 20  # chosen: of Newton; to a simple zero it takes some 4, from a start that the moments give
+NOISE = 1e-11  # chosen, some ten times the rounding of D for an ordinary problem: of |σ|, the last step of an iteration that arrived
+LINEAR = 1e-4  # chosen: of the region's size, the last step of an iteration that converges linearly, to a multiple zero
+SMALLEST = 1e-9  # chosen: of the first region's size, what is left in so small a part is one multiple zero
+RESOLVED = 1e-12  # chosen, some thousand times the rounding of σ: nothing smaller than this part of |σ| is divided or told apart
+WIDER = 8.0  # chosen: from a circle in which D is not accurate enough for a count to the next
 
 
 class Counted(Protocol):
@@ -46,17 +56,42 @@ class Zero:
 
 
 @dataclass(frozen=True)
+class Arrival:
+    """Where an iteration came to: off is 0 next to a simple zero, and a bound on the distance to a multiple one, or to several."""
+
+    sigma: complex
+    off: float = 0.0
+
+
+@dataclass(frozen=True)
 class Search:
     """What a search asks of D.
 
     count tells the zeros in any region; closely does so in a small disc, and raises ConvergenceError where D is not accurate enough for
-    it; polish leads from a starting point to a zero, or to None; holds says whether a point of a region is one of those that it counts.
+    it; polish leads from a starting point to a zero, known to the length given, or into the neighbourhood of several, or to None; holds
+    says whether a point of a region is one of those that it counts.
     """
 
     count: Callable[[Region], Counted]
     closely: Callable[[Disc], Counted]
-    polish: Callable[[complex], complex | None]
+    polish: Callable[[complex, float], Arrival | None]
     holds: Callable[[Region, complex], bool] = lambda region, sigma: region.contains(sigma)
+
+
+def polish(discriminant: Discriminant) -> Callable[[complex, float], Arrival | None]:
+    """Newton's iteration, which leads from a starting point to a zero known to a length, or into the neighbourhood of several, or to None.
+
+    Where the noise of D stops it earlier, it has arrived if its steps are short enough for SAME. Next to an m-fold zero they become shorter
+    by 1 − 1/m only, and are 1/m of the distance.
+    """
+
+    def arrive(start: complex, length: float) -> Arrival | None:
+        root = newton(discriminant, start, length / max(abs(start), length), STEPS)
+        if root.step <= max(length * SAME / POLISHED, NOISE * abs(root.sigma)):
+            return Arrival(root.sigma)
+        return Arrival(root.sigma, HANDFUL * root.step) if root.step <= length * LINEAR / POLISHED else None
+
+    return arrive
 
 
 def find(search: Search, region: Region, known: Sequence[Zero] = (), counted: Counted | None = None) -> list[Zero]:
@@ -65,8 +100,13 @@ def find(search: Search, region: Region, known: Sequence[Zero] = (), counted: Co
     Raises ConvergenceError when a zero lies on the boundary of the region, or more are known than there are.
     """
     whole = search.count(region) if counted is None else counted
-    smallest = max(SMALLEST * size(region), RESOLVED * max(map(abs, region.hull)))
+    smallest = max(SMALLEST * size(region), _rounding(region))
     return _search(search, region, whole, list(known), smallest)
+
+
+def _rounding(region: Region) -> float:
+    """The length below which numbers of the region are not told apart."""
+    return RESOLVED * max(map(abs, region.hull))
 
 
 def _search(search: Search, region: Region, counted: Counted, known: list[Zero], smallest: float) -> list[Zero]:
@@ -87,21 +127,19 @@ def _search(search: Search, region: Region, counted: Counted, known: list[Zero],
 
 
 def _divided(search: Search, region: Region, counted: Counted, known: list[Zero], smallest: float) -> list[Zero]:
-    """The zeros of both halves of the region's hull, those outside the region left out."""
-    why = ""
-    for cut in CUTS:
-        parts = halves(region, cut)
+    """The zeros of both parts of the region, cut where both can be counted and their counts add up."""
+    why = "every straight cut crosses its boundary more than twice"
+    for parts in divisions(region):
         try:
             counts = [search.count(part) for part in parts]
         except ConvergenceError as error:
             why = str(error)  # a zero on the cut, say: cut elsewhere
             continue
-        found = [z for part, n in zip(parts, counts, strict=True) for z in _search(search, part, n, known, smallest)]
-        inside = [z for z in found if search.holds(region, z.sigma)]
-        total = sum(z.multiplicity for z in (*inside, *(k for k in known if search.holds(region, k.sigma))))
+        total = sum(c.count for c in counts)
         if total != counted.count:
-            raise ConvergenceError(f"{counted.count} zeros were counted near {region.hull[0]:.6g}, but {total} found")
-        return inside
+            why = f"{counted.count} zeros were counted in it and {' + '.join(str(c.count) for c in counts)} in its parts"
+            continue
+        return [z for part, n in zip(parts, counts, strict=True) for z in _search(search, part, n, known, smallest)]
     raise ConvergenceError(f"no way was found to divide a region at {region.hull[0]:.6g} of size {size(region):.1e}: {why}")
 
 
@@ -122,68 +160,98 @@ def moments(counted: Counted) -> tuple[complex, list[complex]]:
 
 def _from_moments(search: Search, region: Region, counted: Counted, here: list[Zero]) -> list[Zero] | None:
     """The zeros that are not known, or None where they are not all found in this way."""
-    found = [k.sigma for k in here]
+    found = _arrivals(search, region, counted, [Arrival(k.sigma) for k in here])
+    for close in CLOSE:
+        groups = _groups(found, max(close * size(region), _rounding(region)))
+        if len(found) == len(groups) == counted.count and all(a.off == 0.0 for a in found):
+            return [Zero(a.sigma) for a in found[len(here) :]]
+        try:
+            parts = [_resolved(search, region, group, [g for g in groups if g is not group], close) for group in groups]
+        except ConvergenceError:
+            continue
+        if sum(z.multiplicity for zeros, _ in parts for z in zeros) == counted.count:
+            return [z for zeros, disc in parts for z in _unknown(zeros, [k for k in here if disc.contains(k.sigma)])]
+    return None
+
+
+def _unknown(zeros: list[Zero], known: list[Zero]) -> list[Zero]:
+    """The zeros in a circle without those that are known there: each known one is the nearest that is left."""
+    left = list(zeros)
+    for k in known:
+        for _ in range(k.multiplicity):
+            nearest = min(left, key=lambda z: abs(z.sigma - k.sigma), default=None)
+            if nearest is not None:
+                left.remove(nearest)
+                if nearest.multiplicity > 1:
+                    left.append(replace(nearest, multiplicity=nearest.multiplicity - 1))
+    return left
+
+
+def _arrivals(search: Search, region: Region, counted: Counted, known: Sequence[Arrival] = ()) -> list[Arrival]:
+    """The known zeros, and the different ones at which iterations from the moments arrive in the region."""
+    length = size(region)
+    same = max(SAME * length, _rounding(region))
+    found = list(known)
     for start in moments(counted)[1]:
-        zero = search.polish(start)
-        if zero is not None and search.holds(region, zero) and all(abs(zero - f) > SAME * abs(zero) for f in found):
+        zero = search.polish(start, POLISHED * length)
+        if zero is None or not search.holds(region, zero.sigma):
+            continue
+        if all(abs(zero.sigma - f.sigma) > max(same, zero.off, f.off) for f in found):
             found.append(zero)
-    groups = _groups(found)
-    if len(found) == counted.count and len(groups) == counted.count:
-        return [Zero(z) for z in found[len(here) :]]
-    try:
-        parts = [_resolved(search, region, group, [g for g in groups if g is not group]) for group in groups]
-    except ConvergenceError:
-        return None
-    zeros = [z for part in parts for z in part]
-    if sum(z.multiplicity for z in zeros) != counted.count:
-        return None
-    lacking = []
-    for z in zeros:
-        known = sum(k.multiplicity for k in here if abs(z.sigma - k.sigma) <= max(z.radius, k.radius, SAME * abs(z.sigma)))
-        if known < z.multiplicity:
-            lacking.append(replace(z, multiplicity=z.multiplicity - known))
-    return lacking
+    return found
 
 
-def _groups(found: list[complex]) -> list[list[complex]]:
-    """The numbers in groups of those that lie close together."""
-    groups: list[list[complex]] = []
+def _groups(found: list[Arrival], close: float) -> list[list[Arrival]]:
+    """The arrivals in groups of those that lie close together."""
+    groups: list[list[Arrival]] = []
     for z in found:
-        near = [g for g in groups if any(abs(z - other) < CLOSE * abs(z) for other in g)]
+        near = [g for g in groups if any(abs(z.sigma - other.sigma) < close + z.off + other.off for other in g)]
         groups = [g for g in groups if not any(g is n for n in near)] + [[z, *(other for g in near for other in g)]]
     return groups
 
 
-def _resolved(search: Search, region: Region, group: list[complex], others: list[list[complex]]) -> list[Zero]:
-    """The zeros in a circle around a group: each simple if circles tell them apart, else one multiple zero.
+def _resolved(search: Search, region: Region, group: list[Arrival], others: list[list[Arrival]], close: float) -> tuple[list[Zero], Disc]:
+    """The zeros in a circle around a group, each simple if circles tell them apart, else one multiple zero; and the circle.
 
-    Raises ConvergenceError where the circle cannot be counted.
+    Raises ConvergenceError where no circle around the group can be counted.
     """
-    centre = sum(group) / len(group)
-    gap = min((abs(z - centre) for g in others for z in g), default=size(region))
-    radius = min(0.3 * gap, max(3 * max(abs(z - centre) for z in group), CLOSE * abs(centre)))
-    disc = Disc(centre, radius)
-    if not all(region.contains(disc.boundary(k / 8)) for k in range(8)):
-        raise ConvergenceError("zeros lie too near to the boundary")
-    counted = search.closely(disc)
-    if counted.count == 0:
+    disc, counted = _circle(search, region, group, others, close)
+    if counted.count == 0 or (counted.count == 1 and group[0].off > 0.0):
         raise ConvergenceError("an iteration stopped where no zero is")
     if counted.count == 1:
-        return [Zero(group[0])]
-    centroid, starts = moments(counted)
-    apart: list[complex] = []
-    for start in starts:
-        zero = search.polish(start)
-        if zero is not None and disc.contains(zero) and all(abs(zero - a) > SAME * abs(zero) for a in apart):
-            apart.append(zero)
-    if len(apart) == counted.count and all(_alone(search, z, [a for a in apart if a != z]) for z in apart):
-        return [Zero(z) for z in apart]
-    return [Zero(centroid, counted.count, radius)]
+        return [Zero(group[0].sigma)], disc
+    apart = _arrivals(search, disc, counted)
+    if len(apart) == counted.count and all(_alone(search, z, [a for a in apart if a is not z]) for z in apart):
+        return [Zero(z.sigma) for z in apart], disc
+    return [Zero(moments(counted)[0], counted.count, disc.radius)], disc
 
 
-def _alone(search: Search, zero: complex, others: list[complex]) -> bool:
+def _circle(search: Search, region: Region, group: list[Arrival], others: list[list[Arrival]], close: float) -> tuple[Disc, Counted]:
+    """The smallest circle around a group, clear of the others and inside the region, in which D is accurate enough for a count.
+
+    Raises ConvergenceError where there is none.
+    """
+    centre = sum(a.sigma for a in group) / len(group)
+    widest = 0.3 * min((abs(a.sigma - centre) for g in others for a in g), default=size(region))
+    spread = max(abs(a.sigma - centre) + a.off for a in group)
+    radius = min(widest, max(3 * spread, close * size(region), 3 * _rounding(region)))
+    while True:
+        disc = Disc(centre, radius)
+        if not all(region.contains(disc.boundary(k / 8)) for k in range(8)):
+            raise ConvergenceError("zeros lie too near to the boundary")
+        try:
+            return disc, search.closely(disc)
+        except ConvergenceError:
+            if radius >= widest:
+                raise
+        radius = min(widest, WIDER * radius)
+
+
+def _alone(search: Search, zero: Arrival, others: list[Arrival]) -> bool:
     """Whether a circle that leaves the others out holds one zero, as far as D can tell."""
+    if zero.off > 0.0:
+        return False
     try:
-        return search.closely(Disc(zero, min(abs(zero - o) for o in others) / 3)).count == 1
+        return search.closely(Disc(zero.sigma, min(abs(zero.sigma - o.sigma) for o in others) / 3)).count == 1
     except ConvergenceError:
         return False

@@ -11,11 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shootstab.core.discriminant import Value
+from shootstab.core.division import divisions
 from shootstab.core.errors import ConvergenceError
-from shootstab.core.regions import Disc, Polygon, Rectangle, Region, halves, size
+from shootstab.core.regions import Disc, Polygon, Rectangle, Region, size
 from shootstab.core.scaled import Scaled
 from shootstab.roots.iterations import muller, newton, newton_steps
-from shootstab.roots.search import Search, Zero, find
+from shootstab.roots.search import Search, Zero, find, polish
 from shootstab.roots.separation import separation
 from shootstab.roots.winding import power_sums, wind
 
@@ -144,11 +145,7 @@ def test_a_zero_on_the_boundary_is_refused() -> None:
 
 
 def search(D: Known) -> Search:
-    def polish(start: complex) -> complex | None:
-        root = newton(D, start, 1e-12, 20)
-        return root.sigma if root.converged else None
-
-    return Search(lambda region: wind(D, region), lambda disc: wind(D, disc), polish)
+    return Search(lambda region: wind(D, region), lambda disc: wind(D, disc), polish(D))
 
 
 REGIONS = (
@@ -212,9 +209,35 @@ def test_known_zeros_are_not_found_again() -> None:
 
 
 @pytest.mark.parametrize("region", REGIONS)
-def test_halves_cover_the_region(region: Region) -> None:
-    parts = halves(region, 0.47)
-    inside = [complex(a, b) / 20 + 0.003 + 0.007j for a in range(-25, 25) for b in range(-25, 25)]
-    assert all(any(part.contains(z) for part in parts) for z in inside if region.contains(z))
-    assert not any(all(part.contains(z) for part in parts) for z in inside)
-    assert all(size(part) <= size(region) for part in parts)
+def test_divisions_cover_the_region_exactly(region: Region) -> None:
+    """Every point of it lies in one of the two parts, and no other point does; divided again, too."""
+    ways = list(divisions(region))
+    assert len(ways) > 3
+    for parts in ways[:4]:
+        whole = next(divisions(parts[1]))
+        for z in (complex(a, b) / 20 + 0.003 + 0.007j for a in range(-25, 25) for b in range(-25, 25)):
+            assert sum(part.contains(z) for part in parts) == region.contains(z)
+            assert sum(part.contains(z) for part in whole) == parts[1].contains(z)
+        assert all(size(part) <= size(region) for part in parts)
+
+
+@pytest.mark.parametrize("region", REGIONS)
+def test_the_boundary_of_a_section(region: Region) -> None:
+    """It is run through counter-clockwise, its corners are where it turns, and `parameter` finds back."""
+    for section in next(divisions(region)):
+        ts = [k / 400 for k in range(401)]
+        points = [section.boundary(t) for t in ts]
+        assert sum((p.conjugate() * q).imag for p, q in itertools.pairwise(points)) > 0
+        assert section.corners[0] == 0.0
+        assert section.corners[-1] == 1.0
+        assert list(section.corners) == sorted(section.corners)
+        for t in ts[1::7]:
+            assert abs(section.boundary(section.parameter(section.boundary(t))) - section.boundary(t)) < 1e-6
+        assert section.as_dict()["of"] == region.as_dict()
+
+
+def test_a_region_that_every_middle_cut_crosses_often_is_divided_at_a_tip() -> None:
+    comb = Polygon((0j, 4 + 0j, 4 + 1j, 3 + 1j, 3 + 0.1j, 1 + 0.1j, 1 + 1j, 0.1j))
+    for low, high in divisions(comb):
+        for z in (complex(a / 10 + 0.03, b / 10 + 0.03) for a in range(40) for b in range(10)):
+            assert low.contains(z) + high.contains(z) == comb.contains(z)

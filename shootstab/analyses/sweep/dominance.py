@@ -75,7 +75,7 @@ def count_dominant(problem: Problem, known: Sequence[complex], floor: float, bef
         if attempt < len(TRUNCATIONS):
             modes = _distinct([*modes, *_suggested(continuation, TRUNCATIONS[attempt])])
         else:
-            zeros, _ = find_modes(continuation, HalfDisc(radius, level), [Zero(m) for m in growing])
+            _, zeros, _ = find_modes(continuation, HalfDisc(radius, level), [Zero(m) for m in growing])
             modes = _distinct([*modes, *(z.sigma for z in zeros)])
     raise ConvergenceError(f"{count} modes are counted with Re sigma > {level:.2g}, but only {len(growing)} found")
 

@@ -1,0 +1,102 @@
+"""Whether D is accurate enough for a count, and discriminants that are where it is not.
+
+On a contour, let D̃ be the D that was computed. Where |D/D̃ − 1| < 1 all along it, Rouché's theorem says that both have as many zeros
+inside. The true D is not at hand; one that was computed in every respect otherwise is: on a mesh with every step halved, a little off its
+middle, so that everything rounds otherwise; from a far frame changed by as much as it may be wrong; on a base flow of another error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import TypeVar
+
+from shootstab.analyses.error_budget import EPSILON, FLOWS, SAFETY
+from shootstab.analyses.refine_double import tightened
+from shootstab.core.discriminant import Discriminant, Value
+from shootstab.core.errors import ConvergenceError
+from shootstab.discriminants.continuation import Continuation
+from shootstab.discriminants.method import MeshedDiscriminant
+from shootstab.problems.protocol import Problem
+
+AGREEMENT = 0.1  # chosen: of D, what may change; 1 would do if the change were the error and not one draw of it
+CLEAR = 1e-2  # chosen: a draw of rounding is a hundred times smaller than usual in 1 of 100 cases or less
+DRAWS = 3  # chosen
+PROBES = 6  # chosen: samples of a contour at which D is computed otherwise
+STEEPEST = 2  # of them, those with the largest |d ln D/dσ|: an error of the zeros weighs most there
+
+Sample = tuple[MeshedDiscriminant, Value]
+Answer = TypeVar("Answer")
+
+
+class Inaccurate(ConvergenceError):  # noqa: N818 - it is a finding, not a fault
+    """D on its mesh is not accurate enough for a count of so small a region."""
+
+
+def require_accurate(problem: Problem, samples: Sequence[Sample]) -> None:
+    """Raise Inaccurate unless D, computed otherwise, is the same to AGREEMENT at some of a contour's samples.
+
+    One draw of the errors may be small by accident: where it is not CLEAR of the limit, there are several.
+    """
+    probes = _probes(samples)
+    for seed in range(1, DRAWS + 1):
+        worst, sigma = _largest_change(problem, probes, seed)
+        if not worst < AGREEMENT:
+            raise Inaccurate(
+                f"D is not known well enough for a count: at sigma = {sigma:.12g} on the contour, "
+                f"another mesh, start and base flow change it by {worst:.1e} of itself"
+            )
+        if worst < CLEAR * AGREEMENT:
+            return
+
+
+def _largest_change(problem: Problem, probes: Sequence[Sample], seed: int) -> tuple[float, complex]:
+    """The largest relative change of D at the probes, and where it is."""
+    others: dict[int, Discriminant] = {}
+    worst = (0.0, probes[0][1].sigma)
+    for discriminant, value in probes:
+        if id(discriminant) not in others:
+            others[id(discriminant)] = otherwise(problem, discriminant, seed)
+        change = abs(others[id(discriminant)](value.sigma).over(value.D) - 1.0)
+        if not change <= worst[0]:
+            worst = change, value.sigma
+    return worst
+
+
+def otherwise(problem: Problem, discriminant: MeshedDiscriminant, seed: int) -> Discriminant:
+    """D with every error of its own drawn anew, that of integration much smaller."""
+    crude = problem.with_base_flow_error(FLOWS[0])
+    fine = discriminant.refined(seed)
+    if crude is not problem:
+        fine = fine.on_same_mesh(crude)
+    return fine.with_perturbed_start(seed, SAFETY * max(discriminant.far_error, EPSILON))
+
+
+def _probes(samples: Sequence[Sample]) -> list[Sample]:
+    """Some that are spread over the contour, and the steepest."""
+    spread = min(PROBES - STEEPEST, len(samples))
+    chosen = [i * len(samples) // spread for i in range(spread)]
+    steep = sorted(range(len(samples)), key=lambda i: -abs(samples[i][1].logarithmic_derivative))
+    return [samples[i] for i in dict.fromkeys(chosen + steep[:STEEPEST])]
+
+
+class Tightening:
+    """Continuations of one problem with local errors of falling size: each question goes to the first that is accurate enough for it."""
+
+    def __init__(self, continuation: Continuation) -> None:
+        self._made = [continuation]
+
+    def __iter__(self) -> Iterator[Continuation]:
+        for i in range(len(self._made)):
+            yield self._made[i]
+        while (method := tightened(self._made[-1].method)) is not None:
+            self._made.append(Continuation(self._made[-1].problem, method))
+            yield self._made[-1]
+
+    def first(self, ask: Callable[[Continuation], Answer]) -> tuple[Continuation, Answer]:
+        """The first continuation that does not raise Inaccurate, and its answer. Raises Inaccurate where all do."""
+        for continuation in self:
+            try:
+                return continuation, ask(continuation)
+            except Inaccurate as error:
+                inaccurate = error
+        raise inaccurate
