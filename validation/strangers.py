@@ -349,15 +349,22 @@ def result(s: Stranger) -> Result:
     return out
 
 
-def everything() -> list[Stranger]:
-    """All problems, by kind."""
+def everything(kind: str = "") -> list[Stranger]:
+    """All problems, or those of one kind."""
     import strangers_flows
     import strangers_lines
     import strangers_mhd
     import strangers_spectra
     import strangers_walls
 
-    return [s for m in (strangers_lines, strangers_walls, strangers_flows, strangers_mhd, strangers_spectra) for s in m.STRANGERS]
+    kinds = {
+        "lines": strangers_lines.STRANGERS,
+        "walls": strangers_walls.STRANGERS,
+        "flows": strangers_flows.STRANGERS,
+        "mhd": strangers_mhd.STRANGERS,
+        "spectra": strangers_spectra.STRANGERS,
+    }
+    return [s for name, of in kinds.items() if kind in ("", name) for s in of]
 
 
 def warm() -> None:
@@ -372,10 +379,10 @@ def warm() -> None:
     st.refine(q, 3.9)
 
 
-def cases(quick: bool, only: str = "", show: Callable[[Result], None] | None = None) -> Iterator[Case]:
+def cases(quick: bool, only: str = "", show: Callable[[Result], None] | None = None, kind: str = "") -> Iterator[Case]:
     """One line a problem."""
     warm()
-    for s in everything():
+    for s in everything(kind):
         if (quick and not s.quick) or only.lower() not in s.name.lower():
             continue
         r = result(s)
@@ -443,6 +450,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--quick", action="store_true", help="a form that takes seconds")
     parser.add_argument("--only", default="", help="problems whose name holds this")
+    parser.add_argument("--kind", default="", choices=("", "lines", "walls", "flows", "mhd", "spectra"), help="problems of one kind")
     parser.add_argument("--readme", help="write a section in Markdown here")
     args = parser.parse_args()
     results: list[Result] = []
@@ -451,7 +459,7 @@ def main() -> int:
         results.append(r)
         print_result(r)
 
-    for _ in cases(args.quick, args.only, show):
+    for _ in cases(args.quick, args.only, show, args.kind):
         pass
     print(summary(results))
     if args.readme:

@@ -7,6 +7,7 @@ from typing import Any
 
 import mpmath
 import numpy as np
+from collocation import stretched
 from stranger import Far, Fixed, Joint, Stranger, collocated, exactly, jumps, walls
 
 import shootstab as st
@@ -380,7 +381,7 @@ STRANGERS = [
         "issue 18 C17",
         "collocation",
         lambda: st.problem(4, bickley(100.0, 0.8), st.Infinity(), st.Infinity()),
-        collocated(4, bickley(100.0, 0.8), Far(-20.0, 2), Far(20.0, 2), [0.075 - 0.35j], cuts=(-10, -5, -3, -1.5, 0, 1.5, 3, 5, 10), N=24),
+        collocated(4, stretched(bickley(100.0, 0.8), 20.0), Far(-1.0, 2), Far(1.0, 2), [0.145 - 0.321j], N=80),
         region=st.Rectangle(0.01 - 0.7j, 0.3 + 0.05j),
         spurious=(0.05 - 0.1j,),
         unstable=None,
@@ -390,7 +391,7 @@ STRANGERS = [
         "Betchov & Szewczyk 1963",
         "collocation",
         lambda: st.problem(4, mixing(50.0, 0.4), st.Infinity(), st.Infinity()),
-        collocated(4, mixing(50.0, 0.4), Far(-25.0, 2), Far(25.0, 2), [0.16], cuts=(-10, -5, -3, -1.5, 0, 1.5, 3, 5, 10), N=24),
+        collocated(4, stretched(mixing(50.0, 0.4), 25.0), Far(-1.0, 2), Far(1.0, 2), [0.163], N=80),
         region=st.Rectangle(0.02 - 0.3j, 0.4 + 0.31j),
         spurious=(0.05 - 0.1j,),
     ),
@@ -399,9 +400,7 @@ STRANGERS = [
         "Michalke 1964",
         "collocation",
         lambda: st.problem(2, rayleigh_mixing(0.4446), st.Infinity(), st.Infinity(), continuum=lambda y: -0.4446j * np.tanh(y)),
-        collocated(
-            2, rayleigh_mixing(0.4446), Far(-25.0, 1), Far(25.0, 1), [0.1897], cuts=(-10, -5, -2, -1, -0.4, 0, 0.4, 1, 2, 5, 10), N=24
-        ),
+        collocated(2, stretched(rayleigh_mixing(0.4446), 25.0, 0.5), Far(-1.0, 1), Far(1.0, 1), [0.1897], N=110),
         region=st.Rectangle(0.01 - 0.3j, 0.4 + 0.31j),
         spurious=(0.05, 0.3),
         on=(0.2j,),

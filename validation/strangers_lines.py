@@ -7,6 +7,7 @@ from typing import Any
 
 import mpmath
 import numpy as np
+from collocation import stretched
 from stranger import Far, Stranger, collocated, exactly, line, second_order
 
 import shootstab as st
@@ -128,9 +129,7 @@ def tiny(scale: float) -> Any:
 
 
 def gkdv_modes() -> Any:
-    return collocated(
-        3, kdv(1.0, 6), Far(-20.0, 2), Far(20.0, 1), [1.680634], cuts=(-8, -5, -3, -2, -1.2, -0.6, 0, 0.6, 1.2, 2, 3, 5, 8), N=18
-    )
+    return collocated(3, stretched(kdv(1.0, 6), 20.0, 0.25), Far(-1.0, 2), Far(1.0, 1), [1.680634], N=130)
 
 
 STRANGERS = [
@@ -242,9 +241,7 @@ STRANGERS = [
         "Grillakis, Shatah & Strauss",
         "collocation",
         line(4, quintic(3)),
-        collocated(
-            4, quintic(3), Far(-30.0, 2), Far(30.0, 2), [1.9], cuts=(-15, -8, -4, -2.5, -1.5, -1, -0.5, 0, 0.5, 1, 1.5, 2.5, 4, 8, 15), N=18
-        ),
+        collocated(4, stretched(quintic(3), 30.0, 0.25), Far(-1.0, 2), Far(1.0, 2), [2.905], N=110),
         spurious=(0.5 + 0.5j,),
         region=st.Rectangle(0.3 - 0.6j, 5 + 0.62j),
     ),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from collocation import stretched
 from stranger import Fixed, Stranger, collocated, walls
 
 import shootstab as st
@@ -105,15 +106,7 @@ STRANGERS = [
         "Furth, Killeen & Rosenbluth 1963",
         "collocation",
         walls(4, tearing(1e3, 0.5), -10, TEARING, 10, TEARING),
-        collocated(
-            4,
-            tearing(1e3, 0.5),
-            Fixed(-10, TEARING),
-            Fixed(10, TEARING),
-            [0.0131],
-            cuts=(-6, -3, -1.5, -0.7, -0.3, -0.1, 0.1, 0.3, 0.7, 1.5, 3, 6),
-            N=22,
-        ),
+        collocated(4, stretched(tearing(1e3, 0.5), 10.0, 0.15), Fixed(-1, TEARING), Fixed(1, TEARING), [0.0131], N=110),
         spurious=(0.03, 0.02 + 0.01j),
     ),
     Stranger(
