@@ -8,6 +8,7 @@ import sys
 from shootstab.core.discriminant import Discriminant, Value
 from shootstab.core.records import Budget
 from shootstab.discriminants.method import MeshedDiscriminant
+from shootstab.problems.capabilities import FARTHER_WALLS
 from shootstab.problems.protocol import Problem
 
 HALVING = 14.0  # of the 2^8 that halving the steps gains, what is counted on
@@ -38,10 +39,22 @@ def budget(problem: Problem, coarse: MeshedDiscriminant, coarse_value: Value, fi
     """
     integration = abs(coarse_value.newton_step - fine_value.newton_step) / HALVING
     far = SAFETY * displacement(coarse.with_perturbed_start(1, PROBE), coarse_value) / PROBE * coarse.far_error
+    far += _approximate_walls(problem, coarse, coarse_value)
     # what Newton leaves is of second order in its step
     root = CURVATURE * abs(fine_value.newton_step) ** 2 / abs(fine_value.sigma) if fine_value.sigma != 0.0 else abs(fine_value.newton_step)
     flow = _flow(problem, coarse, coarse_value, integration)
     return Budget(integration, far, flow, root, _rounding(problem, coarse, coarse_value, fine, fine_value, integration))
+
+
+def _approximate_walls(problem: Problem, coarse: MeshedDiscriminant, value: Value) -> float:
+    """How far the zero moves when walls stand twice as far from the singular points that they approximate.
+
+    An error c δ^p moves by (2^p − 1) times itself. The D of other walls has another factor, and so its own derivative is used.
+    """
+    farther = FARTHER_WALLS.of(problem)
+    if farther is None:
+        return 0.0
+    return abs(coarse.on_same_mesh(farther).with_derivative(value.sigma).newton_step - value.newton_step)
 
 
 def _flow(problem: Problem, coarse: MeshedDiscriminant, value: Value, integration: float) -> float:

@@ -78,6 +78,8 @@ GENERIC = Capability("generic_sigma", GENERIC_SIGMA, "this problem names no gene
 ASYMPTOTICS = Capability("asymptotics", (), "this problem has no end at infinity with a limit")
 # pairs (z, σ_c(z)) of continuous spectra inside that no deformed path leads around
 CROSSINGS = Capability("crossings", (), "this problem has no continuous spectrum between interfaces")
+# the same problem, on the same line, with every wall that approximates a singular point twice as far from it
+FARTHER_WALLS = Capability("farther_walls", None, "this problem has no wall that approximates a singular point")
 PSEUDOSPECTRAL = Capability("pseudospectral", None, "this problem has no bundled pseudospectral reference: give a file of eigenvalues")
 MULTIPRECISION = Capability("multiprecision", None, "this problem has no formulation of its own for many digits")
 CLOSED_FORM = Capability(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,16 +18,31 @@ INFINITIES = {-1: "-infinity", 1: "+infinity"}
 
 @dataclass(frozen=True, eq=False)
 class Wall:
-    """A finite end at z with m conditions (rows + σ moving) ψ = 0; rows and moving are (m, n)."""
+    """A finite end at z with m conditions (rows + σ moving) ψ = 0; rows and moving are (m, n).
+
+    approximates is a singular point, as r = 0 of a pipe, in place of which the wall stands next to it at z = ε with rows that hold there in
+    the limit. Every mode then errs by what the rest of the way does. It is measured, with the wall twice as far from the point, and is
+    a part of the bound on each mode (far_field), as long as it falls at least as fast as the distance: a logarithm does not.
+    """
 
     z: float
     rows: ArrayLike
     moving: ArrayLike | None = None
+    approximates: float | None = None
+
+    @property
+    def twice_as_far(self) -> Wall:
+        """The same wall at twice the distance from the point that it approximates; itself if there is none."""
+        return self if self.approximates is None else replace(self, z=2.0 * self.z - self.approximates)
 
     def matrices(self, n: int, where: str) -> tuple[ComplexArray, ComplexArray]:
-        """W0, W1 (m, n). Raises InputError for rows of the wrong shape, not finite or dependent."""
+        """W0, W1 (m, n). Raises InputError for a place that is none, and for rows of the wrong shape, not finite or dependent."""
         if not math.isfinite(self.z):
             raise InputError(f"the {where} wall is at z = {self.z}: allowed is a finite number, or st.Infinity()")
+        side = -1 if where == WALLS[-1] else 1
+        if self.approximates is not None and not 0.0 < side * (self.approximates - self.z) < math.inf:
+            told = f"the {where} wall at z = {self.z:g} approximates {self.approximates:g}"
+            raise InputError(f"{told}: allowed is a finite point beyond it, {'below' if side < 0 else 'above'} {self.z:g}")
         return _rows(self.rows, self.moving, (None, n), f"the rows at the {where} wall, z = {self.z:g},")
 
 

@@ -61,9 +61,17 @@ def problem(
             raise InputError(f"{name} = {end!r}: allowed is st.Wall(z, rows) or st.Infinity()")
     if reference is not None and not (np.isfinite(reference) and reference != 0):
         raise InputError(f"reference = {reference!r}: allowed is a finite number other than 0, where as many solutions decay as are wanted")
-    matrices = PencilFunction(size, pencil, vectorized)
-    reduction = reduce_to_two_points(matrices, left, right, tuple(interfaces), fold, reference)
-    return LinearProblem(matrices, reduction, continuum, coarser)
+    function = PencilFunction(size, pencil, vectorized)
+    reduction = reduce_to_two_points(function, left, right, tuple(interfaces), fold, reference)
+    farther = None
+    if any(isinstance(end, Wall) and end.approximates is not None for end in (left, right)):
+        ends = [end.twice_as_far if isinstance(end, Wall) else end for end in (left, right)]
+        try:
+            moved = reduce_to_two_points(function, ends[0], ends[1], tuple(interfaces), fold, reference)
+        except InputError as error:
+            raise InputError(f"with walls twice as far from the points that they approximate, {error}") from error
+        farther = LinearProblem(function, moved.over(reduction.start, reduction.end), continuum)
+    return LinearProblem(function, reduction, continuum, coarser, farther)
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +82,7 @@ class LinearProblem:
     reduction: TwoPointReduction
     curve: Callable[[Any], Any] | None = None
     coarser: Callable[[float], LinearProblem] | None = None
+    farther_walls: LinearProblem | None = None
 
     @property
     def size(self) -> int:

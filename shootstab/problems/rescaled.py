@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from shootstab.problems.capabilities import ASYMPTOTICS, CROSSINGS, GENERIC
+from shootstab.problems.capabilities import ASYMPTOTICS, CROSSINGS, FARTHER_WALLS, GENERIC
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil, Problem
 from shootstab.problems.splitting import AsymptoticPencil
 
@@ -72,3 +72,8 @@ class Rescaled:
     @property
     def crossings(self) -> tuple[tuple[NDArray[np.float64], ComplexArray], ...]:
         return tuple((z, sigma / self.unit) for z, sigma in CROSSINGS.of(self.problem))
+
+    @property
+    def farther_walls(self) -> Rescaled | None:
+        farther = FARTHER_WALLS.of(self.problem)
+        return None if farther is None else Rescaled(farther, self.unit)

@@ -15,7 +15,7 @@ The system is C ψ_t = scale·D ψ subdomain by subdomain: the engine sees one o
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -35,6 +35,10 @@ class Subdomain:
     far: StartingSpace
     augmented: bool = False
     ends: tuple[float, ...] = ()
+
+    def on(self, shift: float, stretch: float) -> Subdomain:
+        """The same over another t, of which t = shift + stretch·(new t)."""
+        return replace(self, offset=self.offset + self.scale * shift, scale=self.scale * stretch)
 
     def points(self, t: ComplexArray) -> ComplexArray:
         """z (m,); at an interface a hair inside."""

@@ -42,6 +42,12 @@ class TwoPointReduction:
         """Components of all subdomains."""
         return int(self.rows[0].shape[1])
 
+    def over(self, start: float, end: float) -> TwoPointReduction:
+        """The same, laid out from t = start to t = end."""
+        stretch = (self.end - self.start) / (end - start)
+        shift = self.start - stretch * start
+        return TwoPointReduction(tuple(subdomain.on(shift, stretch) for subdomain in self.subdomains), start, end, self.rows)
+
     @property
     def lines(self) -> tuple[ComplexArray, ...]:
         """Real points z (m,) of each subdomain."""
