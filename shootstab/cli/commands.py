@@ -39,13 +39,15 @@ def verify(options: Namespace) -> int:
         from shootstab.cli import plots
 
         plots.require(options.plot)
-    if options.dataset is not None and options.eigenvalues is None:
-        raise InputError("--dataset: allowed only with EIGENVALUES")
+    for name in ("dataset", "row"):
+        if getattr(options, name) is not None and options.eigenvalues is None:
+            raise InputError(f"--{name}: allowed only with EIGENVALUES")
     convention = _convention(options)
     if options.unstable and convention.unit.imag != 0.0:
         raise InputError(f"--unstable: allowed with growth rates only, not with --as {convention.kind}")
     region = None if options.region is None else _rectangle(options.region)
-    given = None if options.eigenvalues is None else convention.read(readers.read(options.eigenvalues, options.dataset))
+    spectrum = None if options.eigenvalues is None else readers.read(options.eigenvalues, options.dataset, options.row)
+    given = None if spectrum is None else convention.read(spectrum)
     own = scene_files.load(options.scene)
     scene = own.seen(convention)
     from shootstab.analyses.missing import unstable_box

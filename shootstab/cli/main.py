@@ -82,6 +82,7 @@ def parser() -> argparse.ArgumentParser:
     formats = "csv, text, json, npy, npz, MATLAB, HDF5 or Legolas"
     verify.add_argument("eigenvalues", nargs="?", metavar="EIGENVALUES", help=f"{formats} (default: the bundled reference)")
     verify.add_argument("--dataset", metavar="NAME", help="the array that is meant, in a file that holds several")
+    verify.add_argument("--row", type=_integer(1, 999_999_999), metavar="N", help="the spectrum that is meant, in an array of several")
     _convention(verify)
     verify.add_argument("--digits", type=_integer(1, 12), default=6, metavar="N", help="digits that an eigenvalue must have (default 6)")
     verify.add_argument("--strict", action="store_true", help="`continuum` is bad news too")

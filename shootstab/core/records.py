@@ -106,7 +106,8 @@ class Verdict:
 class Report:
     """Verdicts in the order of the claims, and the modes that the claimed spectrum lacks.
 
-    searched says in words where missing modes were looked for; undecided names what could not be searched.
+    searched says in words where missing modes were looked for; undecided names what could not be searched. dropped entries of the
+    spectrum were no numbers that could be eigenvalues, and were left out when it was read.
     """
 
     verdicts: tuple[Verdict, ...]
@@ -114,6 +115,7 @@ class Report:
     digits: int
     searched: str = ""
     undecided: tuple[str, ...] = ()
+    dropped: int = 0
 
     @property
     def summary(self) -> Mapping[str, int]:

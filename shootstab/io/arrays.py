@@ -1,12 +1,10 @@
-"""NumPy's own files, npy and npz: nothing is ever unpickled. And which array of several is meant, in any format."""
+"""Which array of a file holds the spectrum, in any format that holds arrays; and the numbers in it."""
 
 from __future__ import annotations
 
-import io
-import tokenize
-import zipfile
-import zlib
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from shootstab.io.notation import shortened
@@ -15,71 +13,113 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-MAGIC = b"\x93NUMPY"
-MAGIC_ZIP = (b"PK\x03\x04", b"PK\x05\x06")
 NAMES = ("eigenvalues", "sigma")
 ALLOWED = "allowed is a list of complex or real numbers, or two real columns, re and im"
-
-# what NumPy and zipfile raise on files that are not what they say
-_BROKEN = (ValueError, EOFError, OSError, MemoryError, OverflowError, TypeError, SyntaxError, tokenize.TokenError)
-_BROKEN_ZIP = (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, KeyError, EOFError, OSError)
+PARTS = (("re", "im"), ("real", "imag"), ("r", "i"))  # how a real and an imaginary part are called, alone or behind a common stem
 
 
-def from_npy(data: bytes) -> NDArray[np.complex128]:
-    """The eigenvalues in the bytes of an npy file. Raises ValueError."""
-    import numpy as np
+@dataclass(frozen=True)
+class Array:
+    """An array of numbers in a file: its kind (NumPy's letter: c for complex), its shape, and a function that loads it."""
 
-    if not data.startswith(MAGIC):
-        raise ValueError(f"an array that is not npy: {ALLOWED}")
-    try:
-        array = np.load(io.BytesIO(data), allow_pickle=False)
-    except _BROKEN as error:
-        raise ValueError(f"broken npy: {error}: {ALLOWED}") from error
-    return as_complex(array)
+    kind: str
+    shape: tuple[int, ...]
+    load: Callable[[], Any]
 
-
-def from_npz(data: bytes, dataset: str | None, largest: int) -> NDArray[np.complex128]:
-    """The eigenvalues in the bytes of an npz file: its only array, or the one of this name. Raises ValueError."""
-    try:
-        with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            members = {name.removesuffix(".npy"): name for name in archive.namelist()}
-            chosen = members[choose(list(members), dataset, list(members))]
-            info = archive.getinfo(chosen)
-            if info.file_size > largest:
-                raise ValueError("larger than 64 MB when unpacked: allowed is a smaller file")
-            if info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-                raise ValueError("broken npz: packed as NumPy never does")
-            member = archive.read(chosen)
-    except _BROKEN_ZIP as error:
-        raise ValueError(f"broken npz: {error}") from error
-    return from_npy(member)
+    @property
+    def vector(self) -> bool:
+        """Whether it is a list of two or more numbers, in whatever shape."""
+        return max(self.shape, default=0) > 1 and sum(n > 1 for n in self.shape) == 1
 
 
-def choose(numeric: Sequence[str], dataset: str | None, there: Sequence[str]) -> str:
-    """Which array is meant: the one asked for, else the one called eigenvalues or sigma, else the only one of numbers.
+@dataclass(frozen=True)
+class Wanted:
+    """What the user says of a file that holds several: the name of the array, and the row of it, counted from 1."""
+
+    dataset: str | None = None
+    row: int | None = None
+
+
+def stem_of(name: str) -> tuple[str, int, int] | None:
+    """omega_r as ('omega', 2, 0): the common stem, which of PARTS, and 0 for the real part or 1 for the imaginary; None for other names."""
+    for which, ends in enumerate(PARTS):
+        for part, end in enumerate(ends):
+            if found := re.fullmatch(rf"(?:(.*)[ _.-])?{end}", name, re.IGNORECASE):
+                return found[1] or "", which, part
+    return None
+
+
+def pairs(names: Sequence[str]) -> list[tuple[str, str, str]]:
+    """(stem, re, im) of the names that are a real and an imaginary part: omega_r with omega_i, re with im."""
+    halves: dict[tuple[str, int], dict[int, str]] = {}
+    for name in names:
+        if (stem := stem_of(name)) is not None:
+            halves.setdefault(stem[:2], {})[stem[2]] = name
+    return [(stem, both[0], both[1]) for (stem, _), both in halves.items() if len(both) == 2]
+
+
+def with_pairs(arrays: Mapping[str, Array], lone_stem: str) -> dict[str, Array]:
+    """The arrays, where those that are a real and an imaginary part have become one of the name of their stem."""
+    out = dict(arrays)
+    for stem, re_name, im_name in pairs(list(arrays)):
+        first, second = arrays[re_name], arrays[im_name]
+        if first.kind == "c" or second.kind == "c":
+            continue
+        del out[re_name], out[im_name]
+        out[stem or lone_stem] = Array("c", first.shape, lambda a=first, b=second, n=(re_name, im_name): _joined(a, b, n))  # type: ignore[misc]
+    return out
+
+
+def _joined(first: Array, second: Array, names: tuple[str, str]) -> Any:
+    if first.shape != second.shape:
+        raise ValueError(f"{names[0]} and {names[1]} are not a real and an imaginary part: their shapes are {first.shape}, {second.shape}")
+    return first.load() + 1j * second.load()
+
+
+def spectrum_in(arrays: Mapping[str, Array], wanted: Wanted, there: Sequence[str]) -> NDArray[np.complex128]:
+    """The eigenvalues in the array that is meant. Raises ValueError that lists what is there."""
+    return as_complex(arrays[choose(arrays, wanted.dataset, there)].load(), wanted.row)
+
+
+def choose(arrays: Mapping[str, Array], dataset: str | None, there: Sequence[str]) -> str:
+    """Which array is meant: the one asked for; else eigenvalues or sigma; else the only one; else the only complex vector.
 
     Raises ValueError that lists what is there.
     """
     listed = shortened(", ".join(there) or "none", 200).strip("'\"")
     if dataset is not None:
-        if dataset in numeric:
+        if dataset in arrays:
             return dataset
         raise ValueError(f"no array of numbers called {shortened(dataset)} in it: there are {listed}")
-    named = [name for name in NAMES if name in numeric]
-    if named or len(numeric) == 1:
-        return named[0] if named else numeric[0]
+    named = [name for name in NAMES if name in arrays]
+    if named or len(arrays) == 1:
+        return named[0] if named else next(iter(arrays))
+    vectors = [name for name, array in arrays.items() if array.kind == "c" and array.vector]
+    if len(vectors) == 1:
+        return vectors[0]
     raise ValueError(f"arrays in it: {listed}: allowed is one array, or one of them called {' or '.join(NAMES)}, or --dataset NAME")
 
 
-def as_complex(array: Any) -> NDArray[np.complex128]:
-    """Eigenvalues (m,) from a list of numbers in whatever shape, or from two real columns. Raises ValueError."""
+def as_complex(array: Any, row: int | None = None) -> NDArray[np.complex128]:
+    """Eigenvalues (m,) of a list of numbers in whatever shape, of two real columns, or of a diagonal matrix (m, m); or of one row.
+
+    Raises ValueError.
+    """
     import numpy as np
 
     if not isinstance(array, np.ndarray) or array.dtype.kind not in "iufc":
         raise ValueError(f"an array of type {getattr(array, 'dtype', type(array).__name__)}: {ALLOWED}")
     array = np.atleast_1d(array)
+    if row is not None:
+        if array.ndim < 2 or not 1 <= row <= len(array):
+            rows = f"1 to {len(array)}" if array.ndim > 1 else "none"
+            raise ValueError(f"--row {row} of an array of shape {array.shape}: allowed is {rows}")
+        array = array[row - 1]
     if array.ndim == 2 and array.shape[1] == 2 and array.dtype.kind != "c":
         return np.asarray(array[:, 0] + 1j * array[:, 1], dtype=np.complex128)
+    if array.ndim == 2 and array.shape[0] == array.shape[1] > 1 and not np.any(array[~np.eye(len(array), dtype=bool)]):
+        return np.asarray(np.diagonal(array), dtype=np.complex128)
     if array.size != max(array.shape):
-        raise ValueError(f"an array of shape {array.shape}: {ALLOWED}")
+        choice = f", or --row N for one of its {len(array)} rows" if array.ndim > 1 and row is None else ""
+        raise ValueError(f"an array of shape {array.shape}: {ALLOWED}{choice}")
     return np.asarray(array.ravel(), dtype=np.complex128)

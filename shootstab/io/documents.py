@@ -46,6 +46,7 @@ def report(found: Report) -> dict[str, Any]:
         "digits": found.digits,
         "searched": found.searched,
         "undecided": list(found.undecided),
+        "dropped": found.dropped,
     }
 
 

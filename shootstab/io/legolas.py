@@ -1,7 +1,8 @@
 """Legolas' own binary files (.dat): the header is walked through to the eigenvalues, nothing is guessed and nothing else is read.
 
 Written by Fortran as a stream: 4-byte integers and logicals, 8-byte reals, texts with their length before them, in the byte order of the
-machine. The layout is that of Legolas 1.0.2 to 1.3 and of 2.x (N. Claes, J. De Jonghe & R. Keppens, ApJS 251 (2020) 25;
+machine. The layout is that of Legolas 1.0.2 to 1.3 and of 2.x, and that of the files before, which name
+no version of Legolas and hold as many eigenvalues as the matrix has rows (N. Claes, J. De Jonghe & R. Keppens, ApJS 251 (2020) 25;
 src/dataIO/mod_output of its repository). The eigenvalues are frequencies, exp(−iωt).
 """
 
@@ -18,7 +19,10 @@ if TYPE_CHECKING:
 MAGIC = b"legolas_version"
 LONGEST_TEXT = 4096
 MOST = 10_000  # names, units, nodes: no header has as many
-ALLOWED = "allowed is a file of Legolas 1.0.2 or later"
+MAGIC_OLD = b"datfile_version"
+GEOMETRIES = (b"Cartesian", b"cylindrical")
+UNITS_OLD = 11  # normalizations in a file that does not name them
+ALLOWED = "allowed is a file of Legolas, version 1 or 2"
 
 
 class _Stream:
@@ -55,24 +59,62 @@ class _Stream:
         self.take(count * (length + bytes_each))
 
 
-def from_legolas(data: bytes) -> NDArray[np.complex128]:
+def is_legolas(data: bytes) -> bool:
+    """Whether a version is named, or lengths of texts and a geometry stand at the beginning."""
+    return data.startswith((MAGIC, MAGIC_OLD)) or data[8:].startswith(GEOMETRIES)
+
+
+def from_legolas(data: bytes, _: object = None) -> NDArray[np.complex128]:
     """The eigenvalues in the bytes of a Legolas file, as frequencies. Raises ValueError."""
     import numpy as np
 
+    stream, count = _named(data) if data.startswith(MAGIC) else _unnamed(data)
+    values = np.frombuffer(stream.take(16 * count), dtype=f"{stream.order}c16")
+    return np.asarray(values, dtype=np.complex128)
+
+
+def _order(data: bytes, begin: int) -> str:
+    """The byte order in which the length of texts at this place is one."""
+    order = next((o for o in "<>" if 0 < struct.unpack(f"{o}i", data[begin : begin + 4].ljust(4, b"\xff"))[0] <= LONGEST_TEXT), None)
+    if order is None:
+        raise ValueError("broken Legolas file: no length of texts at its beginning")
+    return order
+
+
+def _unnamed(data: bytes) -> tuple[_Stream, int]:
+    """A file before 1.0.2, read up to its eigenvalues, and how many there are."""
+    begin = len(MAGIC_OLD) + 4 if data.startswith(MAGIC_OLD) else 0
+    stream = _Stream(data, begin, _order(data, begin))
+    length, in_tables = stream.size(LONGEST_TEXT), stream.size(LONGEST_TEXT)
+    stream.take(length)  # geometry
+    stream.reals(2)
+    _, _, count, _ = stream.integers(4)  # points of the grid, of Gauss, rows of the matrix, points of eigenfunctions
+    stream.reals()
+    stream.take(length)  # equilibrium
+    stream.integers(2)
+    parameters = stream.size()
+    stream.take(parameters * in_tables)
+    stream.reals(parameters)
+    stream.take(stream.size() * in_tables)  # names of equilibrium arrays
+    stream.integers()
+    stream.reals(UNITS_OLD)
+    if count < 0:
+        raise ValueError(f"broken Legolas file: a size of {count} in its header")
+    return stream, count
+
+
+def _named(data: bytes) -> tuple[_Stream, int]:
+    """A file from 1.0.2 on, likewise."""
     words = data[len(MAGIC) : len(MAGIC) + 10].decode("ascii", errors="replace").strip()
     numbers = re.findall(r"\d+", words)
     version = tuple(int(n[:6]) for n in numbers[:3])
     if not (1, 0, 2) <= version < (3,):
         raise ValueError(f"Legolas version {words!r}: {ALLOWED}")
     begin = len(MAGIC) + 10
-    order = next((o for o in "<>" if 0 < struct.unpack(f"{o}i", data[begin : begin + 4].ljust(4, b"\xff"))[0] <= LONGEST_TEXT), None)
-    if order is None:
-        raise ValueError("broken Legolas file: no length of texts at its beginning")
-    stream = _Stream(data, begin, order)
+    stream = _Stream(data, begin, _order(data, begin))
     (_header_2 if version >= (2,) else _header_1)(stream, version)
     (count,) = stream.integers()
-    values = np.frombuffer(stream.take(16 * count), dtype=f"{order}c16")
-    return np.asarray(values, dtype=np.complex128)
+    return stream, count
 
 
 def _header_1(stream: _Stream, version: tuple[int, ...]) -> None:

@@ -64,6 +64,10 @@ def pair(file: Any) -> None:
     file["run/spectrum/re"], file["run/spectrum/im"] = Z.real, Z.imag
 
 
+def omega(file: Any) -> None:
+    file["tasks/omega_r"], file["tasks/omega_i"], file["tasks/k"], file["x"] = Z.real, Z.imag, np.arange(3.0), np.ones(5)
+
+
 def columns(file: Any) -> None:
     file["sigma"] = np.column_stack((Z.real, Z.imag))
     file["other"] = np.arange(4.0)
@@ -76,7 +80,16 @@ FORMS: dict[str, tuple[bytes, str | None]] = {
     "MATLAB, beside cells and text": (mat(c=np.array([1, "x"], dtype=object), s="text", lam=Z), None),
     "MATLAB, two columns": (mat(lam=np.column_stack((Z.real, Z.imag))), None),
     "MATLAB 7.3": (hdf5(matlab_73, 512), None),
+    "MATLAB, the diagonal of [V, D] = eig(A)": (mat(V=np.ones((3, 3)), D=np.diag(Z)), "D"),
+    "MATLAB, a field of a structure": (mat(out={"n": 3, "lambda": Z, "x": np.arange(3.0)}), "out.lambda"),
+    "MATLAB, the only complex vector": (mat(out={"n": 3, "lambda": Z}, x=np.arange(3.0), V=np.ones((3, 3)) * 1j), None),
+    "MATLAB, an entry of a cell": (mat(c=np.array([np.arange(4.0), Z], dtype=object)), "c{2}"),
+    "MATLAB, a cell of numbers": (mat(c=np.array(list(Z), dtype=object)), None),
+    "MATLAB, re and im": (mat(re=Z.real, im=Z.imag, k=np.arange(3.0)), None),
     "HDF5": (hdf5(eigentools), "/grid"),
+    "HDF5, the only complex vector": (hdf5(eigentools), None),
+    "HDF5, omega_r and omega_i": (hdf5(omega), None),
+    "HDF5, by their stem": (hdf5(omega), "tasks/omega"),
     "HDF5, re and im": (hdf5(pair), None),
     "HDF5, re and im by path": (hdf5(pair), "run/spectrum"),
     "HDF5, two columns": (hdf5(columns), None),
@@ -134,8 +147,34 @@ def legolas_2(version: str = "2.1.0") -> bytes:
     return out + i(1, 16) + text("rho0", 16) + i(3) + Z.tobytes() + d(*np.linspace(0, 1, 51))
 
 
+def legolas_0(named: bool, order: str = "<") -> bytes:
+    """As it was before 1.0.2: no number of eigenvalues, but the rows of the matrix; eleven units without names."""
+
+    def i(*values: int) -> bytes:
+        return struct.pack(f"{order}{len(values)}i", *values)
+
+    def d(*values: float) -> bytes:
+        return struct.pack(f"{order}{len(values)}d", *values)
+
+    out = (text("datfile_version") + i(1) if named else b"") + i(125, 16) + text("Cartesian", 125) + d(0, 1) + i(51, 200, 3, 101)
+    out += d(5 / 3) + text("adiabatic_homo", 125) + i(0, 0) + i(2) + text("k2", 16) + text("k3", 16) + d(0, np.pi)
+    out += i(3) + b"".join(text(n, 16) for n in ("rho0", "T0", "B0")) + i(1) + d(*range(1, 12))
+    return out + Z.astype(f"{order}c16").tobytes() + d(*np.linspace(0, 1, 51))
+
+
 @pytest.mark.parametrize(
-    "data", [legolas_1("1.0.2"), legolas_1("1.1.3"), legolas_1("1.2.0"), legolas_1("1.3.1"), legolas_1("1.3.1", ">"), legolas_2()]
+    "data",
+    [
+        legolas_0(True),
+        legolas_0(False),
+        legolas_0(False, ">"),
+        legolas_1("1.0.2"),
+        legolas_1("1.1.3"),
+        legolas_1("1.2.0"),
+        legolas_1("1.3.1"),
+        legolas_1("1.3.1", ">"),
+        legolas_2(),
+    ],
 )
 def test_legolas(tmp_path: Path, data: bytes) -> None:
     np.testing.assert_array_equal(readers.read(stored(tmp_path, data, "anything.dat")), Z)
@@ -172,7 +211,7 @@ HOSTILE: dict[str, tuple[bytes, str | None, tuple[str, ...]]] = {
     "cells": (mat(lam=np.array([1, "x"], dtype=object)), None, ("arrays in it: lam",)),
     "two arrays": (mat(a=Z, b=Z), None, ("a, b", "--dataset")),
     "no such array": (mat(a=Z, b=Z), "c", ("'c'", "a, b")),
-    "a matrix": (mat(a=np.eye(3)), None, ("shape (3, 3)",)),
+    "a matrix": (mat(a=np.ones((3, 3))), None, ("shape (3, 3)", "--row")),
     "cut off": (mat(lam=Z)[:200], None, ("MATLAB",)),
     "noise after the header": (mat(lam=Z)[:128] + b"\xff" * 200, None, ("MATLAB",)),
     "a link out of the file": (hdf5(far_away), None, ("HDF5", "none")),
@@ -186,7 +225,7 @@ HOSTILE: dict[str, tuple[bytes, str | None, tuple[str, ...]]] = {
         None,
         ("real and an imaginary part",),
     ),
-    "an old Legolas": (b"legolas_version" + text("0.9.0", 10) + bytes(400), None, ("0.9.0", "1.0.2")),
+    "an old Legolas": (b"legolas_version" + text("0.9.0", 10) + bytes(400), None, ("0.9.0", "version 1 or 2")),
     "a Legolas of sizes": (b"legolas_version" + text("1.3.0", 10) + struct.pack("<2i", 100, 16) + b"\xff" * 900, None, ("Legolas",)),
     "--dataset for a text": (b"1,2\n", "x", ("--dataset", "npz", "csv")),
 }
