@@ -124,7 +124,7 @@ def test_curves_and_maps_show_what_was_proved() -> None:
     assert "dominance proved by a count" in [t.get_text() for t in above.get_legend().get_texts()]
     assert curves.get_suptitle().startswith("high: kx = 0.0005\nfastest growth: σ = 0.004 - 0.002i at kx = 0.0005, ky = 0.01")
     panel, bar = maps.draw(swept(), scene).axes
-    assert panel.get_xlabel() == "downslope wavenumber $k_x$ d"
+    assert panel.get_xlabel() == "downslope wavenumber $k_x$ / $d^{-1}$"
     assert bar.get_ylabel() == "growth rate Re σ / √(g cosθ/d)"
     assert [t.get_text() for t in panel.get_legend().get_texts()] == ["no flow, or unresolved", "modes counted"]
 
