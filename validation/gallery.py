@@ -12,7 +12,7 @@ from claims import Case, Claim, main
 
 import shootstab as st
 from shootstab.core.records import Mode
-from shootstab.models.gallery.published import PUBLISHED, Published
+from shootstab.models.catalogue.published import PUBLISHED, Published
 
 REPEATS = 5
 GUESS = -1j * (0.2375 + 0.0037j)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import sys
+import textwrap
 from argparse import Namespace
 from collections.abc import Callable
 from pathlib import Path
@@ -75,7 +76,7 @@ def verify(options: Namespace) -> int:
     document = documents.report(report)
     if not convention.plain:
         document["convention"] = convention.formula
-    _answer(options, document, tables)
+    _answer(options, document, tables, scene)
     return BAD_NEWS if report.bad_news(options.strict) else DONE
 
 
@@ -102,7 +103,7 @@ def refine(options: Namespace) -> int:
     document = documents.mode(found)
     if not convention.plain:
         document["convention"] = convention.formula
-    _answer(options, document, tables)
+    _answer(options, document, tables, scene)
     return DONE if found.converged else BAD_NEWS
 
 
@@ -149,7 +150,7 @@ def count(options: Namespace) -> int:
 
         return tables.count(shape, found, scene)
 
-    _answer(options, documents.count(region, found), tables)
+    _answer(options, documents.count(region, found), tables, scene)
     return DONE
 
 
@@ -169,7 +170,7 @@ def find(options: Namespace) -> int:
 
         return tables.found(found, region, scene)
 
-    _answer(options, documents.found(found, region), tables)
+    _answer(options, documents.found(found, region), tables, scene)
     return DONE
 
 
@@ -210,7 +211,7 @@ def steady(options: Namespace) -> int:
 
         return tables.steady(flow, document["profiles"], scene)
 
-    _answer(options, document, tables)
+    _answer(options, document, tables, scene)
     return DONE
 
 
@@ -228,18 +229,20 @@ def spectrum(options: Namespace) -> int:
 
         return tables.spectrum(found, options.raw, scene)
 
-    _answer(options, documents.spectrum(found, options.raw), tables)
+    _answer(options, documents.spectrum(found, options.raw), tables, scene)
     return DONE
 
 
 def scenes(options: Namespace) -> int:
     """What is built in."""
+    listed = scene_files.built_in()
     if options.json is not None:
-        built_in = [{"name": name, "description": description} for name, (description, _) in scene_files.BUILT_IN.items()]
-        _write_json(options, {"scenes": built_in})
+        says = [{"name": name, "description": one.scene.description, **vars(one.details)} for name, one in listed.items()]
+        _write_json(options, {"scenes": says})
     if options.json != "-":
-        for name, (description, _) in scene_files.BUILT_IN.items():
-            print(f"{name:<16}{description}")
+        for name, one in listed.items():
+            print(textwrap.fill(f"{name:<16}{one.scene.description}", 80, subsequent_indent=" " * 16))
+            print(textwrap.fill(str(one.details), 80, initial_indent=" " * 16, subsequent_indent=" " * 16))
     return DONE
 
 
@@ -250,10 +253,10 @@ def prepare(options: Namespace) -> None:
             require_writable(Path(path))
 
 
-def _answer(options: Namespace, document: dict[str, Any], tables: Callable[[], list[RenderableType]]) -> None:
-    """JSON where it was asked for, and tables on standard output unless JSON takes it."""
+def _answer(options: Namespace, document: dict[str, Any], tables: Callable[[], list[RenderableType]], scene: scene_files.Scene) -> None:
+    """JSON where it was asked for, with the scene in it, and tables on standard output unless JSON takes it."""
     if options.json is not None:
-        _write_json(options, document)
+        _write_json(options, {**document, "scene": scene.as_dict()})
     if options.json != "-":
         from shootstab.cli.terminal import show
 

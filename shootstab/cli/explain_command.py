@@ -20,11 +20,12 @@ def explain(options: Namespace) -> int:
 
     def tables() -> list[RenderableType]:
         from rich.table import Table
+        from rich.text import Text
 
         grid = Table.grid(padding=(0, 2))
         for heading, text in lines:
             grid.add_row(heading, text.replace("[", r"\["))
-        return [grid]
+        return [Text(scene.heading), grid]
 
-    answer(options, {"explanation": [{"heading": heading, "text": text} for heading, text in lines]}, tables)
+    answer(options, {"explanation": [{"heading": heading, "text": text} for heading, text in lines]}, tables, scene)
     return DONE

@@ -78,7 +78,7 @@ def sweep(options: Namespace) -> int:
         from shootstab.cli import maps
 
         maps.save(found, scene, options.plot)
-    answer(options, document(found), lambda: tables(found, scene))
+    answer(options, document(found), lambda: tables(found, scene), scene)
     return BAD_NEWS if found.bad_news() else DONE
 
 
@@ -118,9 +118,9 @@ def tables(found: Swept, scene: Scene) -> list[RenderableType]:
 
     from shootstab.io.notation import held_complex
 
-    parts: list[RenderableType] = []
+    parts: list[RenderableType] = [Text(scene.heading)]
     if len(found.outcomes) <= MOST_LISTED:
-        table = Table(title=Text(f"{scene.name}: {scene.description}"), title_justify="left", box=SIMPLE, pad_edge=False)
+        table = Table(box=SIMPLE, pad_edge=False)
         sigma = f"dominant σ / {scene.unit}" if scene.unit else "dominant σ"
         for heading in (*found.grid.names, sigma, "error", "status"):
             table.add_column(Text(heading), no_wrap=True, justify="right" if heading == "error" else "left")

@@ -40,13 +40,13 @@ Parts = list[RenderableType]
 
 def report(found: Report, scene: Scene) -> Parts:
     """Verdicts and missing modes, the reasons, and one sentence."""
-    table = _table(f"{scene.name}: {scene.description}", _sigma("claimed σ", scene), "verdict", f"mode {scene.symbol}", "error", "digits")
+    table = _table("", _sigma("claimed σ", scene), "verdict", f"mode {scene.symbol}", "error", "digits")
     for number, verdict in enumerate(found.verdicts, 1):
         cells = _mode_cells(verdict.sigma, verdict.error) if verdict.sigma is not None else (ABSENT, ABSENT)
         table.add_row(str(number), claimed_digits(verdict.claimed, found.digits), _coloured(verdict.verdict), *cells, _agreement(verdict))
     for mode in found.missing:
         table.add_row("", ABSENT, _coloured("missing"), *_mode_cells(mode.sigma, mode.error), ABSENT)
-    return [table, *_reasons(found), Text(_sentence(found))]
+    return [Text(scene.heading), table, *_reasons(found), Text(_sentence(found))]
 
 
 def _mode_cells(sigma: Any, error: float | None) -> tuple[str, str]:
@@ -96,7 +96,7 @@ def mode(found: Mode, scene: Scene) -> Parts:
         rows["multiplicity"] = f"{found.multiplicity}: so many eigenvalues, equal or not told apart, lie within the error"
     if math.isfinite(found.continuum_distance):
         rows["continuous spectrum"] = f"at a distance of {_two_figures(found.continuum_distance)}"
-    return [_pairs(f"{scene.name}: {scene.description}", rows)]
+    return [Text(scene.heading), _pairs(rows)]
 
 
 def count(region: Region, found: RegionCount, scene: Scene) -> Parts:
@@ -113,11 +113,11 @@ def count(region: Region, found: RegionCount, scene: Scene) -> Parts:
 
 def found(answer: Found, region: Region, scene: Scene) -> Parts:
     """A table of modes, the resonances under it, and the count."""
-    table = _table(f"{scene.name}: {scene.description}", _sigma("mode σ", scene), "error", "digits", "multiplicity", "off the continuum")
+    table = _table("", _sigma("mode σ", scene), "error", "digits", "multiplicity", "off the continuum")
     for number, m in enumerate(answer.modes, 1):
         away = _two_figures(m.continuum_distance) if math.isfinite(m.continuum_distance) else ABSENT
         table.add_row(str(number), held_complex(m.sigma, m.error), _two_figures(m.error), f"{m.digits:.1f}", str(m.multiplicity), away)
-    parts: Parts = [table] if answer.modes else []
+    parts: Parts = [Text(scene.heading), *([table] if answer.modes else [])]
     if answer.resonances is not None:
         listed = ", ".join(f"{complex(r):.8g}" for r in answer.resonances) or "none"
         parts.append(Text(f"Resonances beyond the continuous spectrum, which are not modes: {listed}."))
@@ -153,22 +153,26 @@ def steady(flow: Flow, profiles: Mapping[str, Sequence[float]], scene: Scene) ->
     step = (len(profiles["z"]) - 1) // 10
     for row in zip(*(profiles[name][::step] for name in ("z", "nu", "T", "u")), strict=True):
         table.add_row(*(f"{value:.6g}" for value in row))
-    return [_pairs(f"{scene.name}: {scene.description}", rows), table]
+    return [Text(scene.heading), _pairs(rows), table]
 
 
 def spectrum(found: Any, raw: bool, scene: Scene) -> Parts:
     """The filtered spectrum with what it passed, or all that QZ gave."""
     if raw:
-        table = _table(f"{scene.name}: {scene.description}, unfiltered", _sigma("σ", scene))
+        table = _table("unfiltered", _sigma("σ", scene))
         for number, sigma in enumerate(found.raw, 1):
             table.add_row(str(number), held_complex(complex(sigma), abs(complex(sigma)) * 1e-12 or None))
-        return [table, Text(f"{len(found.raw)} eigenvalues of the pencil at truncation {found.truncation}, {len(found.eigenvalues)} pass.")]
-    table = _table(f"{scene.name}: {scene.description}", _sigma("σ", scene), "drift", "tail")
+        return [
+            Text(scene.heading),
+            table,
+            Text(f"{len(found.raw)} eigenvalues of the pencil at truncation {found.truncation}, {len(found.eigenvalues)} pass."),
+        ]
+    table = _table("", _sigma("σ", scene), "drift", "tail")
     for number, (sigma, drift, tail) in enumerate(zip(found.eigenvalues, found.drift, found.tail, strict=True), 1):
         shown = held_complex(complex(sigma), float(drift) or None)
         table.add_row(str(number), shown, _two_figures(drift), _two_figures(tail))
     sentence = f"{len(found.eigenvalues)} of {len(found.raw)} eigenvalues at truncation {found.truncation} pass both filters."
-    return [table, Text(sentence)]
+    return [Text(scene.heading), table, Text(sentence)]
 
 
 def _sigma(title: str, scene: Scene) -> str:
@@ -185,7 +189,7 @@ def _coloured(verdict: str) -> Text:
 
 
 def _table(title: str, *headings: str, numbered: bool = True) -> Table:
-    table = Table(title=Text(title), title_justify="left", box=SIMPLE, pad_edge=False)
+    table = Table(title=Text(title) if title else None, title_justify="left", box=SIMPLE, pad_edge=False)
     if numbered:
         table.add_column("#", justify="right", no_wrap=True)
     for heading in headings:
@@ -194,8 +198,8 @@ def _table(title: str, *headings: str, numbered: bool = True) -> Table:
     return table
 
 
-def _pairs(title: str, rows: Mapping[str, str]) -> Table:
-    table = Table(title=Text(title), title_justify="left", box=None, show_header=False, pad_edge=False)
+def _pairs(rows: Mapping[str, str]) -> Table:
+    table = Table(box=None, show_header=False, pad_edge=False)
     table.add_column(no_wrap=True, style="dim")
     table.add_column(no_wrap=True)
     for name, value in rows.items():

@@ -56,7 +56,7 @@ def trade(options: Namespace) -> int:
     if options.plot is not None:
         figure = draw(found, scene)
         write_whole(options.plot, lambda file: figure.savefig(file, dpi=160))
-    answer(options, document(found), lambda: tables(found, scene))
+    answer(options, document(found), lambda: tables(found, scene), scene)
     return DONE
 
 
@@ -93,7 +93,7 @@ def tables(found: WorkPrecision, scene: Scene) -> list[RenderableType]:
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(title=Text(f"{scene.name}: {scene.description}"), title_justify="left", box=SIMPLE, pad_edge=False)
+    table = Table(box=SIMPLE, pad_edge=False)
     for heading in ("method", "resolution", "relative error", "time", "memory", "D or factorizations"):
         table.add_column(Text(heading), no_wrap=True, justify="left" if heading in ("method", "resolution") else "right")
     last = ""
@@ -104,7 +104,7 @@ def tables(found: WorkPrecision, scene: Scene) -> list[RenderableType]:
         memory = f"{r.memory / 1e6:.1f} MB" if r.memory else "–"
         table.add_row(r.method, resolution(r), error, f"{1e3 * r.seconds:.2f} ms", memory, str(r.work))
         last = r.method
-    return [table, Text(found.recommendation)]
+    return [Text(scene.heading), table, Text(found.recommendation)]
 
 
 def resolution(rung: Measurement) -> str:

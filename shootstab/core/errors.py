@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 
 class ShootstabError(Exception):
     """Base of all errors that shootstab raises on purpose; its text is one line meant for the user."""
@@ -21,3 +23,9 @@ class ConvergenceError(ShootstabError):
 
 class Undecidable(ConvergenceError):  # noqa: N818 - it is a finding, not a fault
     """D cannot be continued over a part of the σ-plane, for the reason given: a continuous spectrum is in the way."""
+
+
+def shortened(value: Any, longest: int = 40) -> str:
+    """A value as a refusal quotes it: its repr, not longer than a line can bear."""
+    text = repr(value)
+    return text if len(text) <= longest else text[:longest] + "…"

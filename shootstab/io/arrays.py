@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from shootstab.io.notation import shortened
+from shootstab.core.errors import shortened
 
 if TYPE_CHECKING:
     import numpy as np

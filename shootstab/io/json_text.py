@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from typing import Any
 
+from shootstab.core.errors import shortened
 from shootstab.io.arrays import NAMES, Wanted, pairs
-from shootstab.io.notation import shortened
 from shootstab.io.text import Placed, is_text, joined
 
 ALLOWED = 'allowed is a list of numbers, of [re, im] or of {"re": …, "im": …}, or such a list named "eigenvalues"'

@@ -8,6 +8,8 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
+from shootstab.core.errors import shortened
+
 _FLAGS = re.IGNORECASE | re.ASCII
 _SIZE = r"(?:\d+(?:\.\d*)?|\.\d+)(?:[ed][+-]?\d+)?|nan|inf(?:inity)?"
 _REAL = re.compile(rf"([+-]?)\s*({_SIZE})", _FLAGS)
@@ -46,12 +48,6 @@ def floats_from(text: str, count: int | None) -> tuple[float, ...]:
     if (count is not None and len(values) != count) or any(v.imag != 0.0 or not math.isfinite(v.real) for v in values):
         raise refusal
     return tuple(v.real for v in values)
-
-
-def shortened(value: Any, longest: int = 40) -> str:
-    """repr, on one line and not longer than a message can bear."""
-    text = repr(value)
-    return text if len(text) <= longest else text[:longest] + "…"
 
 
 def nearest(word: str, allowed: Iterable[str]) -> str:

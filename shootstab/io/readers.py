@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from shootstab.core.errors import InputError
+from shootstab.core.errors import InputError, shortened
 from shootstab.io import hdf5, json_text, legolas, matlab, numpy_files, text
 from shootstab.io.arrays import Wanted
-from shootstab.io.notation import shortened
 from shootstab.io.text import Placed
 
 if TYPE_CHECKING:

@@ -6,8 +6,9 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
+from shootstab.core.errors import shortened
 from shootstab.io.arrays import pairs
-from shootstab.io.notation import complex_from, shortened
+from shootstab.io.notation import complex_from
 
 ALLOWED = "allowed is one eigenvalue a line, as re,im or as 1+2j"
 # what a reader yields: where in the file, and the number there

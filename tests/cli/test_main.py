@@ -35,7 +35,7 @@ from shootstab.core.records import (
 )
 from shootstab.core.regions import Disc, Rectangle
 from shootstab.io import documents, files
-from shootstab.io.scenes import BUILT_IN, Scene, load
+from shootstab.io.scenes import Scene, built_in, load
 
 EXE = Path(sys.executable).with_name("shootstab")
 HIGH = 0.003970504638889  # the unstable mode of `high`; 0.00397 in the paper
@@ -194,9 +194,12 @@ def test_steady_table(run: Run) -> None:
 def test_scenes(run: Run) -> None:
     status, out, _ = run("scenes")
     assert status == 0
-    assert [line.split()[0] for line in out.splitlines()] == list(BUILT_IN)
+    assert [line.split()[0] for line in out.splitlines() if line[0] != " "] == list(built_in())
+    assert "whole channel -1 < y < 1, both parities; order 4" in " ".join(out.split())
+    assert max(map(len, out.splitlines())) <= 80
     status, out, _ = run("scenes", "--json", "-")
-    assert [scene["name"] for scene in json.loads(out)["scenes"]] == list(BUILT_IN)
+    assert [scene["name"] for scene in json.loads(out)["scenes"]] == list(built_in())
+    assert all(scene["order"] and scene["symmetry"] and scene["unknowns"] and scene["eigenvalue"] for scene in json.loads(out)["scenes"])
 
 
 def test_spectrum(run: Run) -> None:
@@ -482,7 +485,7 @@ def test_exit_status_of_verify(run: Run, monkeypatch: pytest.MonkeyPatch, modes:
 
 def test_agreement_says_no_more_than_the_error_of_the_mode_lets_it(fake: Scene) -> None:
     verdicts = [Verdict(0.5, CONFIRMED, "", 0.5, 1e-9, agreed) for agreed in (99.0, -math.log10(2e-9), 8.5)]
-    table: Any = tables.report(Report(tuple(verdicts), (), 6), fake)[0]
+    table: Any = tables.report(Report(tuple(verdicts), (), 6), fake)[1]
     assert list(table.columns[-1].cells) == ["≥8.7", "≥8.7", "8.5"]
 
 

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from shootstab.core.errors import InputError, NoFlowError
-from shootstab.io.scenes import BUILT_IN, CHUTE_UNIT, load
+from shootstab.io.scenes import built_in, load
+from shootstab.models.chute.scene import UNIT
 from shootstab.models.gallery.poiseuille import PlanePoiseuille
 
 GOOD = """
@@ -43,7 +44,7 @@ def test_the_papers_scenes_are_the_papers() -> None:
         chute = scene.flow.chute
         assert (chute.e, chute.e_w, chute.r, chute.tan_theta, chute.nu_max) == (0.8, 0.8, 0.6, 0.3, 0.62)
         assert scene.flow.mass_flux == pytest.approx(3.0, rel=1e-11)
-        assert scene.unit == CHUTE_UNIT
+        assert scene.unit == UNIT
         temperatures.append(scene.flow.far_temperature)
     high, mid, low, fig2 = temperatures
     assert high > mid > low
@@ -52,15 +53,21 @@ def test_the_papers_scenes_are_the_papers() -> None:
 
 def test_poiseuille_has_no_grains() -> None:
     scene = load("poiseuille")
-    assert scene.problem == PlanePoiseuille(10000.0, 1.0, half=True)
+    assert scene.problem == PlanePoiseuille(10000.0, 1.0, half=False)
     assert scene.flow is None
     assert scene.unit == ""
 
 
 def test_every_built_in_scene_says_what_it_is() -> None:
-    for name, (description, _) in BUILT_IN.items():
-        assert description
-        assert load(name).description == description
+    for name, listed in built_in().items():
+        scene = load(name)
+        assert listed.scene.description
+        assert scene.description == listed.scene.description
+        assert scene.details == listed.details
+        equations: Any = getattr(scene.problem, "matrices", scene.problem)  # of a whole line, before it is folded
+        assert scene.details.order == equations.size
+        assert all(vars(scene.details).values())
+        assert scene.heading.startswith(f"{name}: {scene.description} (")
 
 
 def test_scene_file(tmp_path: Path) -> None:

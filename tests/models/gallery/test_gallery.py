@@ -14,10 +14,10 @@ import pytest
 
 import shootstab as st
 from shootstab.core.errors import InputError
-from shootstab.io.scenes import BUILT_IN, load
+from shootstab.io.scenes import built_in, load
+from shootstab.models.catalogue.published import PUBLISHED, Published
 from shootstab.models.gallery.benard import free_growth_rate
 from shootstab.models.gallery.blasius import flow
-from shootstab.models.gallery.published import PUBLISHED, Published
 
 ROOT = Path(__file__).parents[3]
 
@@ -103,7 +103,7 @@ def test_parameters_outside_physics(make: Any, words: str) -> None:
 
 
 def test_every_gallery_scene_is_a_problem() -> None:
-    for name in BUILT_IN:
+    for name in built_in():
         if name not in ("high", "mid", "low", "fig2"):
             assert load(name).problem.size >= 2
 

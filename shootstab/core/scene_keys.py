@@ -1,0 +1,112 @@
+"""What a model says of its scenes: the keys that a table of a scene file has, what the problem is, and the scenes that are built in.
+
+A model offers a `SceneModel`; io.scenes reads TOML and hands it the tables.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from shootstab.core.errors import InputError, shortened
+
+LARGEST = 1e300  # chosen: whatever is not below it, NaN too, is no number of physics
+
+Tables = Mapping[str, Any]  # of a scene file, by name
+
+
+@dataclass(frozen=True)
+class Description:
+    """What a problem is, for whoever brings eigenvalues of it: the order of the system, its unknowns, the symmetry, the scales, and what
+    the eigenvalue is, with the sign of time. Words that are empty are not known.
+    """
+
+    order: int
+    unknowns: str = ""
+    symmetry: str = ""
+    scales: str = ""
+    eigenvalue: str = ""
+
+    def __str__(self) -> str:
+        unknowns = f" in {self.unknowns}" if self.unknowns else ""
+        return "; ".join(part for part in (self.symmetry, f"order {self.order}{unknowns}", self.scales, self.eigenvalue) if part)
+
+
+@dataclass(frozen=True)
+class BuiltIn:
+    """A scene with a name of its own: one line on it, and what a scene file would say."""
+
+    description: str
+    tables: Tables
+
+
+@dataclass(frozen=True)
+class Made:
+    """What came of the tables: a problem, its description, the unit of σ in words, and the base flow under it if the model has one."""
+
+    problem: Any
+    details: Description
+    unit: str = ""
+    flow: Any = None
+
+
+class SceneModel(Protocol):
+    """One model as scene files see it."""
+
+    @property
+    def tables(self) -> tuple[str, ...]:
+        """The names of its tables, all of which a scene file must have."""
+        ...
+
+    @property
+    def built_in(self) -> Mapping[str, BuiltIn]:
+        """Its scenes by name."""
+        ...
+
+    def details(self, tables: Tables) -> Description:
+        """What the problem of these tables is. Raises InputError as `made` does for their keys."""
+        ...
+
+    def made(self, tables: Tables) -> Made:
+        """The problem. Raises InputError, whose line names the table, the key and what is allowed."""
+        ...
+
+
+@dataclass(frozen=True)
+class Keys:
+    """Which keys a table of a scene file has, and of which type; needed are those in `required`, and one of `either`."""
+
+    name: str
+    keys: Mapping[str, type]
+    required: tuple[str, ...] = ()
+    either: tuple[str, ...] = field(default=())
+
+    def checked(self, tables: Tables) -> dict[str, Any]:
+        """The values by key, numbers as floats. Raises InputError."""
+        table = tables.get(self.name)
+        if not isinstance(table, dict):
+            raise InputError(f"{self.name} = {shortened(table)}: allowed is a table [{self.name}]")
+        for key in table:
+            if key not in self.keys:
+                raise InputError(f"[{self.name}] has the unknown key {shortened(key)}: allowed are {', '.join(self.keys)}")
+        for key in self.required:
+            if key not in table:
+                raise InputError(f"[{self.name}] lacks the key {key}: needed are {self._needed()}")
+        given = [key for key in self.either if key in table]
+        if self.either and len(given) != 1:
+            raise InputError(f"[{self.name}] has {' and '.join(given) or 'no flow'}: allowed is exactly one of {', '.join(self.either)}")
+        return {key: self._typed(key, value) for key, value in table.items()}
+
+    def _needed(self) -> str:
+        return ", ".join(self.required) + (f" and one of {', '.join(self.either)}" if self.either else "")
+
+    def _typed(self, key: str, value: Any) -> Any:
+        wanted = self.keys[key]
+        if wanted is float and isinstance(value, int | float) and not isinstance(value, bool):
+            if abs(value) < LARGEST:
+                return float(value)
+        elif wanted is not float and isinstance(value, wanted):
+            return value
+        words = {float: "a finite number", str: "a string", bool: "true or false"}
+        raise InputError(f"[{self.name}] {key} = {shortened(value)}: allowed is {words[wanted]}")

@@ -1,0 +1,61 @@
+"""The compressible flat plate: see gallery/plate.py."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from shootstab.core.scene_keys import Description
+from shootstab.models.catalogue.entry import Entry, Maker, Published, keys
+
+MACK = 2 / 15  # second coefficient of viscosity, in μ, for Mack's ratio 1.2
+
+
+def _describe(values: Mapping[str, Any]) -> Description:
+    scales = "lengths √(ν∞x/U∞), velocities U∞, temperatures T∞, pressures ρ∞U∞²"
+    spatial = "omega" in values
+    unknowns = "u, u′, v, p, θ, θ′, w, w′" + (" and α times u, v, p, θ, w" if spatial else "")
+    wave = "exp(i(αx + βz - ωt))"
+    order = 13 if spatial else 8
+    return Description(order, unknowns, "half line y > 0, all modes", scales, f"α of {wave}" if spatial else f"σ = -iω of {wave}")
+
+
+_MALIK_3 = {"second": MACK, "mach": 2.5, "far_temperature": 600 / 1.8 / 2.25, "reynolds": 3e3, "alpha": 0.06, "beta": 0.1}
+_MALIK_6 = {"second": MACK, "mach": 4.5, "far_temperature": 1100 / 1.8 / 5.05, "reynolds": 1.5e3, "omega": 0.23}
+ENTRIES = (
+    Entry(
+        name="plate",
+        make=Maker("plate", "plate"),
+        keys=keys(
+            *("mach", "far_temperature", "reynolds", "alpha", "omega", "beta", "second", "sutherland", "prandtl", "gamma", "wall"),
+            required=("mach", "far_temperature", "reynolds"),
+        ),
+        describe=_describe,
+        scenes={
+            "malik-3": ("compressible flat plate, M = 2.5, temporal: Malik's case 3, Mack's bulk viscosity", _MALIK_3),
+            "malik-6": ("compressible flat plate, M = 4.5, spatial: Malik's case 6, Mack's bulk viscosity", _MALIK_6),
+        },
+        published=(
+            Published(
+                "plate, Malik 3",
+                Maker("plate", "malik_3"),
+                0.03673374 + 0.00058446j,
+                7,
+                "Malik 1990, re-computed; Mack's bulk viscosity",
+                -1j,
+                True,
+            ),
+            Published("plate, Malik 6", Maker("plate", "malik_6"), 0.2534012 - 0.0024936j, 7, "the same, spatial", slow=True),
+            Published(
+                *(
+                    "plate, Malik 6, Stokes",
+                    Maker("plate", "malik_6", {"second": -2 / 3}),
+                    0.2534368 - 0.0027759j,
+                    7,
+                    "Tumin 2007, re-computed; spatial",
+                ),
+                slow=True,
+            ),
+        ),
+    ),
+)
