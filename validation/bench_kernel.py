@@ -19,9 +19,9 @@ from rich.table import Table
 from scenes import GUESS, problem
 
 import shootstab as st
+from shootstab.discriminants.meshing import made_for
 from shootstab.discriminants.product import Product
-from shootstab.discriminants.riccati import Charted
-from shootstab.discriminants.shooting import Propagator, Shooting
+from shootstab.discriminants.shooting import Shooting
 from shootstab.kernels.reduced_system import ReducedSystem
 from shootstab.kernels.tableau import STAGES, WEIGHTS, A
 from shootstab.models.chute import ChuteProblem
@@ -84,11 +84,11 @@ def main() -> None:
     console.print(f"in products of matrices the machine does {peak:.0f} Gflop/s")
     table = Table("scene", "orders", "numbers", "steps", "10⁶ flop", "ms", "with dD/dσ, ms", "Gflop/s", "of the machine", box=None)
     for name, sigma in GUESS.items():
-        D = st.Frame(rtol=1e-10).on(problem(name))
-        D.with_derivative(sigma)
+        D = st.Frame(rtol=1e-10).on(problem(name)).at(sigma)
         parts = members(D)
-        real = sigma.imag == 0.0 and all(p._sampled_system.real is not None for p in parts)  # type: ignore[union-attr]
-        flop = sum(operations(p._sampled_system.real if real else p._sampled_system.system, p.problem.decaying) for p in parts)  # type: ignore[union-attr]
+        real = sigma.imag == 0.0 and all(p.sampled.real is not None for p in parts)
+        systems = ((p.sampled.real if real else p.sampled.system, p.problem.decaying) for p in parts)
+        flop = sum(operations(system, k) for system, k in systems if system is not None)
         plain, slope = seconds(D, sigma), seconds(D.with_derivative, sigma)
         orders = " + ".join(str(p.problem.size) for p in parts)
         row = (orders, "real" if real else "complex", str(D.steps), f"{flop / 1e6:.2f}", f"{1e3 * plain:.3f}", f"{1e3 * slope:.3f}")
@@ -99,25 +99,19 @@ def main() -> None:
     for name, sigma in GUESS.items():
         p, counts = problem(name), []
         for begun in (p, FromAbove(p.flow, p.kx, p.ky)):
-            D = st.Frame(rtol=1e-10).on(begun)
-            D.with_derivative(sigma)
-            counts.append(str(D.steps))
+            counts.append(str(st.Frame(rtol=1e-10).on(begun).at(sigma).steps))
         table.add_row(name, *counts)
     console.print(table)
     console.print("\nthe parts that a scene requires, against the whole of order 8 in complex numbers: time of D(σ) with dD/dσ")
     table = Table("scene", "method", "whole, ms", "parts, ms", "ratio", box=None)
-    makers: tuple[tuple[str, Callable[[], Propagator], object], ...] = (
-        ("frame", lambda: st.Frame(rtol=1e-10), st.Frame(rtol=1e-10)),
-        ("compound", lambda: st.Compound(rtol=1e-10), st.Compound(rtol=1e-10)),
-        ("riccati", lambda: Charted(1e-10), st.Riccati(rtol=1e-10)),
-    )
+    methods = st.Frame(rtol=1e-10), st.Compound(rtol=1e-10), st.Riccati(rtol=1e-10)
     for name in ("high", "low", "fig2"):
-        for label, carrier, method in makers:
+        for method in methods:
             # a whole whose σ has the least imaginary part is carried in complex numbers
             off_axis = GUESS[name] + (0j if GUESS[name].imag else 1e-12j)
-            whole = seconds(Shooting(problem(name), carrier()).with_derivative, off_axis)
-            parts_time = seconds(method.on(problem(name)).with_derivative, GUESS[name])  # type: ignore[attr-defined]
-            table.add_row(name, label, f"{1e3 * whole:.3f}", f"{1e3 * parts_time:.3f}", f"{whole / parts_time:.1f}")
+            whole = seconds(made_for(problem(name), method, None, off_axis).with_derivative, off_axis)
+            parts_time = seconds(method.on(problem(name)).at(GUESS[name]).with_derivative, GUESS[name])
+            table.add_row(name, method.name, f"{1e3 * whole:.3f}", f"{1e3 * parts_time:.3f}", f"{whole / parts_time:.1f}")
     console.print(table)
 
 

@@ -55,20 +55,20 @@ def _largest_change(problem: Problem, probes: Sequence[Sample], seed: int) -> tu
     worst = (0.0, probes[0][1].sigma)
     for discriminant, value in probes:
         if id(discriminant) not in others:
-            others[id(discriminant)] = otherwise(problem, discriminant, seed)
+            others[id(discriminant)] = otherwise(problem, discriminant, value.sigma, seed)
         change = abs(others[id(discriminant)](value.sigma).over(value.D) - 1.0)
         if not change <= worst[0]:
             worst = change, value.sigma
     return worst
 
 
-def otherwise(problem: Problem, discriminant: MeshedDiscriminant, seed: int) -> Discriminant:
-    """D with every error of its own drawn anew, that of integration much smaller."""
+def otherwise(problem: Problem, discriminant: MeshedDiscriminant, sigma: complex, seed: int) -> Discriminant:
+    """D with every error that it has next to σ drawn anew, that of integration much smaller."""
     crude = problem.with_base_flow_error(FLOWS[0])
     fine = discriminant.refined(seed)
     if crude is not problem:
         fine = fine.on_same_mesh(crude)
-    return fine.with_perturbed_start(seed, SAFETY * max(discriminant.far_error, EPSILON))
+    return fine.with_perturbed_start(seed, SAFETY * max(discriminant.far_error(sigma), EPSILON))
 
 
 def _probes(samples: Sequence[Sample]) -> list[Sample]:

@@ -44,7 +44,7 @@ def radius_of(claim: complex, digits: int) -> float:
 
 
 class Verifier:
-    """Continuations of discriminants of rising accuracy, for many claims, best in the order of their size: the meshes only grow."""
+    """Continuations of discriminants of rising accuracy, for many claims. A verdict does not depend on those given before."""
 
     def __init__(self, problem: Problem, method: Method, digits: int) -> None:
         self.problem, self.digits = problem, digits
@@ -55,7 +55,6 @@ class Verifier:
             self.continuation,
             *(Continuation(problem, Frame(rtol=rtol)) for rtol in (1e-10, 1e-13) if rtol < method.rtol),
         ]
-        self._reach = REACH
         self._too_far = math.inf
 
     @property
@@ -99,17 +98,13 @@ class Verifier:
 
         Solutions vary over σ^(−1/2): 16 times |σ| are 4 times the steps. So the claim is approached from smaller σ of its direction.
         """
-        size = abs(claim)
-        while size > self._reach * FURTHER and self._reach < self._too_far:
-            probe = claim * (self._reach / size)
-            discriminant = self._continuations[0].at(probe).discriminant
-            discriminant(probe)
-            if discriminant.steps * math.sqrt(FURTHER) > MOST_STEPS:
-                self._too_far = self._reach
-            else:
-                self._reach *= FURTHER
-        if size > self._too_far * FURTHER:
-            raise ConvergenceError(f"solutions for |sigma| = {size:.1e} are so steep that the mesh would need over {MOST_STEPS} steps")
+        size, reached = abs(claim), REACH
+        while size > reached * FURTHER:
+            probe = claim * (reached / size)
+            if self._continuations[0].at(probe).discriminant.steps * math.sqrt(FURTHER) > MOST_STEPS:
+                self._too_far = min(self._too_far, reached)
+                raise ConvergenceError(f"solutions for |sigma| = {size:.1e} are so steep that the mesh would need over {MOST_STEPS} steps")
+            reached *= FURTHER
 
     def _around(self, claim: complex, radius: float) -> tuple[float, Zeros]:
         """The radius of the largest circle, up to that of two digits, that was counted, and the zeros in it; it grows until there are any.

@@ -115,8 +115,7 @@ def count_in_region(continuation: Continuation, region: Region) -> RegionCount:
 
 
 def _follow_boundary(contour: _Contour, region: Region, stops: Sequence[float], closed: bool) -> None:
-    """The boundary of the region from the first stop to the last, the stop of largest |σ| first: its mesh serves the others."""
-    contour.off_the_curve(max((region.boundary(t % 1.0) for t in stops), key=abs))
+    """The boundary of the region from the first stop to the last."""
     contour.follow(1, lambda t: contour.off_the_curve(region.boundary(t % 1.0)), stops, closed)
 
 

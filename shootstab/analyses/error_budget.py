@@ -38,7 +38,7 @@ def budget(problem: Problem, coarse: MeshedDiscriminant, coarse_value: Value, fi
     What far field and steady flow do to the zero is measured on the coarse mesh: a sensitivity needs few digits.
     """
     integration = abs(coarse_value.newton_step - fine_value.newton_step) / HALVING
-    far = SAFETY * displacement(coarse.with_perturbed_start(1, PROBE), coarse_value) / PROBE * coarse.far_error
+    far = SAFETY * displacement(coarse.with_perturbed_start(1, PROBE), coarse_value) / PROBE * coarse.far_error(coarse_value.sigma)
     far += _approximate_walls(problem, coarse, coarse_value)
     # what Newton leaves is of second order in its step
     root = CURVATURE * abs(fine_value.newton_step) ** 2 / abs(fine_value.sigma) if fine_value.sigma != 0.0 else abs(fine_value.newton_step)

@@ -14,6 +14,8 @@ from shootstab.core.errors import ConvergenceError
 from shootstab.core.records import CONVERGED, Budget, Mode
 from shootstab.core.regions import Disc
 from shootstab.discriminants.continuation import Continuation
+from shootstab.discriminants.method import MeshedDiscriminant
+from shootstab.problems.protocol import Problem
 from shootstab.roots.search import moments
 from shootstab.roots.winding import Winding, wind
 
@@ -36,7 +38,7 @@ def multiple(continuation: Continuation, centre: complex, multiplicity: int, rad
     for _ in range(CIRCLES):
         disc = Disc(centre, radius)
         winding = wind(branch.discriminant, disc)
-        off = _inaccuracy(continuation, winding) if winding.count == multiplicity else math.inf
+        off = _inaccuracy(continuation.problem, branch.discriminant, winding) if winding.count == multiplicity else math.inf
         if off > AGREEMENT:
             if best is not None or radius > WIDEST * abs(centre):
                 break
@@ -70,17 +72,15 @@ def multiple(continuation: Continuation, centre: complex, multiplicity: int, rad
     )
 
 
-def _inaccuracy(continuation: Continuation, winding: Winding) -> float:
+def _inaccuracy(problem: Problem, D: MeshedDiscriminant, winding: Winding) -> float:
     """The largest sum of the relative errors of D at some samples: of the mesh, of rounding, the far field and the steady flow."""
-    branch = continuation.at(winding.centre)
-    D = branch.discriminant
-    crude = continuation.problem.with_base_flow_error(FLOWS[0])
+    crude = problem.with_base_flow_error(FLOWS[0])
     worst = 0.0
     for value in winding.samples[:: max(1, len(winding.samples) // PROBES)]:
         off = abs(D.refined()(value.sigma).over(value.D) - 1)
         off += NOISE * abs(D.with_rotated_basis(1)(value.sigma).over(value.D) - 1)
-        off += SAFETY * abs(D.with_perturbed_start(1, PROBE)(value.sigma).over(value.D) - 1) / PROBE * D.far_error
-        if crude is not continuation.problem:
+        off += SAFETY * abs(D.with_perturbed_start(1, PROBE)(value.sigma).over(value.D) - 1) / PROBE * D.far_error(value.sigma)
+        if crude is not problem:
             off += FLOW_NOISE * abs(D.on_same_mesh(crude)(value.sigma).over(value.D) - 1)
         worst = max(worst, off)
     return worst

@@ -10,12 +10,13 @@ from typing import Any
 
 from shootstab.analyses.error_budget import budget
 from shootstab.analyses.multiple import multiple
+from shootstab.core.discriminant import Discriminant
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.records import CONVERGED, Budget, Mode
 from shootstab.core.regions import Disc
 from shootstab.discriminants.continuation import Continuation
 from shootstab.discriminants.frame import Frame
-from shootstab.discriminants.method import MeshedDiscriminant, Method
+from shootstab.discriminants.method import Method
 from shootstab.problems.protocol import Problem
 from shootstab.roots.iterations import Root, muller, newton
 from shootstab.roots.winding import wind
@@ -64,7 +65,7 @@ def finite(guess: Any) -> complex:
 def _attempt(problem: Problem, guess: complex, rtol: float, method: Method) -> tuple[Mode, int]:
     """One search with one tolerance; the number of evaluations is returned beside the mode."""
     continuation = Continuation(problem, method)
-    discriminant = continuation.at(guess).discriminant
+    discriminant, _ = continuation.along(guess)
     try:
         root = find_near(discriminant, guess, 1e-3 * rtol)
         mode, evaluations = examine(continuation, root, rtol)
@@ -86,7 +87,7 @@ def tightened(method: Method) -> Method | None:
     return replace(method, rtol=max(1e-2 * rtol, TIGHTEST))
 
 
-def find_near(discriminant: MeshedDiscriminant, guess: complex, tolerance: float) -> Root:
+def find_near(discriminant: Discriminant, guess: complex, tolerance: float) -> Root:
     """Newton from the guess; Muller if that fails.
 
     Raises ConvergenceError if both do.

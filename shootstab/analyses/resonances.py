@@ -36,7 +36,8 @@ def find_resonances(continuation: Continuation, region: Region) -> list[complex]
             width = min(STRIDE * scale, high - z)
             for side in (1, -1):
                 strip = _image(continuation, z, width, -side * DEPTH * scale)
-                branch = continuation.beside(z + width / 2, curve.at(z + width / 2), side)
+                middle = curve.at(z + width / 2)
+                branch = continuation.beside(z + width / 2, middle, side, max(abs(v - middle) for v in strip.vertices))
                 for zero in find(search_on(continuation.problem, branch), strip):
                     # a subsystem that is not singular has its modes on both sides: they are modes, not resonances
                     own = newton(continuation.at(zero.sigma).discriminant, zero.sigma, ARRIVED)

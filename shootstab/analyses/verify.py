@@ -20,7 +20,7 @@ from shootstab.core.records import (
     Verdict,
 )
 from shootstab.core.regions import Region
-from shootstab.discriminants.continuation import Continuation, size_class
+from shootstab.discriminants.continuation import Continuation
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.method import Method
 from shootstab.problems.protocol import Problem
@@ -57,8 +57,8 @@ def verify(
     tolerance = 10.0 ** -(digits + 2)
     verifier = Verifier(problem, method or Frame(rtol=max(tolerance, 1e-13)), digits)
     judged: dict[int, Verdict] = {}
-    # a mesh begins with that of the next smaller size of |σ|, and of those that share it the largest needs it finest
-    for i in sorted(range(len(claims)), key=lambda i: (size_class(claims[i]), -abs(claims[i]))):
+    # neighbours share meshes, which are not kept for ever
+    for i in sorted(range(len(claims)), key=lambda i: abs(claims[i])):
         judged[i] = verifier.verdict(claims[i])
         if progress is not None:
             progress(len(judged), len(claims))

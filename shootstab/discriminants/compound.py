@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
 from shootstab.core.discriminant import Value
 from shootstab.core.scaled import Scaled
+from shootstab.discriminants.adaptive import Adaptive
 from shootstab.discriminants.deformed_path import DeformedPath
-from shootstab.discriminants.product import Product, shoot
+from shootstab.discriminants.method import Meshes, Propagation, require_tolerance
 from shootstab.discriminants.sampled_system import SampledSystem
-from shootstab.discriminants.shooting import Shooting
 from shootstab.kernels.exterior import induced, minors_with_slope
 from shootstab.kernels.minor_transport import transport_minors
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
@@ -29,13 +30,25 @@ class Compound:
     rtol: float = 1e-11
     name: str = "compound"
 
-    def on(self, problem: Problem, path: DeformedPath | None = None) -> Shooting | Product:
-        """D(σ) of the problem, along the real axis or along a path; the mesh is made at the first σ and grows where another needs it."""
-        return shoot(problem, lambda: self, path)
+    def __post_init__(self) -> None:
+        require_tolerance(self.rtol)
+
+    def on(
+        self, problem: Problem, path: DeformedPath | None = None, centre: complex | None = None, begin: Meshes | None = None
+    ) -> Adaptive:
+        """D(σ) of the problem, along the real axis or along a path meant for σ = centre; begin are meshes of a neighbouring problem.
+
+        Raises InputError where D is asked for and the problem is wrong, ConvergenceError where no mesh is found.
+        """
+        return Adaptive(problem, self, path, centre, begin)
+
+    def settled(self, sampled: SampledSystem, far: FarFrame, sigma: complex) -> Self:
+        """Itself: on a mesh nothing is chosen."""
+        return self
 
     def propagate(
         self, sampled: SampledSystem, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
-    ) -> tuple[Value, np.ndarray]:
+    ) -> Propagation:
         """D = Σ_I w_I y_I, w and y the minors of W0 + σW1 and of Y: by Cauchy–Binet det[(W0 + σW1) Y]."""
         n, k = far.frame.shape
         lists = induced(n, k)
@@ -49,4 +62,4 @@ class Compound:
         with np.errstate(invalid="ignore", over="ignore"):  # a mesh too coarse for y: the errors tell
             D, dD = w @ y, w @ dy + dw @ y
         log_scale += math.log(norms.prod()) + far.log_scale
-        return Value(sigma, Scaled(complex(D), log_scale), complex(dD)), errors
+        return Propagation(Value(sigma, Scaled(complex(D), log_scale), complex(dD)), errors)

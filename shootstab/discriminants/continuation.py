@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from shootstab.core.errors import Undecidable as Undecidable
 from shootstab.discriminants.deformed_path import DeformedPath
-from shootstab.discriminants.method import MeshedDiscriminant, Method
+from shootstab.discriminants.method import AdaptiveDiscriminant, MeshedDiscriminant, Meshes, Method
 from shootstab.essential_spectrum.barrier import barrier_of
 from shootstab.essential_spectrum.interior import continuum_of
 from shootstab.problems.protocol import Problem
@@ -19,7 +19,9 @@ from shootstab.problems.protocol import Problem
 NEAR = 0.35  # singular points nearer to the real axis than this, in the scale of the curve, are passed in the complex plane
 HEIGHT, HALF_WIDTH = 0.55, 0.7  # of a path, in the same scale
 REACH = 0.3  # the singular points of a disc must stay within this part of the scale around the path's centre
-SIZE_RATIO = 4.0  # ratio of |σ| over which one mesh serves
+SCALES = math.sqrt(2.0)  # ratio of the scales that paths have
+REAL = "real"
+SPACING = 0.25  # of its half width, the distance of the centres that paths of one scale have
 
 
 @dataclass(frozen=True)
@@ -34,20 +36,18 @@ class Branch:
     path: str
 
 
-def size_class(sigma: complex) -> int:
-    """The size of |σ| in powers of SIZE_RATIO: one mesh serves all σ of a size."""
-    return round(math.log(abs(sigma) or 1.0) / math.log(SIZE_RATIO))
-
-
 class Continuation:
-    """The branches of a problem, made when they are first needed and kept."""
+    """The branches of a problem. Which path and which mesh serve a σ, or a disc, follows from it alone; what is kept saves time only.
 
-    def __init__(self, problem: Problem, method: Method) -> None:
+    begin are meshes of a neighbouring problem, with which those along the real axis begin.
+    """
+
+    def __init__(self, problem: Problem, method: Method, begin: Meshes | None = None) -> None:
         self.problem, self.method = problem, method
         self.continuum = continuum_of(problem)
         self.barrier = barrier_of(problem)
-        self._real: dict[int, MeshedDiscriminant] = {}
-        self._deformed: list[tuple[DeformedPath, int, MeshedDiscriminant]] = []
+        self.on_the_axis = method.on(problem, begin=begin)
+        self._deformed: dict[DeformedPath, AdaptiveDiscriminant] = {}
 
     def distance(self, sigma: complex) -> float:
         """The distance of σ to the continuous spectrum; infinite if there is none."""
@@ -86,30 +86,29 @@ class Continuation:
         if self.barrier is not None and self.barrier.distance(centre) <= radius:
             raise Undecidable(f"the continuous spectrum of an end at infinity enters the circle of {radius:.1e}")
         if self.continuum is None:
-            return (self._on_the_axis(centre),)
+            return (_branch(centre, radius, self.on_the_axis, REAL),)
         passes = self.continuum.passes(centre, radius)
         if not passes:
-            return (self._one_side(centre),)
+            return (_branch(centre, radius, *self.along(centre)),)
         self._require_one_pass(centre, radius, passes)
         place = passes[0]
-        return tuple(self.beside(place, centre, side) for side in (1, -1))
+        return tuple(self.beside(place, centre, side, radius) for side in (1, -1))
 
     def at(self, sigma: complex) -> Branch:
         """The branch for a point; on the continuous spectrum itself that of one side."""
-        if self.continuum is None:
-            return self._on_the_axis(sigma)
-        return self._one_side(sigma)
+        return _branch(sigma, 0.0, *self.along(sigma))
 
-    def _one_side(self, centre: complex) -> Branch:
-        assert self.continuum is not None
-        distance, place = self.continuum.nearest(centre)
+    def along(self, sigma: complex) -> tuple[AdaptiveDiscriminant, str]:
+        """D along the path that suits σ, every value on the mesh that serves it, and the path."""
+        if self.continuum is None:
+            return self.on_the_axis, REAL
+        distance, place = self.continuum.nearest(sigma)
         if distance > self.continuum.scale(place) * abs(self.continuum.slope(place)):
-            return self._on_the_axis(centre)
-        z = self.continuum.singular_point(centre)
+            return self.on_the_axis, REAL
+        z = self.continuum.singular_point(sigma)
         if z is None or abs(z.imag) > NEAR * self.continuum.scale(z.real) or self._beyond(z.real):
-            return self._on_the_axis(centre)
-        branch = self.beside(z.real, centre, 1 if z.imag > 0.0 else -1)
-        return Branch(branch.discriminant, 0, branch.path)
+            return self.on_the_axis, REAL
+        return self._beside(z.real, 1 if z.imag > 0.0 else -1)
 
     def _require_one_pass(self, centre: complex, radius: float, passes: list[float]) -> None:
         assert self.continuum is not None
@@ -128,33 +127,23 @@ class Continuation:
         assert self.continuum is not None
         return not self.continuum.z[0] < z < self.continuum.z[-1]
 
-    def _on_the_axis(self, sigma: complex) -> Branch:
-        size = size_class(sigma)
-        if size not in self._real:
-            self._real[size] = self._on_the_real_axis(size)
-        return Branch(self._real[size], 0, "real")
+    def beside(self, z: float, sigma: complex, side: int, radius: float = 0.0) -> Branch:
+        """The branch whose path leaves singular points near z on this side (+1, above the path), on the mesh for a disc around σ."""
+        return _branch(sigma, radius, *self._beside(z, side), side)
 
-    def _on_the_real_axis(self, size: int) -> MeshedDiscriminant:
-        """A discriminant for |σ| of this size, which begins with the mesh of the nearest size there is."""
-        if not self._real:
-            return self.method.on(self.problem)
-        nearest = min(self._real, key=lambda known: abs(known - size))
-        return self._real[nearest].warm_started(self.problem)
-
-    def beside(self, z: float, sigma: complex, side: int) -> Branch:
-        """The branch whose path leaves singular points near z on this side: side +1, above the path; sigma tells the size of |σ|."""
+    def _beside(self, z: float, side: int) -> tuple[AdaptiveDiscriminant, str]:
+        """D along the path of a lattice that is nearest to the one through z: paths are few, and none depends on what was asked before."""
         assert self.continuum is not None
-        scale = self.continuum.scale(z)
-        size = size_class(sigma)
-        for path, known, discriminant in self._deformed:
-            alike = 0.7 < path.half_width / (HALF_WIDTH * scale) < 1.4
-            if known == size and alike and path.height * side < 0.0 and abs(path.centre - z) < 0.3 * HALF_WIDTH * scale:
-                return Branch(discriminant, side, str(path))
-        path = DeformedPath(z, HALF_WIDTH * scale, -side * HEIGHT * scale)
-        discriminant = self.method.on(self.problem, path)
-        # off the detour the mesh of any other path for such |σ| serves as well
-        others = [d for _, known, d in reversed(self._deformed) if known == size] + [d for b, d in self._real.items() if b == size]
-        if others:
-            discriminant.reuse_mesh_of(others[0])
-        self._deformed.append((path, size, discriminant))
-        return Branch(discriminant, side, str(path))
+        low, high = float(self.continuum.z[0]), float(self.continuum.z[-1])
+        scale = SCALES ** round(math.log(self.continuum.scale(z), SCALES))
+        spacing = SPACING * HALF_WIDTH * scale
+        centre = min(max(low + spacing * round((z - low) / spacing), low), high)
+        path = DeformedPath(centre, HALF_WIDTH * scale, -side * HEIGHT * scale)
+        if path not in self._deformed:
+            self._deformed[path] = self.method.on(self.problem, path, self.continuum.at(centre))
+        return self._deformed[path], str(path)
+
+
+def _branch(sigma: complex, radius: float, along: AdaptiveDiscriminant, path: str, side: int = 0) -> Branch:
+    """D along a path on the one mesh that serves a disc around σ, or σ alone."""
+    return Branch(along.around(sigma, radius) if radius > 0.0 else along.at(sigma), side, path)

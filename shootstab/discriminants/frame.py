@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
 from shootstab.core.discriminant import Value
 from shootstab.core.scaled import Scaled
+from shootstab.discriminants.adaptive import Adaptive
 from shootstab.discriminants.deformed_path import DeformedPath
-from shootstab.discriminants.product import Product, shoot
+from shootstab.discriminants.method import Meshes, Propagation, require_tolerance
 from shootstab.discriminants.sampled_system import SampledSystem
-from shootstab.discriminants.shooting import Shooting
 from shootstab.kernels.elimination import wall_determinant
 from shootstab.kernels.frame_transport import transport
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
@@ -24,16 +25,28 @@ class Frame:
     rtol: float = 1e-11
     name: str = "frame"
 
-    def on(self, problem: Problem, path: DeformedPath | None = None) -> Shooting | Product:
-        """D(σ) of the problem, along the real axis or along a path; the mesh is made at the first σ and grows where another needs it."""
-        return shoot(problem, lambda: self, path)
+    def __post_init__(self) -> None:
+        require_tolerance(self.rtol)
+
+    def on(
+        self, problem: Problem, path: DeformedPath | None = None, centre: complex | None = None, begin: Meshes | None = None
+    ) -> Adaptive:
+        """D(σ) of the problem, along the real axis or along a path meant for σ = centre; begin are meshes of a neighbouring problem.
+
+        Raises InputError where D is asked for and the problem is wrong, ConvergenceError where no mesh is found.
+        """
+        return Adaptive(problem, self, path, centre, begin)
+
+    def settled(self, sampled: SampledSystem, far: FarFrame, sigma: complex) -> Self:
+        """Itself: on a mesh nothing is chosen."""
+        return self
 
     def propagate(
         self, sampled: SampledSystem, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
-    ) -> tuple[Value, np.ndarray]:
+    ) -> Propagation:
         """D = det[(W0 + σW1) Y]; the R factors of the orthonormalizations are carried along, so that D is analytic."""
         errors = np.empty(len(sampled.nodes) - 1)
         system, at, Y, dY, W0, W1 = sampled.numbers(sigma, far.frame, far.tangent, *rows)
         log_det, trace = transport(system, at, Y, dY, tangent, errors)
         det, slope = wall_determinant(W0, W1, at, Y, dY)
-        return Value(sigma, Scaled(det, log_det + far.log_scale), slope + complex(trace) * det), errors
+        return Propagation(Value(sigma, Scaled(det, log_det + far.log_scale), slope + complex(trace) * det), errors)

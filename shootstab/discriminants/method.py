@@ -1,33 +1,80 @@
-"""A discriminant on a mesh, which can be asked for its errors, and the method that makes one of a problem."""
+"""What a discriminant on a mesh is, how a method makes those of a problem, and what a method of propagation owes."""
 
 from __future__ import annotations
 
-from typing import Protocol, Self
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
 
-from shootstab.core.discriminant import Discriminant
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.core.discriminant import Discriminant, Value
+from shootstab.core.errors import InputError
+from shootstab.discriminants.cells import Cell
 from shootstab.discriminants.deformed_path import DeformedPath
-from shootstab.problems.protocol import Problem
+from shootstab.discriminants.sampled_system import SampledSystem
+from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
+
+LEAST_RTOL = 4 * float(np.finfo(float).eps)  # derived: a step rounds by ε, and a smaller error of it cannot be seen
+LARGEST_RTOL = 0.1  # chosen: with larger local errors a step says nothing
+
+Meshes = Mapping[Cell | None, tuple[ComplexArray, ...]]  # nodes by cell, of every subsystem; None is the cell around a path's centre
+
+
+@dataclass(frozen=True)
+class Propagation:
+    """D(σ) with dD/dσ, the local errors (N,) of the steps, and whether the method held: False where it was carried too far to trust."""
+
+    value: Value
+    errors: NDArray[np.float64]
+    sound: bool = True
+
+
+class Propagator(Protocol):
+    """Carries the decaying space along a sampled system to the wall.
+
+    On one sampled system, settled, it makes D a function that is analytic in σ to rounding, whatever the mesh resolves.
+    """
+
+    @property
+    def rtol(self) -> float:
+        """What local errors are held to."""
+        ...
+
+    def propagate(
+        self, sampled: SampledSystem, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
+    ) -> Propagation:
+        """D = det[(W0 + σ W1) Y] with rows W0, W1 (k, n) and far.frame (n, k) where the mesh begins; dD/dσ is right if tangent."""
+        ...
+
+    def settled(self, sampled: SampledSystem, far: FarFrame, sigma: complex) -> Propagator:
+        """The propagator with all that it may choose chosen for this σ, so that it stays for all others."""
+        ...
 
 
 class MeshedDiscriminant(Discriminant, Protocol):
-    """A discriminant on a mesh that can be asked for its errors: its methods give variants whose zeros lie elsewhere by one of them."""
+    """D(σ) on one mesh, which never changes: analytic in σ to rounding, near the true D where its local errors hold.
 
-    def reuse_mesh_of(self, other: Self) -> None:
-        """Begin with the mesh that another path of the same problem has."""
-        ...
-
-    @property
-    def far_error(self) -> float:
-        """The relative error of the far-field frame at the last σ."""
-        ...
+    Its methods give variants whose zeros lie elsewhere by one of its errors.
+    """
 
     @property
     def steps(self) -> int:
-        """How many steps the mesh has."""
+        """How many steps the mesh has, the longest one if every subsystem has its own."""
+        ...
+
+    def serves(self, sigma: complex, tangent: bool = True) -> bool:
+        """Whether the local errors hold at σ, and the far frame does: D is then what the method's tolerance promises."""
+        ...
+
+    def far_error(self, sigma: complex) -> float:
+        """The relative error of the far-field frame at σ."""
         ...
 
     def system_at(self, sigma: complex) -> str:
-        """What is integrated at this σ, in words: the orders of the parts, in real or complex numbers."""
+        """What is integrated at σ, in words: the orders of the subsystems, in real or complex numbers."""
         ...
 
     def refined(self, seed: int | None = None) -> MeshedDiscriminant:
@@ -46,8 +93,24 @@ class MeshedDiscriminant(Discriminant, Protocol):
         """Of another problem, on the same mesh."""
         ...
 
-    def warm_started(self, problem: Problem) -> MeshedDiscriminant:
-        """Of another problem, from the same mesh on, which grows where it must: for a problem next to this one."""
+
+class AdaptiveDiscriminant(Discriminant, Protocol):
+    """D(σ), every σ on the mesh of its cell: a function of σ that the method's tolerance promises, whatever was asked before.
+
+    From cell to cell it jumps by the error of integration. Whoever needs an analytic function asks for one mesh, by `at` or `around`.
+    """
+
+    def at(self, sigma: complex, tangent: bool = True) -> MeshedDiscriminant:
+        """D on the mesh that serves σ. Raises ConvergenceError where none is found."""
+        ...
+
+    def around(self, centre: complex, radius: float) -> MeshedDiscriminant:
+        """D on one mesh that serves a circle. Raises ConvergenceError where none is found."""
+        ...
+
+    @property
+    def meshes(self) -> Meshes:
+        """The nodes of the cells that are known by now, for a neighbouring problem to begin with."""
         ...
 
 
@@ -62,6 +125,17 @@ class Method(Protocol):
         """What local errors are held to."""
         ...
 
-    def on(self, problem: Problem, path: DeformedPath | None = None) -> MeshedDiscriminant:
-        """The discriminant of a problem, integrated along the real axis or along a path."""
+    def on(
+        self, problem: Problem, path: DeformedPath | None = None, centre: complex | None = None, begin: Meshes | None = None
+    ) -> AdaptiveDiscriminant:
+        """D(σ) of a problem, integrated along the real axis or along a path.
+
+        centre is a σ that the path is meant for; begin are meshes of a neighbouring problem, with which those of the same cells begin.
+        """
         ...
+
+
+def require_tolerance(rtol: float) -> None:
+    """Raise InputError unless local errors can be held to rtol."""
+    if not (isinstance(rtol, int | float) and math.isfinite(rtol) and LEAST_RTOL <= rtol <= LARGEST_RTOL):
+        raise InputError(f"rtol = {rtol!r} of the method: allowed is a number from {LEAST_RTOL:.1e} to {LARGEST_RTOL:g}")

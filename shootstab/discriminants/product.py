@@ -1,4 +1,4 @@
-"""D(σ) of a problem from those of its decoupling, each carried on its own mesh."""
+"""D(σ) of a problem from those of its subsystems, each on its own mesh."""
 
 from __future__ import annotations
 
@@ -7,28 +7,16 @@ from dataclasses import replace
 
 from shootstab.core.discriminant import Value
 from shootstab.core.scaled import Scaled
-from shootstab.discriminants.deformed_path import DeformedPath
-from shootstab.discriminants.shooting import Propagator, Shooting
-from shootstab.discriminants.subsystems import Coupled, Decoupling, decouple
+from shootstab.discriminants.shooting import Shooting
+from shootstab.discriminants.subsystems import Decoupling
 from shootstab.problems.protocol import Problem
-
-
-def shoot(problem: Problem, method: Callable[[], Propagator], path: DeformedPath | None = None) -> Shooting | Product:
-    """D(σ) of the problem by a method, along the real axis or along a path; in decoupling where it falls into decoupling.
-
-    method makes a carrier, one for each part: a carrier may remember how it went.
-    """
-    decoupling = decouple(problem)
-    if decoupling is None:
-        return Shooting(problem, method(), path)
-    return Product(decoupling, tuple(Shooting(part, method(), path) for part in decoupling.members), method)
 
 
 class Product:
     """D = factor Π D_i; a discriminant as `Shooting` is one."""
 
-    def __init__(self, decoupling: Decoupling, members: tuple[Shooting, ...], method: Callable[[], Propagator]) -> None:
-        self._decoupling, self.members, self._method = decoupling, members, method
+    def __init__(self, decoupling: Decoupling, members: tuple[Shooting, ...]) -> None:
+        self._decoupling, self.members = decoupling, members
 
     def __call__(self, sigma: complex) -> Scaled:
         D = Scaled(self._decoupling.factor, 0.0)
@@ -55,9 +43,12 @@ class Product:
         """How many steps the longest mesh has."""
         return max(member.steps for member in self.members)
 
-    @property
-    def far_error(self) -> float:
-        return max(member.far_error for member in self.members)
+    def serves(self, sigma: complex, tangent: bool = True) -> bool:
+        return all(member.serves(sigma, tangent) for member in self.members)
+
+    def far_error(self, sigma: complex) -> float:
+        """The relative error of the far-field frame at σ, the largest of the subsystems'."""
+        return max(member.far_error(sigma) for member in self.members)
 
     def system_at(self, sigma: complex) -> str:
         """What is integrated at this σ, in words."""
@@ -78,25 +69,10 @@ class Product:
     def on_same_mesh(self, problem: Problem) -> Product:
         others = self._decoupling.applied_to(problem)
         members = tuple(member.on_same_mesh(other) for member, other in zip(self.members, others, strict=True))
-        return Product(replace(self._decoupling, members=others), members, self._method)
-
-    def reuse_mesh_of(self, other: Shooting | Product) -> None:
-        """Begin with the meshes that another path of the same problem has."""
-        if isinstance(other, Product):
-            for member, known in zip(self.members, other.members, strict=True):
-                member.reuse_mesh_of(known)
-
-    def warm_started(self, problem: Problem) -> Shooting | Product:
-        """Of another problem, from the same mesh on; in the same decoupling if they are apart there too."""
-        others = self._decoupling.members if problem is self._decoupling.members[0].whole else self._decoupling.applied_to(problem)
-        try:
-            members = tuple(member.warm_started(other, self._method()) for member, other in zip(self.members, others, strict=True))
-        except Coupled:
-            return shoot(problem, self._method, self.members[0].path)
-        return Product(replace(self._decoupling, members=others), members, self._method)
+        return Product(replace(self._decoupling, members=others), members)
 
     def _each(self, change: Callable[[Shooting], Shooting]) -> Product:
-        return Product(self._decoupling, tuple(map(change, self.members)), self._method)
+        return Product(self._decoupling, tuple(map(change, self.members)))
 
 
 def _times(a: Scaled, b: Scaled) -> Scaled:

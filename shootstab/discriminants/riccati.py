@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import cmath
 import math
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -13,10 +12,10 @@ from numpy.typing import NDArray
 
 from shootstab.core.discriminant import Value
 from shootstab.core.scaled import Scaled
+from shootstab.discriminants.adaptive import Adaptive
 from shootstab.discriminants.deformed_path import DeformedPath
-from shootstab.discriminants.product import Product, shoot
+from shootstab.discriminants.method import Meshes, Propagation, require_tolerance
 from shootstab.discriminants.sampled_system import SampledSystem
-from shootstab.discriminants.shooting import Shooting
 from shootstab.kernels.elimination import wall_determinant
 from shootstab.kernels.riccati_transport import enter_chart, leave_chart, transport_chart
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
@@ -34,15 +33,30 @@ class Riccati:
     rtol: float = 1e-11
     name: str = "riccati"
 
-    def on(self, problem: Problem, path: DeformedPath | None = None) -> Shooting | Product:
-        """D(σ) of the problem, along the real axis or along a path; the mesh is made at the first σ and grows where another needs it."""
-        return shoot(problem, lambda: Charted(self.rtol), path)
+    def __post_init__(self) -> None:
+        require_tolerance(self.rtol)
+
+    def on(
+        self, problem: Problem, path: DeformedPath | None = None, centre: complex | None = None, begin: Meshes | None = None
+    ) -> Adaptive:
+        """D(σ) of the problem, along the real axis or along a path meant for σ = centre; begin are meshes of a neighbouring problem.
+
+        Raises InputError where D is asked for and the problem is wrong, ConvergenceError where no mesh is found.
+        """
+        return Adaptive(problem, self, path, centre, begin)
+
+    def settled(self, sampled: SampledSystem, far: FarFrame, sigma: complex) -> Charted:
+        """In the charts that suit this σ."""
+        order = _pivots_first(far.frame)
+        no_rows = np.zeros((far.frame.shape[1], len(order)), dtype=np.complex128)
+        _, swaps = _propagate(sampled, (no_rows, no_rows), far, sigma, False, order, None)
+        return Charted(self.rtol, Charts(order, sampled.nodes[swaps[:, 0]], swaps[:, 1:]))
 
     def propagate(
         self, sampled: SampledSystem, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
-    ) -> tuple[Value, np.ndarray]:
+    ) -> Propagation:
         """D = det(W_p + W_q S) det U, W = W0 + σW1, in charts chosen for this σ."""
-        return Charted(self.rtol).propagate(sampled, rows, far, sigma, tangent)
+        return _propagate(sampled, rows, far, sigma, tangent, _pivots_first(far.frame), None)[0]
 
 
 class Charts(NamedTuple):
@@ -52,38 +66,31 @@ class Charts(NamedTuple):
     z: ComplexArray
     pairs: NDArray[np.int64]
 
-    def on(self, nodes: ComplexArray) -> NDArray[np.int64] | None:
-        """The exchanges (M, 3) as (node, i, j), or None if the changes are not at nodes."""
-        where = np.nonzero(self.z[:, None] == nodes)[1]
-        return np.column_stack((where, self.pairs)) if len(where) == len(self.z) else None
+    def on(self, nodes: ComplexArray) -> NDArray[np.int64]:
+        """The exchanges (M, 3) as (node, i, j) on a mesh that was cut from the one that they were chosen on: its nodes stay nodes."""
+        return np.column_stack((np.nonzero(self.z[:, None] == nodes)[1], self.pairs))
 
 
+@dataclass(frozen=True)
 class Charted:
-    """Carries as `Riccati` does, and remembers the charts.
+    """Propagates as `Riccati` does, in charts that stay.
 
     In other charts the same mesh gives another D, by the error of integration. In the same charts all is a rational function of σ, so
-    that D is analytic to rounding, and a mesh with every step halved errs less. So the charts stay as long as the nodes at which they
-    change do and S does not grow large.
+    that D is analytic to rounding, and a mesh with every step halved errs less. The result is not sound where S grows large.
     """
 
-    def __init__(self, rtol: float) -> None:
-        self.rtol = rtol
-        self._charts: Charts | None = None
+    rtol: float
+    charts: Charts
+
+    def settled(self, sampled: SampledSystem, far: FarFrame, sigma: complex) -> Charted:
+        """Itself: the charts are chosen."""
+        return self
 
     def propagate(
         self, sampled: SampledSystem, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
-    ) -> tuple[Value, np.ndarray]:
-        """As `Riccati.propagate`, in the charts in which the space was carried before, if they serve."""
-        if self._charts is not None:
-            swaps = self._charts.on(sampled.nodes)
-            if swaps is not None:
-                value, errors, largest, _ = _propagate(sampled, rows, far, sigma, tangent, self._charts.order, swaps)
-                if largest <= LARGE and cmath.isfinite(value.D.mantissa) and math.isfinite(value.D.log_scale):
-                    return value, errors
-        order = _pivots_first(far.frame)
-        value, errors, _, swaps = _propagate(sampled, rows, far, sigma, tangent, order, None)
-        self._charts = Charts(order, sampled.nodes[swaps[:, 0]], swaps[:, 1:])
-        return value, errors
+    ) -> Propagation:
+        """As `Riccati.propagate`, in these charts."""
+        return _propagate(sampled, rows, far, sigma, tangent, self.charts.order, self.charts.on(sampled.nodes))[0]
 
 
 def _propagate(
@@ -94,8 +101,8 @@ def _propagate(
     tangent: bool,
     first: NDArray[np.int64],
     swaps: NDArray[np.int64] | None,
-) -> tuple[Value, np.ndarray, float, NDArray[np.int64]]:
-    """D and local errors in the charts given or, with None, in those chosen for this σ; the largest |S_ij|; the exchanges made."""
+) -> tuple[Propagation, NDArray[np.int64]]:
+    """D and local errors in the charts given or, with None, in those chosen for this σ; the exchanges (M, 3) made."""
     order, units = first.copy(), _units(far.frame)
     S, dS, start, start_slope = enter_chart(far.frame, far.tangent, units, order)
     errors = np.full(len(sampled.nodes) - 1, np.nan)
@@ -107,7 +114,8 @@ def _propagate(
     with np.errstate(invalid="ignore", over="ignore"):
         factor = start * np.exp(1j * log_det.imag)
         D, dD = det * factor, (slope + det * (dlog_det + start_slope / start)) * factor
-    return Value(sigma, Scaled(complex(D), log_det.real + far.log_scale), complex(dD)), errors, largest, made
+    value = Value(sigma, Scaled(complex(D), log_det.real + far.log_scale), complex(dD))
+    return Propagation(value, errors, largest <= LARGE and math.isfinite(value.D.log_scale)), made
 
 
 def _units(Y: ComplexArray) -> NDArray[np.float64]:

@@ -38,6 +38,11 @@ class SampledSystem:
         """The system in real numbers, None if it is not real."""
         return self.system.in_real_numbers()
 
+    @property
+    def bytes_of_a_step(self) -> int:
+        """How much memory one step takes, where the system is real too twice."""
+        return sum(a.nbytes for a in self.system.numbers) * 3 // (2 * (len(self.nodes) - 1))
+
     def numbers(self, sigma: complex, *arrays: ComplexArray) -> tuple[Any, ...]:
         """The system, σ and copies of arrays for a kernel: as real numbers where all of them are, and complex ones otherwise."""
         if sigma.imag == 0.0 and not any(a.imag.any() for a in arrays) and self.real is not None:

@@ -64,9 +64,10 @@ def test_budget_displacement_is_the_distance_of_zeros() -> None:
     from shootstab.discriminants.frame import Frame
 
     problem, other = PlanePoiseuille(), PlanePoiseuille(alpha=1 + 1e-6)
-    shooting = Frame(rtol=1e-11).on(problem)
+    discriminant = Frame(rtol=1e-11).on(problem)
     truth = st.refine(problem, guess=-1j * (0.2375 + 0.0037j), rtol=1e-11).sigma
     moved = st.refine(other, guess=truth, rtol=1e-11).sigma
+    shooting = discriminant.at(truth)
     value = shooting.with_derivative(truth)
     assert displacement(shooting.on_same_mesh(other), value) == pytest.approx(abs(moved - truth), rel=1e-4)
 

@@ -63,7 +63,7 @@ def test_the_cost_does_not_depend_on_the_distance(fig2: ChuteProblem) -> None:
     for offset in (1e-2, 1e-4, 1e-8, 1e-10, 0.0):
         shooting = Frame(rtol=1e-10).on(fig2, BELOW)
         shooting(sigma_at(fig2, PLACE + 1j * offset * SCALE))
-        steps.append(shooting.steps)
+        steps.append(shooting.at(sigma_at(fig2, PLACE + 1j * offset * SCALE)).steps)
     assert max(steps) <= 1.2 * min(steps)
 
 

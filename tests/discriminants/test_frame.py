@@ -9,6 +9,7 @@ from shootstab.core.errors import InputError
 from shootstab.core.regions import Disc, Rectangle
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.mesh import halved, redistribute, subdivide
+from shootstab.discriminants.meshing import cut_for, made_for
 from shootstab.discriminants.sampled_system import reduce_pencil, sample_system
 from shootstab.discriminants.shooting import Shooting
 from shootstab.kernels import elimination
@@ -115,13 +116,8 @@ def test_far_frame_is_carried_by_the_system(scenes: dict[str, ChuteProblem]) -> 
     problem, sigma = scenes["fig2"], 0.0017 - 0.0016j
     values = []
     for nu in (1e-5, 1e-7, 1e-9):
-        shooting = Shooting(problem, Frame(rtol=1e-12))
-        height = problem.flow.height(nu)
-        shooting._sampled_system = sample_system(problem, problem.mesh(height).astype(complex))
-        for turn in range(6):
-            errors = shooting._shoot(sigma, False)[1]
-            shooting._regrid(errors, everywhere=turn < 3)
-        values.append(shooting.with_derivative(sigma))
+        first = sample_system(problem, problem.mesh(problem.flow.height(nu)).astype(complex))
+        values.append(cut_for(Shooting(problem, Frame(rtol=1e-12), first), [sigma]).with_derivative(sigma))
     for v in values[1:]:
         assert v.D.over(values[0].D) == pytest.approx(1.0, abs=2e-10)
         assert v.logarithmic_derivative == pytest.approx(values[0].logarithmic_derivative, rel=2e-10)
@@ -163,20 +159,19 @@ def test_the_far_field_in_real_numbers_is_that_in_complex_ones(scenes: dict[str,
 def test_sigma_does_not_move_with_the_far_field_start(scenes: dict[str, ChuteProblem], name: str) -> None:
     """A factor of 100 in ν moves σ by less than 1e−11."""
     problem = scenes[name]
-    shooting = Shooting(problem, Frame(rtol=1e-13))
+    shooting = made_for(problem, Frame(rtol=1e-13), None, GUESS[name])
     sigma = newton(shooting, GUESS[name], 1e-14).sigma
-    higher = Shooting(problem, Frame(rtol=1e-13))
-    nu = float(np.exp(problem.flow.at(shooting._mesh[0].real)[0].real)) / 100
-    higher._sampled_system = sample_system(problem, problem.mesh(problem.flow.height(nu)).astype(complex))
-    for turn in range(6):
-        higher._regrid(higher._shoot(sigma, False)[1], everywhere=turn < 3)
+    nu = float(np.exp(problem.flow.at(shooting.sampled.nodes[0].real)[0].real)) / 100
+    first = sample_system(problem, problem.mesh(problem.flow.height(nu)).astype(complex))
+    higher = cut_for(Shooting(problem, Frame(rtol=1e-13), first), [sigma])
     assert newton(higher, sigma, 1e-14).sigma == pytest.approx(sigma, rel=1e-11)
 
 
 @pytest.mark.parametrize("name", ["high", "low", "fig2"])
 def test_D_is_analytic_and_its_derivative_exact(scenes: dict[str, ChuteProblem], name: str) -> None:
     """Cauchy–Riemann by differences along both axes, against dD/dσ."""
-    shooting, sigma = Frame(rtol=1e-10).on(scenes[name]), GUESS[name] * (1.2 + 0.1j)
+    sigma = GUESS[name] * (1.2 + 0.1j)
+    shooting = Frame(rtol=1e-10).on(scenes[name]).at(sigma)
     value, eps = shooting.with_derivative(sigma), 1e-4 * abs(sigma)
     for direction in (eps, 1j * eps):
         ahead, behind = shooting(sigma + direction), shooting(sigma - direction)

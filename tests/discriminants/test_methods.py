@@ -128,7 +128,8 @@ def test_the_ratio_of_two_has_neither_zeros_nor_poles(problems: dict[str, Proble
 @pytest.mark.parametrize("name", ["high", "low", "K=1e-6", "T=0.03", "poiseuille"])
 def test_D_is_analytic_and_its_derivative_exact(problems: dict[str, Problem], name: str, method: st.Compound | st.Riccati) -> None:
     """Cauchy–Riemann by differences along both axes, against dD/dσ."""
-    shooting, sigma = method.on(problems[name]), GUESS[name] * (1.2 + 0.1j)
+    sigma = GUESS[name] * (1.2 + 0.1j)
+    shooting = method.on(problems[name]).at(sigma)
     value, eps = shooting.with_derivative(sigma), 1e-4 * abs(sigma)
     for direction in (eps, 1j * eps):
         ahead, behind = shooting(sigma + direction), shooting(sigma - direction)
@@ -140,8 +141,8 @@ def test_D_is_analytic_and_its_derivative_exact(problems: dict[str, Problem], na
 def test_another_basis_rounds_otherwise_and_is_the_same(problems: dict[str, Problem], method: st.Compound | st.Riccati) -> None:
     """The samples of rounding: small, and no two alike where the first frame does not consist of zeros and ones."""
     for name in ("high", "poiseuille"):
-        shooting: MeshedDiscriminant = method.on(problems[name])
         sigma = GUESS[name] * 1.1
+        shooting: MeshedDiscriminant = method.on(problems[name]).at(sigma)
         value = shooting(sigma)
         ratios = [shooting.with_rotated_basis(seed)(sigma).over(value) - 1 for seed in (1, 2, 3)]
         assert all(abs(r) < 1e-10 for r in ratios)

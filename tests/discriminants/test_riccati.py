@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from sampled import constant, spoilt
 
 from shootstab.core.discriminant import Value
+from shootstab.discriminants.method import Propagator
 from shootstab.discriminants.riccati import Charted, Riccati
 from shootstab.discriminants.sampled_system import SampledSystem
 from shootstab.discriminants.shooting import Shooting
@@ -31,10 +32,14 @@ def constant_table(A: np.ndarray, dA: np.ndarray, length: complex, steps: int) -
 
 
 def propagate(
-    table: SampledSystem, sigma: complex, Y: np.ndarray, W: np.ndarray, method: Charted | None = None
+    table: SampledSystem, sigma: complex, Y: np.ndarray, W: np.ndarray, method: Propagator | None = None
 ) -> tuple[Value, np.ndarray]:
-    far = FarFrame(Y.astype(complex), np.zeros(Y.shape, complex), 0.0, 0.0)
-    return (method or Charted(1e-10)).propagate(table, (W.astype(complex), np.zeros(W.shape, complex)), far, sigma, True)
+    propagation = (method or Riccati(1e-10)).propagate(table, (W.astype(complex), np.zeros(W.shape, complex)), at_infinity(Y), sigma, True)
+    return propagation.value, propagation.errors
+
+
+def at_infinity(Y: np.ndarray) -> FarFrame:
+    return FarFrame(Y.astype(complex), np.zeros(Y.shape, complex), 0.0, 0.0)
 
 
 def number(value: Value) -> complex:
@@ -181,9 +186,8 @@ def test_in_the_same_charts_D_is_analytic_however_coarse_the_mesh() -> None:
     """Cauchy–Riemann by differences along both axes, against the slope, at points where other charts would be chosen."""
     rng = np.random.default_rng(5)  # of its own: for some matrices S grows on the way to another sigma, and the charts change
     A, dA, Y, W = (random_complex(*shape, rng=rng) for shape in ((5, 5), (5, 5), (5, 2), (2, 5)))
-    table, method, eps = constant_table(A, dA, 2.0, 8), Charted(1e-3), 1e-4
-    propagate(table, 0.1j, Y, W, method)
-    charts = method._charts
+    table, eps = constant_table(A, dA, 2.0, 8), 1e-4
+    method = Riccati(1e-3).settled(table, at_infinity(Y), 0.1j)
     for s in (0.1 + 0.2j, 0.3 - 0.1j, -0.2 + 0.1j):
 
         def log_D(sigma: complex) -> complex:
@@ -193,32 +197,31 @@ def test_in_the_same_charts_D_is_analytic_however_coarse_the_mesh() -> None:
         along = [(log_D(s + d) - log_D(s - d)) / (2 * d) for d in (eps, 1j * eps)]
         assert along[1] == pytest.approx(along[0], rel=1e-6)
         assert propagate(table, s, Y, W, method)[0].logarithmic_derivative == pytest.approx(along[0], rel=1e-6)
-        assert method._charts is charts
 
 
-def test_charts_are_taken_over_by_a_halved_mesh_and_chosen_anew_where_S_grows() -> None:
+def test_charts_serve_a_halved_mesh_and_are_not_sound_where_S_grows() -> None:
     A = np.array([[0, -1], [1, 0]], complex)
-    Y, W, method = np.array([[1.0], [0.2]]), np.array([[1.0, 0.0]]), Charted(1e-8)
-    coarse, fine, moved = (constant_table(A, A, 3.0, steps) for steps in (30, 60, 31))
-    propagate(coarse, 0j, Y, W, method)
-    charts = method._charts
-    propagate(fine, 0j, Y, W, method)
-    assert method._charts is charts
+    Y, W = np.array([[1.0], [0.2]]), np.array([[1.0, 0.0]])
+    coarse, fine = (constant_table(A, A, 3.0, steps) for steps in (30, 60))
+    method = Riccati(1e-8).settled(coarse, at_infinity(Y), 0j)
+    assert len(method.charts.z) > 0
+    assert method.settled(fine, at_infinity(Y), 0.5j) is method
+    rows = W.astype(complex), np.zeros(W.shape, complex)
+    for table in (coarse, fine):
+        propagation = method.propagate(table, rows, at_infinity(Y), 0j, True)
+        assert propagation.sound
+        assert number(propagation.value) == pytest.approx(np.cos(3.0) - 0.2 * np.sin(3.0), abs=1e-6)
     # at another sigma the pole is elsewhere: near the old change of chart S is large
-    value, _ = propagate(coarse, 0.55 + 0j, Y, W, method)
-    assert method._charts is not charts
-    assert number(value) == pytest.approx(np.cos(3 * 1.55) - 0.2 * np.sin(3 * 1.55), abs=1e-6)
-    charts = method._charts
-    propagate(moved, 0j, Y, W, method)
-    assert method._charts is not charts
+    assert not method.propagate(coarse, rows, at_infinity(Y), 0.55 + 0j, True).sound
+    anew = Riccati(1e-8).settled(coarse, at_infinity(Y), 0.55)
+    assert number(propagate(coarse, 0.55 + 0j, Y, W, anew)[0]) == pytest.approx(np.cos(3 * 1.55) - 0.2 * np.sin(3 * 1.55), abs=1e-6)
 
 
-def test_riccati_remembers_its_charts_and_leaves_the_method_alone() -> None:
+def test_riccati_settles_its_charts_with_the_mesh_and_stays_the_same() -> None:
     method = Riccati(rtol=1e-8)
-    shooting = method.on(PlanePoiseuille())
+    shooting = method.on(PlanePoiseuille()).at(-0.2375j)
     assert isinstance(shooting, Shooting)
-    assert isinstance(shooting.method, Charted)
-    shooting(-0.2375j)
+    assert isinstance(shooting.propagator, Charted)
     assert method == Riccati(rtol=1e-8)
     assert shooting.refined()(-0.2375j).over(shooting(-0.2375j)) == pytest.approx(1.0, abs=1e-6)
 

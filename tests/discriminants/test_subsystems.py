@@ -10,8 +10,9 @@ import pytest
 from shootstab.core.errors import InputError
 from shootstab.discriminants.compound import Compound
 from shootstab.discriminants.frame import Frame
+from shootstab.discriminants.meshing import made_for
 from shootstab.discriminants.product import Product
-from shootstab.discriminants.riccati import Charted, Riccati
+from shootstab.discriminants.riccati import Riccati
 from shootstab.discriminants.shooting import Shooting
 from shootstab.discriminants.subsystems import decouple
 from shootstab.models.chute import ChuteProblem
@@ -40,9 +41,8 @@ def test_the_chute_falls_apart_without_spanwise_wave_and_is_real_without_downslo
 @pytest.mark.parametrize("method", [Frame(rtol=1e-11), Compound(rtol=1e-11), Riccati(rtol=1e-11)], ids=lambda m: m.name)
 def test_D_of_the_parts_is_D_of_the_whole(scenes: dict[str, ChuteProblem], name: str, method) -> None:
     problem, sigma = scenes[name], SIGMA[name]
-    whole = Shooting(problem, Charted(1e-11) if method.name == "riccati" else method)
-    product = method.on(problem)
-    assert isinstance(product, Product)
+    whole, product = made_for(problem, method, None, sigma), method.on(problem)
+    assert isinstance(product.at(sigma), Product)
     for s in (sigma, sigma * (1 + 0.3j)):
         a, b = product.with_derivative(s), whole.with_derivative(s)
         assert a.D.over(b.D) == pytest.approx(1.0, abs=1e-7)
@@ -105,7 +105,7 @@ class Chains:
 
 def test_parts_of_a_shuffled_problem_keep_the_sign_of_D() -> None:
     problem = Chains()
-    product, whole = Frame(rtol=1e-11).on(problem), Shooting(problem, Frame(rtol=1e-11))
+    product, whole = Frame(rtol=1e-11).on(problem), made_for(problem, Frame(rtol=1e-11), None, 3.0)
     parts = decouple(problem)
     assert parts is not None
     assert len(parts.members) == 2
@@ -127,13 +127,13 @@ def test_a_discriminant_moves_to_a_neighbouring_problem_with_its_mesh(scenes: di
     here(0.004)
     for kx, ky in ((0.0, 0.0103), (1e-4, 0.0103)):
         there = ChuteProblem(flow, kx, ky)
-        moved, fresh = here.warm_started(there), Frame(rtol=1e-10).on(there)
-        assert moved.steps == here.steps > fresh.steps == 0
+        moved, fresh = Frame(rtol=1e-10).on(there, begin=here.meshes), Frame(rtol=1e-10).on(there)
         for sigma in (0.004, 0.004 - 0.001j, 1e-6 - 1e-3j, 0.3 + 0.2j):
             assert moved(sigma).over(fresh(sigma)) == pytest.approx(1.0, abs=1e-8)
     # without spanwise wave it is in parts, with one it is not: the parts do not serve
     apart = Frame(rtol=1e-10).on(ChuteProblem(flow, 5e-4, 0.0))
     apart(0.002)
     oblique = ChuteProblem(flow, 5e-4, 0.002)
-    assert isinstance(apart.warm_started(oblique), Shooting)
-    assert apart.warm_started(oblique)(0.002).over(Frame(rtol=1e-10).on(oblique)(0.002)) == pytest.approx(1.0, abs=1e-8)
+    moved = Frame(rtol=1e-10).on(oblique, begin=apart.meshes)
+    assert isinstance(moved.at(0.002), Shooting)
+    assert moved(0.002).over(Frame(rtol=1e-10).on(oblique)(0.002)) == pytest.approx(1.0, abs=1e-8)

@@ -14,7 +14,6 @@ from shootstab.analyses.unstable import LAW, OUTWARDS, HalfDisc, bound, departur
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.discriminants.continuation import Continuation
 from shootstab.discriminants.frame import Frame
-from shootstab.discriminants.method import MeshedDiscriminant
 from shootstab.problems.protocol import Problem
 from shootstab.roots.search import Zero
 
@@ -27,18 +26,6 @@ COUNTING = Frame(rtol=1e-6)  # a phase needs few digits
 TRUNCATIONS = (40, 64)  # of the pseudospectral spectra that suggest modes
 SUGGESTED = 12
 SAME = 1e-5
-
-
-class WarmStartedContinuation(Continuation):
-    """An continuation whose branches on the real axis begin with the meshes of a neighbouring problem's."""
-
-    def __init__(self, problem: Problem, before: Continuation | None = None) -> None:
-        super().__init__(problem, COUNTING)
-        self._begin = {} if before is None else dict(before._real)
-
-    def _on_the_real_axis(self, size: int) -> MeshedDiscriminant:
-        before = self._begin.pop(size, None)
-        return super()._on_the_real_axis(size) if before is None else before.warm_started(self.problem)
 
 
 @dataclass(frozen=True)
@@ -58,7 +45,7 @@ def count_dominant(problem: Problem, known: Sequence[complex], floor: float, bef
     The count is made first with the known ones. If there are more, pseudospectral spectra suggest where they are, and at last the half-disc
     is divided. Raises ConvergenceError where the count cannot be made or not all modes are found.
     """
-    continuation = WarmStartedContinuation(problem, None if before is None else before.continuation)
+    continuation = Continuation(problem, COUNTING, None if before is None else before.continuation.on_the_axis.meshes)
     modes = _distinct(known)
     if before is None or not modes:
         modes = _distinct([*modes, *_suggested(continuation, TRUNCATIONS[0])])
@@ -89,10 +76,10 @@ def lowest_floor(continuation: Continuation, floor: float) -> float:
 def _radius(continuation: Continuation, before: DominantModes | None) -> float:
     """A radius beyond which D follows its law of growth: that of the neighbour if it holds here too."""
     if before is not None:
-        discriminants = (continuation.at(before.radius * r).discriminant for r in OUTWARDS)
-        if all(departure_from_law(d, before.radius * r) < LAW for d, r in zip(discriminants, OUTWARDS, strict=True)):
+        D = continuation.on_the_axis
+        if all(departure_from_law(D, before.radius * r) < LAW for r in OUTWARDS):
             return before.radius
-    return bound(continuation.method.on(continuation.problem))[0]
+    return bound(continuation.on_the_axis)[0]
 
 
 def _counted(continuation: Continuation, radius: float, floor: float) -> tuple[int, float, int]:
@@ -113,7 +100,7 @@ def _counted(continuation: Continuation, radius: float, floor: float) -> tuple[i
 
 def suggested(problem: Problem) -> list[complex]:
     """Growing zeros of D next to eigenvalues of a coarse pseudospectral discretization, the fastest first: there may be others."""
-    return _suggested(WarmStartedContinuation(problem), TRUNCATIONS[0])
+    return _suggested(Continuation(problem, COUNTING), TRUNCATIONS[0])
 
 
 def _suggested(continuation: Continuation, truncation: int) -> list[complex]:
@@ -126,7 +113,7 @@ def _suggested(continuation: Continuation, truncation: int) -> list[complex]:
     landed = []
     for guess in growing:
         try:
-            landed.append(land(continuation.at(complex(guess)).discriminant, complex(guess)))
+            landed.append(land(continuation.along(complex(guess))[0], complex(guess)))
         except ConvergenceError:
             continue
     return [s for s in landed if s is not None]

@@ -19,7 +19,7 @@ from shootstab.analyses.sweep.grid import Line
 from shootstab.analyses.sweep.outcomes import FOLLOWED, NONE_GROWS, PROVED, UNRESOLVED, Outcome
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.discriminants.frame import Frame
-from shootstab.discriminants.method import MeshedDiscriminant
+from shootstab.discriminants.method import AdaptiveDiscriminant
 from shootstab.problems.capabilities import Family
 from shootstab.problems.protocol import Problem
 
@@ -90,8 +90,8 @@ class _Walk:
         self._followed: dict[int, FollowedMode] = {}
         self._made = 0
         self._problems: dict[float, Problem] = {}
-        self._kept: dict[float, MeshedDiscriminant] = {}
-        self._mesh: MeshedDiscriminant | None = None  # the last discriminant: its mesh is the next one's first
+        self._kept: dict[float, AdaptiveDiscriminant] = {}
+        self._latest: AdaptiveDiscriminant | None = None  # its meshes are those that the next one begins with
         self._dominant: DominantModes | None = None
 
     def outcomes(self) -> list[Outcome]:
@@ -164,12 +164,12 @@ class _Walk:
             self._problems[place] = self._family.problem(self._line.values(place))
         return self._problems[place]
 
-    def _at(self, place: float) -> MeshedDiscriminant:
-        """D at a place on the line, which begins with the mesh of the last one."""
+    def _at(self, place: float) -> AdaptiveDiscriminant:
+        """D at a place on the line, which begins with the meshes of the last one."""
         if place not in self._kept:
             problem = self._problem(place)
-            new = self._method.on(problem) if self._mesh is None else self._mesh.warm_started(problem)
-            self._kept[place] = self._mesh = new
+            self._latest = self._method.on(problem, begin=None if self._latest is None else self._latest.meshes)
+            self._kept[place] = self._latest
         return self._kept[place]
 
     def _forget(self, here: int) -> None:
@@ -186,17 +186,15 @@ class _Walk:
         if not place.modes:
             return Outcome(status, proved, floor=place.floor, evaluations=place.evaluations)
         sigma = max(place.modes.values(), key=lambda s: (s.real, s.imag))
-        coarse = self._at(float(i))
+        here = self._at(float(i))
         try:
-            if coarse.evaluations == 0:
-                coarse(sigma)
-            fine = coarse.refined()
+            fine = here.at(sigma).refined()
             step = fine.with_derivative(sigma).newton_step
             sigma += step
             rest = abs(fine.with_derivative(sigma).newton_step) if abs(step) > 1e-3 * self._rtol * abs(sigma) else 0.0
         except ConvergenceError as error:
             return Outcome(f"{UNRESOLVED}: {error}", floor=place.floor)
-        spent = coarse.evaluations + fine.evaluations + place.evaluations
+        spent = here.evaluations + fine.evaluations + place.evaluations
         return Outcome(status, proved, sigma, abs(step) / HALVING + rest, place.floor, spent)
 
     def _status(self, place: Place, anchors: Sequence[Place]) -> tuple[str, bool]:

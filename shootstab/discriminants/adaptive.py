@@ -1,0 +1,176 @@
+"""D(σ) of a problem, every σ on the mesh that its cells give it: a function of σ, whatever was asked before."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Sequence
+
+from shootstab.core.discriminant import Value
+from shootstab.core.errors import ConvergenceError
+from shootstab.core.regions import Disc
+from shootstab.core.scaled import Scaled
+from shootstab.discriminants.cells import Cell
+from shootstab.discriminants.deformed_path import DeformedPath
+from shootstab.discriminants.meshing import cut_for, made_for
+from shootstab.discriminants.method import Meshes, Propagator
+from shootstab.discriminants.product import Product
+from shootstab.discriminants.sampled_system import sample_system
+from shootstab.discriminants.shooting import Shooting
+from shootstab.discriminants.subsystems import decouple
+from shootstab.problems.protocol import ComplexArray, Problem
+
+LEVELS = 4  # of cells: what a cell of 2.6 % in |σ| and 1.5° does not serve has a mesh of its own
+AROUND = 4  # points of a circle at which its mesh must hold: those at which a count samples it first
+MOST_MESHES = 64  # kept at a time; those that were asked for longest ago are made again if they are needed
+
+
+Key = Cell | None | complex  # of a mesh: the cell that it serves, what a path is meant for, or a σ of its own
+
+
+class SubsystemMeshes:
+    """The meshes of one subsystem, or of the whole if it does not fall into several."""
+
+    def __init__(
+        self,
+        problem: Problem,
+        propagator: Propagator,
+        path: DeformedPath | None,
+        centre: complex | None,
+        begin: dict[Cell | None, ComplexArray],
+    ) -> None:
+        self.problem, self.propagator, self.path, self._centre, self._begin = problem, propagator, path, centre, begin
+        self._kept: OrderedDict[Key, Shooting | ConvergenceError] = OrderedDict()
+        self._spent = 0
+
+    def at(self, sigma: complex, tangent: bool) -> Shooting:
+        """On the mesh of the largest cell that serves σ, or on one made for σ. Raises ConvergenceError where none can be made."""
+        coarser: Shooting | None = None
+        for key in self._cells(sigma):
+            made = self._made(key, coarser)
+            if isinstance(made, Shooting) and made is not coarser:
+                if _serves(made, sigma, tangent):
+                    return made
+                coarser = made
+        own = self._made(sigma, coarser)
+        if isinstance(own, ConvergenceError):
+            raise own
+        return own
+
+    def around(self, disc: Disc) -> Shooting:
+        """On the mesh that serves the middle of a disc, cut further where a point of its rim asks for it."""
+        rim = [disc.boundary(k / AROUND) for k in range(AROUND)]
+        return cut_for(self.at(disc.centre, True), rim)
+
+    @property
+    def evaluations(self) -> int:
+        """How often D was computed on the meshes that are kept or were."""
+        return self._spent + sum(made.evaluations for made in self._kept.values() if isinstance(made, Shooting))
+
+    @property
+    def nodes(self) -> dict[Cell | None, ComplexArray]:
+        """The nodes of the cells that are known by now."""
+        return {key: made.sampled.nodes for key, made in self._kept.items() if isinstance(made, Shooting) and not isinstance(key, complex)}
+
+    def _cells(self, sigma: complex) -> list[Cell | None]:
+        """From the largest cell to the smallest; along a path, what it is meant for in place of the largest ones."""
+        cells = [Cell.of(sigma, LEVELS - 1)]
+        while cells[-1].level > 0:
+            cells.append(cells[-1].larger)
+        return [*reversed(cells)] if self._centre is None else [None, *reversed(cells[: LEVELS // 2])]
+
+    def _made(self, key: Key, coarser: Shooting | None) -> Shooting | ConvergenceError:
+        """The mesh of a cell, cut from that of the cell that it lies in; what stood in the way where none can be made for the cell's σ."""
+        if key not in self._kept:
+            self._kept[key] = self._make(key, coarser)
+            if len(self._kept) > MOST_MESHES:
+                _, dropped = self._kept.popitem(last=False)
+                self._spent += dropped.evaluations if isinstance(dropped, Shooting) else 0
+        self._kept.move_to_end(key)
+        return self._kept[key]
+
+    def _make(self, key: Key, coarser: Shooting | None) -> Shooting | ConvergenceError:
+        anchor = self._centre if key is None else key.anchor if isinstance(key, Cell) else key
+        assert anchor is not None
+        begin = None if coarser is None else coarser.sampled
+        if begin is None and not isinstance(key, complex) and key in self._begin:
+            begin = sample_system(self.problem, self._begin[key])
+        if coarser is not None and _serves(coarser, anchor, False):
+            return coarser
+        try:
+            return made_for(self.problem, self.propagator, self.path, anchor, begin)
+        except ConvergenceError as error:
+            return error
+
+
+def _serves(made: Shooting, sigma: complex, tangent: bool) -> bool:
+    """Whether a mesh serves σ; one whose far end knows no frame for σ does not."""
+    try:
+        return made.serves(sigma, tangent)
+    except ConvergenceError:
+        return False
+
+
+class Adaptive:
+    """D(σ) = factor · Π D_i(σ) over the subsystems, each on the mesh that σ's cells give it.
+
+    The meshes that are kept change how long an answer takes, and no answer.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        propagator: Propagator,
+        path: DeformedPath | None = None,
+        centre: complex | None = None,
+        begin: Meshes | None = None,
+    ) -> None:
+        self.problem, self.path = problem, path
+        self._decoupling = decouple(problem)
+        parts: Sequence[Problem] = (problem,) if self._decoupling is None else self._decoupling.members
+        self._members = tuple(
+            SubsystemMeshes(part, propagator, path, centre, _of_member(begin, i, len(parts))) for i, part in enumerate(parts)
+        )
+        self._products: OrderedDict[tuple[int, ...], Product] = OrderedDict()
+
+    def at(self, sigma: complex, tangent: bool = True) -> Shooting | Product:
+        """D on the mesh that serves σ. Raises ConvergenceError where none is found."""
+        sigma = complex(sigma)
+        return self._together(tuple(member.at(sigma, tangent) for member in self._members))
+
+    def around(self, centre: complex, radius: float) -> Shooting | Product:
+        """D on one mesh that serves the circle. Raises ConvergenceError where none is found."""
+        disc = Disc(complex(centre), radius)
+        return self._together(tuple(member.around(disc) for member in self._members))
+
+    def __call__(self, sigma: complex) -> Scaled:
+        return self.at(sigma, False)(sigma)
+
+    def with_derivative(self, sigma: complex) -> Value:
+        return self.at(sigma).with_derivative(sigma)
+
+    @property
+    def evaluations(self) -> int:
+        """How often D was computed, on all meshes and for them; of the subsystem that needed it most often."""
+        return max(member.evaluations for member in self._members)
+
+    @property
+    def meshes(self) -> Meshes:
+        """The nodes of the cells that are known by now, one array for every subsystem."""
+        nodes = [member.nodes for member in self._members]
+        return {cell: tuple(n[cell] for n in nodes) for cell in nodes[0] if all(cell in n for n in nodes)}
+
+    def _together(self, members: tuple[Shooting, ...]) -> Shooting | Product:
+        """The members as one discriminant, the same object for the same meshes."""
+        if self._decoupling is None:
+            return members[0]
+        key = tuple(map(id, members))
+        if key not in self._products:
+            self._products[key] = Product(self._decoupling, members)
+            if len(self._products) > MOST_MESHES:
+                self._products.popitem(last=False)
+        return self._products[key]
+
+
+def _of_member(begin: Meshes | None, place: int, count: int) -> dict[Cell | None, ComplexArray]:
+    """The meshes of one subsystem, of a problem that falls into as many."""
+    return {cell: nodes[place] for cell, nodes in (begin or {}).items() if len(nodes) == count}

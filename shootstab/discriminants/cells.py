@@ -1,0 +1,45 @@
+"""Cells of the σ-plane, and the σ of each for which its mesh is made.
+
+At level ℓ a cell is an interval of ln|σ| of length ln 2/3^ℓ times a sector of 40°/3^ℓ; it falls into nine of the next level. The mesh that
+serves a σ follows from the cells that σ lies in and from nothing else, so that D(σ) does not depend on what was asked before.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+
+OCTAVE = 1.0371  # chosen: the cells of level 0 end at |σ| = OCTAVE·2^i, numbers that no mode is likely to be
+SECTOR = math.radians(40.0)  # chosen: sector 0 holds the positive real axis in its middle, and no sector has ±i in its own
+PARTS = 3  # along |σ| and along arg σ; odd, so that the middle of a cell is the middle of one of its parts
+SMALLEST = -80  # |σ| below 2^−80 counts as so large: σ = 0 lies in a cell too
+
+
+@dataclass(frozen=True)
+class Cell:
+    """The σ with OCTAVE·2^(size/3^level) ≤ |σ| < OCTAVE·2^((size+1)/3^level), in the sector around the angle sector·40°/3^level."""
+
+    level: int
+    size: int
+    sector: int
+
+    @classmethod
+    def of(cls, sigma: complex, level: int) -> Cell:
+        """The cell of this level that σ lies in."""
+        fine = PARTS**level
+        octaves = math.log2(abs(sigma) / OCTAVE) if sigma != 0 else -math.inf
+        size = max(math.floor(octaves * fine) if math.isfinite(octaves) else SMALLEST * fine, SMALLEST * fine)
+        return cls(level, size, math.ceil(cmath.phase(sigma) * fine / SECTOR - 0.5))
+
+    @property
+    def larger(self) -> Cell:
+        """The cell of the level above that it lies in."""
+        return Cell(self.level - 1, self.size // PARTS, (self.sector + PARTS // 2) // PARTS)
+
+    @property
+    def anchor(self) -> complex:
+        """The σ that the mesh is made for: the largest of the cell, in the middle of its sector. Large σ need short steps."""
+        fine = PARTS**self.level
+        size = OCTAVE * 2.0 ** ((self.size + 1) / fine)
+        return cmath.rect(size, self.sector * SECTOR / fine) if self.sector else complex(size)

@@ -1,0 +1,139 @@
+"""A mesh on which the local errors hold for one σ, or for several."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.core.errors import ConvergenceError
+from shootstab.discriminants.deformed_path import DeformedPath
+from shootstab.discriminants.mesh import redistribute, subdivide
+from shootstab.discriminants.method import Propagator
+from shootstab.discriminants.sampled_system import SampledSystem, resample, sample_system
+from shootstab.discriminants.shooting import SLACK, Shooting, far_tolerance
+from shootstab.problems.protocol import ComplexArray, Problem
+
+LIMIT = 2**30 // 6  # bytes of a sampled system: with the halved mesh (2), its other cuts (2) and another base flow (1) 1 GiB in all
+TURNS = 30  # attempts at a mesh
+REDISTRIBUTIONS = 3  # of them, those that move every node
+SAME_PLACE = 1e-9  # of the length of the path: nodes nearer to each other than this are one
+SHORTEST = 1e-12  # of the length of the path: shorter steps mean that none is short enough
+SMALL_DETERMINANT = 1e-5  # least of the largest singular value of C below which a place is called singular
+RESOLVED = 1e-3  # local errors below this fall with the step, unless the coefficients are not smooth
+NOISY_ORDER = 3  # errors of parts of a step that fall with a lower power of it all over the step tell of noise
+NOISY_STEPS = 16  # chosen: so many such steps are no accident
+
+Regrid = Callable[[ComplexArray, NDArray[np.float64], float], ComplexArray]
+
+
+def made_for(
+    problem: Problem, propagator: Propagator, path: DeformedPath | None, sigma: complex, begin: SampledSystem | None = None
+) -> Shooting:
+    """D on a mesh on which the local errors hold at σ: cut from the mesh to begin with, or spread from the problem's own first mesh.
+
+    Raises ConvergenceError where no mesh is found.
+    """
+    start = problem.start(sigma, far_tolerance(propagator.rtol))
+    if begin is None:
+        straight = problem.mesh(start)
+        sampled = sample_system(problem, straight.astype(np.complex128) if path is None else path.deform(straight))
+        regrids: tuple[Regrid, ...] = (redistribute,) * REDISTRIBUTIONS
+    else:
+        sampled, regrids = _begun_at(problem, begin, start), ()
+    before: Shooting | None = None
+    for turn in range(TURNS):
+        shooting = Shooting(problem, propagator, sampled)
+        errors = shooting.propagated(sigma, False).errors
+        if turn >= len(regrids):
+            if (errors <= propagator.rtol).all():
+                return _settled(shooting, sigma)
+            if before is not None:
+                _require_smooth(before, shooting, sigma)
+            before = shooting
+        sampled = _regridded(shooting, errors, regrids[turn] if turn < len(regrids) else subdivide, sigma)
+    raise ConvergenceError(
+        f"no mesh holds local errors of {propagator.rtol:.1e} at sigma = {sigma:.6g}: {_trouble(shooting, errors, sigma)}"
+    )
+
+
+def cut_for(shooting: Shooting, sigmas: list[complex]) -> Shooting:
+    """The same on a mesh cut further until the local errors hold at every σ. Raises ConvergenceError where that does not help."""
+    for _ in range(TURNS):
+        propagations = [shooting.propagated(sigma, True) for sigma in sigmas]
+        for sigma, propagation in zip(sigmas, propagations, strict=True):
+            if not propagation.sound:
+                raise ConvergenceError(f"the charts that suit the middle of a circle do not serve sigma = {sigma:.6g} on it")
+        errors = np.max([propagation.errors for propagation in propagations], axis=0)
+        if (errors <= SLACK * shooting.propagator.rtol).all():
+            return shooting
+        sampled = _regridded(shooting, errors, subdivide, sigmas[0])
+        shooting = Shooting(shooting.problem, shooting.propagator, sampled)
+    raise ConvergenceError(f"local errors of {shooting.propagator.rtol:.1e} cannot be held around sigma = {sigmas[0]:.6g}")
+
+
+def _settled(shooting: Shooting, sigma: complex) -> Shooting:
+    sampled = shooting.sampled
+    far = shooting.problem.far_frame(float(sampled.nodes[0].real), sigma)
+    propagator = shooting.propagator.settled(sampled, far, sigma)
+    return shooting if propagator is shooting.propagator else Shooting(shooting.problem, propagator, sampled)
+
+
+def _begun_at(problem: Problem, known: SampledSystem, start: float) -> SampledSystem:
+    """The same mesh, begun farther out if the far frame asks for it."""
+    nodes = known.nodes
+    outwards = nodes[0].real - nodes[-1].real
+    if (start - nodes[0].real) * outwards <= SAME_PLACE * outwards**2:
+        return known
+    straight = problem.mesh(start)
+    beyond = straight[(straight - nodes[0].real) * outwards > SAME_PLACE * outwards**2]
+    return resample(problem, np.concatenate((beyond, nodes)), known)
+
+
+def _regridded(shooting: Shooting, errors: NDArray[np.float64], regrid: Regrid, sigma: complex) -> SampledSystem:
+    """The problem on the next mesh. Raises ConvergenceError where that is too large, or a step of it too short to be one."""
+    known = shooting.sampled
+    nodes = regrid(known.nodes, errors, shooting.propagator.rtol)
+    most = int(LIMIT / max(known.bytes_of_a_step, 1))
+    if len(nodes) > most:
+        why = _trouble(shooting, errors, sigma)
+        raise ConvergenceError(f"the mesh for sigma = {sigma:.6g} would need more than the {most} steps that memory allows: {why}")
+    lengths = np.abs(np.diff(nodes))
+    if lengths.min() < SHORTEST * lengths.sum():
+        raise ConvergenceError(f"no step is short enough at sigma = {sigma:.6g}: {_trouble(shooting, errors, sigma)}")
+    return resample(shooting.problem, nodes, known)
+
+
+def _require_smooth(before: Shooting, after: Shooting, sigma: complex) -> None:
+    """Raise ConvergenceError where steps that were cut err as much as their sum did, in all of their parts: coefficients are noisy.
+
+    At a jump or a kink one part errs; the others fall with the order of the method.
+    """
+    first = np.flatnonzero(np.isin(after.sampled.nodes[:-1], before.sampled.nodes[:-1]))
+    old = before.propagated(sigma, False).errors
+    if len(first) != len(old):
+        return
+    parts = np.diff(np.append(first, after.steps))
+    least = np.minimum.reduceat(after.propagated(sigma, False).errors, first)
+    noisy = (parts > 1) & (old < RESOLVED) & (least > after.propagator.rtol) & (least > old / parts**NOISY_ORDER)
+    if np.count_nonzero(noisy) >= NOISY_STEPS:
+        z = before.sampled.nodes[:-1][noisy].real
+        error = float(least[noisy].max())
+        raise ConvergenceError(
+            f"between z = {z.min():.6g} and {z.max():.6g} local errors of {error:.1e} do not fall with the step: the coefficients are "
+            "noisy there, and allow no tolerance below that"
+        )
+
+
+def _trouble(shooting: Shooting, errors: NDArray[np.float64], sigma: complex) -> str:
+    """What stands in the way where the local errors are largest: C is singular there, or the solution is too steep."""
+    bad = np.flatnonzero(~np.isfinite(errors))
+    worst = int(bad[0]) if len(bad) else int(errors.argmax())
+    z = shooting.sampled.nodes[worst : worst + 2].mean()
+    pencil = shooting.problem.pencil(np.array([z]))
+    singular = np.linalg.svd(pencil.C0[0] + sigma * pencil.C1[0], compute_uv=False)
+    where = f"{z.real:.6g}" if z.imag == 0.0 else f"{z:.6g}"
+    if singular[-1] < SMALL_DETERMINANT * singular[0]:
+        return f"C0 + sigma C1 is singular next to z = {where}"
+    return f"solutions or coefficients vary too fast next to z = {where}"

@@ -1,0 +1,98 @@
+"""D(σ) is a function of σ: nothing that was asked before changes it."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+import shootstab as st
+from shootstab.core.errors import InputError
+from shootstab.discriminants.cells import PARTS, Cell
+from shootstab.discriminants.continuation import Continuation
+from shootstab.models.gallery.poiseuille import PlanePoiseuille
+from shootstab.problems.protocol import Problem
+
+METHODS = st.Frame(rtol=1e-9), st.Compound(rtol=1e-9), st.Riccati(rtol=1e-9)
+ELSEWHERE = (0.02 + 0.3j, -3.0 + 0.5j, 70.0 - 20j, 1e-5j, 2000.0, -0.3 + 1e-3j)
+
+
+def orr_sommerfeld() -> Problem:
+    return PlanePoiseuille(reynolds=2000.0)
+
+
+def well() -> Problem:
+    return st.gallery.poeschl_teller(2.5)
+
+
+@pytest.mark.parametrize("make", [orr_sommerfeld, well])
+@pytest.mark.parametrize("method", METHODS, ids=lambda m: m.name)
+def test_D_at_one_sigma_is_unaffected_by_evaluations_elsewhere(make, method) -> None:
+    problem, sigma = make(), 0.05 - 0.3j
+    alone, after = method.on(problem), method.on(problem)
+    for other in ELSEWHERE:
+        after.with_derivative(other)
+    after.around(sigma, 0.02)
+    for D in (alone, after):
+        D(sigma)
+    assert alone(sigma) == after(sigma)
+    assert alone.with_derivative(sigma) == after.with_derivative(sigma)
+    assert alone.at(sigma).refined()(sigma) == after.at(sigma).refined()(sigma)
+
+
+def test_the_paths_around_a_continuous_spectrum_do_not_depend_on_the_order_of_questions(scenes) -> None:
+    problem = scenes["fig2"]
+    curve = [complex(problem.continuum_at(np.array([z + 0j]))[0]) for z in (5.0, 9.0, 15.0, 15.6, 30.0)]
+    near = [s * (1 + 1e-3) for s in curve]
+    forth, back = (Continuation(problem, st.Frame(rtol=1e-9)) for _ in range(2))
+    values = {s: forth.at(s).discriminant.with_derivative(s) for s in near}
+    assert {s: back.at(s).discriminant.with_derivative(s) for s in reversed(near)} == values
+    assert len({forth.at(s).path for s in near}) > 2
+
+
+def test_a_mesh_around_a_circle_makes_D_one_function_there() -> None:
+    """Cauchy's formula to rounding, over cells whose meshes differ by the error of integration."""
+    centre, radius = 1.0371 * 2.0 - 0.0j, 0.4  # on the border of two cells
+    discriminant = st.Frame(rtol=1e-6).on(orr_sommerfeld()).around(centre, radius)
+    middle = discriminant(centre)
+    rim = [discriminant(centre + radius * np.exp(2j * np.pi * k / 64)).at_scale(middle.log_scale) for k in range(64)]
+    assert np.mean(rim) == pytest.approx(middle.mantissa, rel=1e-11)
+
+
+def test_claims_shuffled_split_or_alone_have_the_same_verdicts_bit_for_bit() -> None:
+    problem = well()  # modes at 25/4, 9/4, 1/4 less than the continuum's edge
+    found = [m.sigma for m in st.find(problem, st.Rectangle(0.05 - 0.5j, 7 + 0.5j)).modes]
+    claims = [*found, found[0] * (1 + 1e-4), 3.3 + 0.2j, found[1] * (1 + 1e-3j)]
+
+    def verdicts(some: list[complex]) -> dict[complex, tuple]:
+        return {v.claimed: (v.verdict, v.sigma, v.error) for v in st.verify(problem, some).verdicts}
+
+    together = verdicts(claims)
+    assert {v for v, _, _ in together.values()} >= {"confirmed", "spurious"}
+    shuffled = [claims[i] for i in np.random.default_rng(4).permutation(len(claims))]
+    assert verdicts(shuffled) == together
+    apart = verdicts(claims[:2]) | verdicts(claims[2:3]) | {c: v for claim in claims[4:5] for c, v in verdicts([claim]).items()}
+    assert all(together[claim] == verdict for claim, verdict in apart.items())
+
+
+def test_cells_are_nested_and_their_anchors_lie_in_their_closure() -> None:
+    rng = np.random.default_rng(7)
+    sigmas = [*(10.0 ** rng.uniform(-6, 6, 200) * np.exp(1j * rng.uniform(-np.pi, np.pi, 200))), -3.0, 2j, -2j, 5.0, 1e-300, 0.0]
+    for sigma in map(complex, sigmas):
+        cells = [Cell.of(sigma, level) for level in range(4)]
+        for large, small in itertools.pairwise(cells):
+            assert small.larger == large
+        if abs(sigma) > 1e-20:
+            for cell in cells:
+                width = np.radians(40.0) / PARTS**cell.level
+                turn = np.angle(sigma / cell.anchor)
+                assert 1.0 <= abs(cell.anchor) / abs(sigma) * (1 + 1e-12) <= 2.0 ** (1 / PARTS**cell.level) * (1 + 1e-12)
+                assert abs(turn) <= 0.5 * width * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("method", [st.Frame, st.Compound, st.Riccati])
+@pytest.mark.parametrize("rtol", [0.0, -1.0, float("inf"), float("nan"), 1e-17, 2.0, "1e-9"])
+def test_a_tolerance_that_no_step_can_hold_is_refused(method, rtol) -> None:
+    with pytest.raises(InputError, match="allowed is a number from"):
+        method(rtol=rtol)
