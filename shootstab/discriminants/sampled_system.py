@@ -25,6 +25,8 @@ from shootstab.kernels.tableau import STAGES
 from shootstab.kernels.tableau import C as ABSCISSAE
 from shootstab.problems.protocol import ComplexArray, Pencil, Problem
 
+LARGE = 1e8  # chosen: entries of V beyond which unit vectors complete C badly; half the digits of a double are lost there
+
 
 @dataclass(frozen=True, eq=False)
 class SampledSystem:
@@ -51,7 +53,7 @@ class SampledSystem:
 
 
 def sample_system(problem: Problem, nodes: NDArray[np.complexfloating]) -> SampledSystem:
-    """The sampled of a problem on a mesh.
+    """A problem sampled on a mesh with nodes (N+1,).
 
     Raises InputError where the pencil is of the wrong shape, not finite, or of deficient rank.
     """
@@ -60,7 +62,7 @@ def sample_system(problem: Problem, nodes: NDArray[np.complexfloating]) -> Sampl
 
 
 def resample(problem: Problem, nodes: NDArray[np.complexfloating], known: SampledSystem) -> SampledSystem:
-    """The same as `sample_system`, where the problem is known on another mesh of the same path: the steps that both have are copied."""
+    """The same as `sample_system`, where the problem has been sampled on another mesh of the same path: the steps that both have are copied."""
     at: ComplexArray = np.asarray(nodes, dtype=np.complex128)
     places = {step: i for i, step in enumerate(pairwise(known.nodes.tolist()))}
     old = np.array([places.get(step, -1) for step in pairwise(at.tolist())])
@@ -122,22 +124,39 @@ def reduce_pencil(pencil: Pencil, n: int) -> tuple[ComplexArray, ComplexArray, C
         none = np.zeros((p, n, 0), dtype=np.complex128)
         return np.stack((D0, D1), 1), none, np.zeros((p, 2, 0, 0), dtype=np.complex128), np.zeros((p, 3, 0, n), dtype=np.complex128)
     columns = np.flatnonzero((C1 != 0).any(axis=(0, 1)))
-    # complete the fixed rows by rows E to a regular matrix; with E on the columns of C1, C1 X vanishes
-    E = np.zeros((p, m, n), dtype=np.complex128)
-    if len(columns) == m:
-        E[:, np.arange(m), columns] = 1.0
-    else:
-        E[:] = np.linalg.qr(C0[:, fixed].conj().transpose(0, 2, 1), mode="complete")[0][:, :, n - m :].conj().transpose(0, 2, 1)
-    complete = np.concatenate((C0[:, fixed], E), axis=1)
-    right = np.zeros((p, n, 2 * n + m), dtype=np.complex128)
-    right[:, : n - m, :n], right[:, : n - m, n : 2 * n] = D0[:, fixed], D1[:, fixed]
-    right[:, n - m :, 2 * n :] = np.eye(m)
-    solve_each(complete, right)
-    if not np.isfinite(right).all():
-        raise InputError("the pencil's C has rows of deficient rank, whatever sigma is")
+    right = _completed(C0[:, fixed], D0[:, fixed], D1[:, fixed], columns) if len(columns) == m else None
+    if right is None:
+        right = _completed(C0[:, fixed], D0[:, fixed], D1[:, fixed], None)
+    if right is None:
+        raise InputError(
+            "the rows of the pencil's C that sigma does not enter are dependent at some z: C is singular there for every sigma"
+        )
     X0, X1, V = np.split(right, (n, 2 * n), axis=2)
     G0, G1 = C0[:, moving] @ V, C1[:, moving] @ V
     T0 = D0[:, moving] - C0[:, moving] @ X0
     T1 = D1[:, moving] - C0[:, moving] @ X1 - C1[:, moving] @ X0
     T2 = -C1[:, moving] @ X1
     return np.stack((X0, X1), 1), V, np.stack((G0, G1), 1), np.stack((T0, T1, T2), 1)
+
+
+def _completed(C: ComplexArray, D0: ComplexArray, D1: ComplexArray, columns: NDArray[np.int64] | None) -> ComplexArray | None:
+    """X0, X1, V side by side (p, n, 2n + m) with C [X0, X1, V] = [D0, D1, 0] for rows C, D0, D1 (p, n−m, n) and E V = 1.
+
+    The rows E (m, n) complete C to a regular matrix: unit vectors on these columns, so that C1 X vanishes where they are those of C1, or
+    with None an orthonormal basis of what C leaves. None where the complete matrix is singular, or so nearly that V is large.
+    """
+    p, rows, n = C.shape
+    m = n - rows
+    E = np.zeros((p, m, n), dtype=np.complex128)
+    if columns is not None:
+        E[:, np.arange(m), columns] = 1.0
+    elif rows > 0:
+        E[:] = np.linalg.qr(C.conj().transpose(0, 2, 1), mode="complete")[0][:, :, rows:].conj().transpose(0, 2, 1)
+    else:
+        E[:] = np.eye(n)
+    right = np.zeros((p, n, 2 * n + m), dtype=np.complex128)
+    right[:, :rows, :n], right[:, :rows, n : 2 * n] = D0, D1
+    right[:, rows:, 2 * n :] = np.eye(m)
+    solve_each(np.concatenate((C, E), axis=1), right)
+    sound = np.isfinite(right).all() and (columns is None or (np.abs(right[:, :, 2 * n :]) < LARGE).all())
+    return right if sound else None

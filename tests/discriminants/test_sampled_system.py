@@ -1,0 +1,74 @@
+"""The reduction of the pencil to A(σ) = X0 + σ X1 + V γ⁻¹ τ is C⁻¹D, whichever rows σ enters; what cannot be reduced is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import shootstab as st
+from shootstab.core.errors import InputError
+from shootstab.discriminants.sampled_system import reduce_pencil
+from shootstab.problems.protocol import Pencil
+
+SIGMA = 0.7 - 0.4j
+
+
+def matrix(pencil: Pencil, n: int) -> np.ndarray:
+    """A(σ) at every point."""
+    X, V, G, T = reduce_pencil(pencil, n)
+    gamma = G[:, 0] + SIGMA * G[:, 1]
+    tau = T[:, 0] + SIGMA * T[:, 1] + SIGMA**2 * T[:, 2]
+    return np.asarray(X[:, 0] + SIGMA * X[:, 1] + V @ np.linalg.solve(gamma, tau))
+
+
+def random_pencil(n: int, moving: list[int], columns: list[int], seed: int) -> Pencil:
+    rng = np.random.default_rng(seed)
+    C0, C1, D0, D1 = (rng.standard_normal((3, n, n)) + 1j * rng.standard_normal((3, n, n)) for _ in range(4))
+    mask = np.zeros((n, n))
+    mask[np.ix_(moving, columns)] = 1.0
+    return Pencil(C0, C1 * mask, D0, D1)
+
+
+@pytest.mark.parametrize(
+    ("n", "moving", "columns"), [(3, [1], [2]), (4, [0, 2], [1, 3]), (4, [1], [0, 3]), (3, [0, 1, 2], [0, 1, 2]), (5, [2, 3], [4])]
+)
+def test_the_reduction_is_the_inverse_of_C_times_D(n: int, moving: list[int], columns: list[int]) -> None:
+    p = random_pencil(n, moving, columns, seed=n)
+    exact = np.linalg.solve(p.C0 + SIGMA * p.C1, p.D0 + SIGMA * p.D1)
+    np.testing.assert_allclose(matrix(p, n), exact, rtol=1e-10, atol=1e-10)
+
+
+@pytest.mark.parametrize("coupling", [1.0, 0.0, 1e-12])
+def test_rows_that_unit_vectors_do_not_complete(coupling: float) -> None:
+    """C = [[1, ε], [−σ, 1]] has determinant 1 + εσ, and its first row is all but the unit vector on the column that σ enters."""
+    C0 = np.array([[[1, coupling], [0, 1]]], complex)
+    C1 = np.array([[[0, 0], [-1, 0]]], complex)
+    D0, D1 = np.array([[[0, 1], [2, 0]]], complex), np.array([[[1, 0], [0, 3j]]], complex)
+    exact = np.linalg.solve(C0 + SIGMA * C1, D0 + SIGMA * D1)
+    np.testing.assert_allclose(matrix(Pencil(C0, C1, D0, D1), 2), exact, rtol=1e-12, atol=1e-12)
+
+
+def test_modes_of_a_problem_whose_C_has_determinant_one() -> None:
+    """y′ = x, x′ = σ y′ + c x: y″ = (σ + c) y′ with y(0) = 0 and x(1) + y(1) = 0, that is e^s (s + 1) = 1 with s = σ + c ≠ 0."""
+    c = 0.3
+
+    def pencil(z: float) -> tuple[np.ndarray, ...]:
+        C1 = np.array([[0, 0], [-1.0, 0]])
+        return np.eye(2), C1, np.array([[0, 1.0], [0, c]]), np.zeros((2, 2))
+
+    p = st.problem(2, pencil, st.Wall(0, [[1, 0]]), st.Wall(1, [[1, 1]]))
+    s = -2.0 + 7.0j
+    for _ in range(50):  # y = (e^{sz} − 1)/s: (e^s − 1)/s + e^s = 0
+        f, slope = np.exp(s) * (1 + s) - 1, np.exp(s) * (2 + s)
+        s -= f / slope
+    mode = st.refine(p, guess=s - c + 0.01)
+    assert mode.converged
+    assert abs(mode.sigma - (s - c)) <= mode.error
+
+
+def test_dependent_rows_are_refused() -> None:
+    C0 = np.array([[[1, 1, 0], [1, 1, 0], [0, 0, 1]]], complex)
+    C1 = np.zeros((1, 3, 3), complex)
+    C1[0, 2, 2] = 1.0
+    with pytest.raises(InputError, match="are dependent at some z"):
+        reduce_pencil(Pencil(C0, C1, C0, C1), 3)
