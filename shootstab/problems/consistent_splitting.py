@@ -119,7 +119,7 @@ def consistent_splitting(conditions: EndConditions, near: complex | None) -> Con
                 f"C is singular at an end at infinity for reference = {near:g}: allowed is a sigma off the continuous spectrum"
             )
         if not conditions.fits(sample):
-            raise _refusal(conditions, sample)
+            raise _refusal(conditions, sample, "reference")
         return ConsistentSplitting(sample.counts, sample.sigma)
     rays = [[s for s in (conditions.sample(sigma) for sigma in ray.tolist()) if s is not None] for ray in _rays(conditions.scale)]
     for ray in rays:
@@ -165,16 +165,17 @@ def _widest(conditions: EndConditions, samples: list[Sample]) -> ConsistentSplit
     return ConsistentSplitting(best.counts, best.sigma)
 
 
-def _refusal(conditions: EndConditions, sample: Sample) -> InputError:
-    """What was found, and what is needed."""
+def _refusal(conditions: EndConditions, sample: Sample, asked: str = "sigma") -> InputError:
+    """What was found, at the reference that was asked for or at one σ of all that were tried, and what is needed."""
     n = conditions.n
     seen = " and ".join(f"{sample.counts[side]} of {n} solutions decay towards {INFINITIES[side]}" for side in conditions.limits)
     if len(conditions.limits) == 1:
         ((side, _),) = conditions.limits.items()
         at_wall = n - conditions.fixed[-side]
-        needed = f"{at_wall} rows at the wall ask for {at_wall}"
+        needed = f"{at_wall} rows at the wall ask for {at_wall}, and allowed are no fewer and no more"
     else:
         needed = f"allowed are {n} in all, the order of the system"
     if conditions.given:
         needed += ", and " + " and ".join(f"decaying = {k} was given at {INFINITIES[side]}" for side, k in conditions.given.items())
-    return InputError(f"{seen} at sigma = {sample.sigma:g}, and nowhere as many as needed: {needed}")
+    elsewhere = ", and nowhere as many as needed" if asked == "sigma" else ""
+    return InputError(f"{seen} at {asked} = {sample.sigma:g}{elsewhere}: {needed}")

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +16,14 @@ from shootstab.problems.decaying_space import AtInfinity, DecayingSpace
 from shootstab.problems.ends import Infinity, Interface, Wall
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
+from shootstab.problems.singular_curve import POINTS, SingularCurve, singular_curves
 from shootstab.problems.splitting import AsymptoticPencil
 from shootstab.problems.subdomains import blocks, frames
 from shootstab.problems.two_point import TwoPointReduction, reduce_to_two_points
 
-FIRST_MESH = 33
+Crossings = tuple[tuple[NDArray[np.float64], ComplexArray], ...]
+
+FIRST_MESH = 33  # chosen: points of it
 BESIDE = 1.0371  # chosen: σ next to the reference, where the decaying spaces are known to exist
 GRADING = 3.0  # of the first mesh towards the wall, where the other end is at infinity
 
@@ -32,7 +35,7 @@ def problem(
     right: Wall | Infinity,
     *,
     interfaces: Sequence[Interface] = (),
-    continuum: Callable[[Any], Any] | None = None,
+    continuum: Callable[[Any], Any] | Literal[False] | None = None,
     fold: float = 0.0,
     reference: complex | None = None,
     vectorized: bool = False,
@@ -42,9 +45,10 @@ def problem(
 
     pencil(z) returns D0, D1 (C is the identity) or C0, C1, D0, D1, arrays (size, size); compiled with numba it is fast; vectorized, it
     takes z (m,) and returns (m, size, size). An end is a `Wall` with rows or an `Infinity`, of whose limiting matrix the decaying space
-    is found; both may be infinite: the two sides then meet at z = fold. continuum(z) is σ_c(z), the σ for which C is singular at z, if
-    there is such a curve. Interfaces couple ψ(z−) and ψ(z+). coarser(factor) is the problem on a base flow computed less accurately by
-    this factor, if the base flow is computed at all.
+    is found; both may be infinite: the two sides then meet at z = fold. Interfaces couple ψ(z−) and ψ(z+). continuum(z) is σ_c(z), the σ
+    for which C is singular at z; by default it is found from the pencil, and led around where it is one curve and analytic; with
+    continuum=False it is not looked for. coarser(factor) is the problem on a base flow computed less accurately by this factor, if the
+    base flow is computed at all.
 
     reference is a σ at which the solutions that decay are as many as are wanted, in the part of the plane where modes are looked for; found
     on the axes if it is not given, which does where that part is not cut off from them by continuous spectra.
@@ -54,6 +58,8 @@ def problem(
     """
     if not isinstance(size, int) or isinstance(size, bool) or not 1 <= size <= 64:
         raise InputError(f"size = {size!r}: allowed is an integer from 1 to 64")
+    if continuum is not None and continuum is not False and not callable(continuum):
+        raise InputError(f"continuum = {continuum!r}: allowed is a function of z, or False for a curve that is not to be looked for")
     if not callable(pencil):
         raise InputError(f"pencil = {pencil!r}: allowed is a function of z")
     for name, end in (("left", left), ("right", right)):
@@ -70,17 +76,41 @@ def problem(
             moved = reduce_to_two_points(function, ends[0], ends[1], tuple(interfaces), fold, reference)
         except InputError as error:
             raise InputError(f"with walls twice as far from the points that they approximate, {error}") from error
-        farther = LinearProblem(function, moved.over(reduction.start, reduction.end), continuum)
-    return LinearProblem(function, reduction, continuum, coarser, farther)
+        moved = moved.over(reduction.start, reduction.end)
+        farther = LinearProblem(function, moved, *_curves(function, moved, continuum))
+    curve, fixed = _curves(function, reduction, continuum)
+    return LinearProblem(function, reduction, curve, fixed, coarser, farther)
+
+
+def _curves(
+    function: PencilFunction, reduction: TwoPointReduction, given: Callable[[Any], Any] | Literal[False] | None
+) -> tuple[Callable[[Any], Any] | None, Crossings]:
+    """σ_c as it was given or as the pencil has it, if a path may lead around it; and (z, σ_c(z)) of what no path leads around."""
+    if given is not None:
+        return given or None, ()
+    curves: list[tuple[NDArray[np.float64], ComplexArray]] = []
+    for z in reduction.lines:
+        found = singular_curves(function, z[:: len(z) // POINTS])
+        if isinstance(found, SingularCurve) and len(reduction.subdomains) == 1:
+            return found, ()
+        if found:
+            found = singular_curves(function, z)
+            curves += [(z.real, sigma) for sigma in ((found(z),) if isinstance(found, SingularCurve) else found)]
+    return None, tuple(curves)
 
 
 @dataclass(frozen=True, eq=False)
 class LinearProblem:
-    """A user's problem behind the problem protocol; made by `problem`."""
+    """A user's problem behind the problem protocol; made by `problem`.
+
+    curve is σ_c(z), fixed are continuous spectra that no path leads around. coarser is the problem on a base flow that is less accurate by
+    a factor, farther_walls that with its approximate walls twice as far from the points that they approximate.
+    """
 
     matrices: PencilFunction
     reduction: TwoPointReduction
     curve: Callable[[Any], Any] | None = None
+    fixed: Crossings = ()
     coarser: Callable[[float], LinearProblem] | None = None
     farther_walls: LinearProblem | None = None
 
@@ -142,10 +172,10 @@ class LinearProblem:
         return tuple((end.kato_frame.limit, end.columns) for end in self.at_infinity if end.tail is not None)
 
     @property
-    def crossings(self) -> tuple[tuple[NDArray[np.float64], ComplexArray], ...]:
-        """(z, σ_c(z)), each (m,), of every subdomain, where there are several: no path in z leads around those."""
+    def crossings(self) -> Crossings:
+        """(z, σ_c(z)), each (m,), of every curve that no path in z leads around: in several subdomains, or of several curves in one."""
         if self.curve is None or self.heights(2) is not None:
-            return ()
+            return self.fixed
         return tuple((z.real, self.continuum_at(z)) for z in self.reduction.lines)
 
     @property

@@ -216,7 +216,7 @@ def channel(alpha: float, curve: bool) -> st.LinearProblem:
         D0 = np.array([[0, 1], [1j * alpha * U * (a2 - 2 * (1 - U * U)), 0]])
         return np.diag([1, 1j * alpha * U]), np.diag([0, 1]), D0, np.array([[0, 0], [a2, 0]])
 
-    continuum = (lambda y: -1j * alpha * np.tanh(y)) if curve else None
+    continuum = (lambda y: -1j * alpha * np.tanh(y)) if curve else False
     return st.problem(2, pencil, st.Wall(-3, FIXED), st.Wall(3, FIXED), continuum=continuum)
 
 

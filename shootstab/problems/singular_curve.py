@@ -1,0 +1,115 @@
+"""The curve σ_c(z) on which C0 + σ C1 is singular, from the pencil itself.
+
+With σ_j(z) the finite eigenvalues of (C0, −C1), as often as they are zeros of det(C0 + σ C1),
+
+    tr[(C0 + σ C1)⁻¹ C1] = Σ_j 1/(σ − σ_j),
+
+so that one curve of multiplicity m has tr = m/(σ − σ_c): two values of σ give both, a third tests it. No eigenvalue at infinity, of
+which a singular C1 has many, ever enters, and σ_c is as analytic in z as the pencil is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+import scipy.optimize
+from numpy.typing import NDArray
+
+from shootstab.problems.pencil_function import PencilFunction
+from shootstab.problems.protocol import ComplexArray
+
+PROBES = np.array([0.83 + 1.31j, -1.17 + 0.59j, 0.41 - 1.73j])  # chosen: σ of no property, in the scale of C0 over C1
+ROUNDING = 1e-9  # chosen: relative, what is told from 0 or from another number in the trace; a solve of a good C leaves 1e-14
+POINTS = 65  # of a subdomain at which the pencil is asked for curves
+STEP = 1e-5  # chosen: of the subdomain, by which derivatives along and across the real axis are compared
+ALIKE = 1e-4  # chosen: relative; differences err by STEP² and by rounding over STEP
+INSIDE = (0.137, 0.419, 0.731)  # chosen: where in the subdomain they are compared
+
+
+@dataclass(frozen=True, eq=False)
+class SingularCurve:
+    """One curve of multiplicity m; scale is a size of σ on it."""
+
+    pencil: PencilFunction
+    scale: float
+    multiplicity: int
+
+    def __call__(self, z: Any) -> ComplexArray:
+        """σ_c at a point or at points z (p,), real or complex."""
+        sigma, points = self.scale * PROBES[0], np.atleast_1d(np.asarray(z, dtype=np.complex128))
+        curve = sigma - self.multiplicity / traces(self.pencil, points, np.array([sigma]))[0]
+        return np.asarray(curve.reshape(np.shape(z)))
+
+
+def traces(function: PencilFunction, z: ComplexArray, sigmas: ComplexArray) -> ComplexArray:
+    """tr[(C0 + σ C1)⁻¹ C1] for σ (s,) at points z (p,): (s, p). Not finite where C is singular at one of these σ."""
+    pencil = function(z)
+    with np.errstate(all="ignore"):
+        try:
+            solved = [np.linalg.solve(pencil.C0 + sigma * pencil.C1, pencil.C1) for sigma in sigmas.tolist()]
+        except np.linalg.LinAlgError:
+            return np.full((len(sigmas), len(z)), np.nan + 0j)
+    return np.asarray(np.trace(np.array(solved), axis1=2, axis2=3))
+
+
+def singular_curves(function: PencilFunction, z: ComplexArray) -> SingularCurve | tuple[ComplexArray, ...]:
+    """The one curve that there is over a line z (p,), or every curve by its σ (p,) at these points; an empty tuple if there is none.
+
+    It is one that a path in z may lead around if it is not constant and the pencil is analytic next to the line.
+    """
+    pencil = function(z)
+    fixed, moving = float(np.abs(pencil.C0).max()), float(np.abs(pencil.C1).max())
+    if fixed == 0.0 or moving == 0.0:
+        return ()
+    scale = fixed / moving
+    t = scale * traces(function, z, np.asarray(scale * PROBES, dtype=np.complex128))
+    if not np.isfinite(t).all() or np.abs(t).max() < ROUNDING:
+        return ()
+    with np.errstate(all="ignore"):
+        m = (PROBES[0] - PROBES[1]) / (1.0 / t[0] - 1.0 / t[1])
+        sigma = PROBES[0] - m / t[0]
+        off = np.abs(t[2] - m / (PROBES[2] - sigma)) / np.abs(t[2])
+    multiplicity = round(float(m[0].real)) if np.isfinite(m[0]) else 0
+    if multiplicity < 1 or not (np.abs(m - multiplicity) < 1e-6).all() or not (off < 1e-6).all():
+        return _several(pencil.C0, pencil.C1)
+    if np.ptp(np.abs(sigma - sigma[0])) > ROUNDING * max(1.0, float(np.abs(sigma).max())) and _analytic(function, z):
+        return SingularCurve(function, scale, multiplicity)
+    return (np.asarray(scale * sigma),)
+
+
+def _several(C0: ComplexArray, C1: ComplexArray) -> tuple[ComplexArray, ...]:
+    """As many curves as are finite everywhere, joined from point to point by the least total distance."""
+    alphas, betas = zip(*(scipy.linalg.eig(a, -b, right=False, homogeneous_eigvals=True) for a, b in zip(C0, C1, strict=True)), strict=True)
+    size = np.abs(np.array(betas)) / np.hypot(np.abs(np.array(alphas)), np.abs(np.array(betas)))
+    count = int((size > np.sqrt(ROUNDING)).sum(axis=1).min())
+    rows: list[ComplexArray] = []
+    for alpha, beta, finite in zip(alphas, betas, size, strict=True):
+        keep = np.argsort(finite)[::-1][:count]
+        sigma = alpha[keep] / beta[keep]
+        if rows:
+            _, order = scipy.optimize.linear_sum_assignment(np.abs(np.subtract.outer(rows[-1], sigma)))
+            sigma = sigma[order]
+        rows.append(sigma)
+    return tuple(np.array(rows, dtype=np.complex128).T) if count else ()
+
+
+def _analytic(function: PencilFunction, z: ComplexArray) -> bool:
+    """Whether the pencil takes complex z and obeys the equations of Cauchy and Riemann: f_x = f_y/i."""
+    length = complex(z[-1] - z[0])
+    places = z[0] + length * np.array(INSIDE)
+    h = STEP * abs(length)
+    try:
+        along, across = (_difference(function, places, step) for step in (h + 0j, 1j * h))
+    except Exception:  # whatever a function of real z raises for a complex one, it does not take it
+        return False
+    return bool(np.abs(along - across).max() <= ALIKE * max(float(np.abs(along).max()), float(np.abs(across).max())))
+
+
+def _difference(function: PencilFunction, places: ComplexArray, step: complex) -> NDArray[np.complex128]:
+    """The derivative of C0, C1, D0 and D1 by a central difference, (4, p, n, n)."""
+    ahead, behind = function(places + step), function(places - step)
+    names = ("C0", "C1", "D0", "D1")
+    return np.array([(getattr(ahead, name) - getattr(behind, name)) / (2.0 * step) for name in names])
