@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from shootstab.problems.protocol import ComplexArray, Problem
 
-POINTS = 2001
-NEWTON_STEPS = 30
+POINTS = 2001  # chosen: samples of the curve; its scale and slope are differences of them
+NEWTON_STEPS = 30  # chosen: at most; each is held to half the curve's scale
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,7 @@ class Continuum:
         return self.nearest(sigma)[0]
 
     def passes(self, sigma: complex, radius: float) -> list[float]:
-        """One height for each time that the curve comes nearer to σ than radius: of each run of pieces, the nearest."""
+        """One height for each time that the curve comes nearer to σ than radius: of each run of segments, the nearest."""
         offsets, z = self._offsets(sigma)
         inside = np.flatnonzero(offsets < radius)
         if inside.size == 0:
@@ -53,12 +53,12 @@ class Continuum:
         return complex((self.sigma[i + 1] - self.sigma[i - 1]) / (self.z[i + 1] - self.z[i - 1]))
 
     def scale(self, z: float) -> float:
-        """The length over which σ_c changes its course around a real height: the smallest s such that |σ_c′/σ_c″| ≤ s somewhere within s.
+        """The length over which the slope of σ_c changes around a real height: the smallest s with |σ_c′/σ_c″| ≤ s somewhere within s.
 
         An inflection, where the ratio alone is infinite, has the scale of its neighbourhood. At most a quarter of the samples' range.
         """
-        reach = np.maximum(np.abs(self.z - z), self._ratios)
-        return float(min(reach.min(), 0.25 * (self.z[-1] - self.z[0])))
+        lengths = np.maximum(np.abs(self.z - z), self._ratios)
+        return float(min(lengths.min(), 0.25 * (self.z[-1] - self.z[0])))
 
     @cached_property
     def _ratios(self) -> NDArray[np.float64]:
@@ -90,15 +90,15 @@ class Continuum:
         return z if abs(change) < 1e-6 * scale else None
 
     def _offsets(self, sigma: complex) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """For each piece of the curve its distance to σ and the height of the nearest point on it."""
-        first, along, inverse, rise = self._pieces
+        """For each segment of the curve its distance to σ and the height of the nearest point on it."""
+        first, along, inverse, rise = self._segments
         away = sigma - first
         t = np.clip(away.real * inverse.real - away.imag * inverse.imag, 0.0, 1.0)
         return np.abs(away - t * along), self.z[:-1] + t * rise
 
     @cached_property
-    def _pieces(self) -> tuple[ComplexArray, ComplexArray, ComplexArray, NDArray[np.float64]]:
-        """Of each piece its first point, the way d along it, d*/|d|² (0 where it has no length), and its height."""
+    def _segments(self) -> tuple[ComplexArray, ComplexArray, ComplexArray, NDArray[np.float64]]:
+        """The first point of each segment, its difference d, d*/|d|² (0 where it has no length), and its height."""
         along = np.diff(self.sigma)
         inverse = np.zeros_like(along)
         np.divide(1.0, along, out=inverse, where=along != 0.0)

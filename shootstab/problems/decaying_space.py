@@ -65,7 +65,7 @@ class DecayingSpace:
     """The decaying space at an end at infinity, begun at z: of the limit there (tail: what the coefficients still lack), or frozen."""
 
     kato_frame: KatoFrame
-    matrices: PencilFunction
+    pencil: PencilFunction
     origin: float
     z: float
     tail: tuple[NDArray[np.float64], ...] | None
@@ -85,7 +85,7 @@ class DecayingSpace:
         if self.tail is not None:
             error = tail_error(limit, self.tail, split, sigma)
         else:
-            error = frozen_error(self.matrices, limit, self.origin, self.z, split, self.columns, sigma)
+            error = frozen_error(self.pencil, limit, self.origin, self.z, split, self.columns, sigma)
         error += split.rounding
         if error > WORST:
             where = f"at {self.where}, begun at z = {self.z:g}"

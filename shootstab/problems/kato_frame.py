@@ -1,7 +1,7 @@
 """A frame of the decaying space at infinity that is analytic in σ and nowhere degenerate.
 
 Around any anchor a with R a basis of the space there, P(σ) R is a basis as long as the spaces at σ and a are not orthogonal in the sense
-that det ℓR = 0; P = Xℓ is the spectral projector of split.py. Another anchor gives another frame, and D another factor. Kato's transport,
+that det ℓR = 0; P = Xℓ is the projector of splitting.py. Another anchor gives another frame, and D another factor. Kato's transport,
 X′ = P′X from one reference σ0, has no such zeros; and of it the determinant is all that D sees:
 
     det[W X(σ)] = det[W P(σ) R] · c exp(−∫_a^σ f ds),   f = tr[(ℓR)⁻¹ ℓ P′ R],
@@ -30,14 +30,14 @@ from shootstab.core.errors import Undecidable
 from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.splitting import AsymptoticPencil, SpectralSplitting
 
-SAMPLES = 32
-TERMS = 24  # kept of the series
-CIRCLE = 2.0  # radius of the circle of samples, in sides of the cell
-WALK = 1.05  # from an anchor to a place in a neighbouring cell, in the same unit
-TAIL = 1e-7  # of the series of f: its last terms on the circle; in the cell they are smaller by 2.8^24
-LEVELS = 60  # halvings of the side
-MOST = 600  # cells looked at for one path
-PER_DOUBLING = 3.0
+SAMPLES = 32  # of f on the circle, from which the series is found
+TERMS = 24  # chosen: kept of the series; a cell's corner is 2.8 times nearer than the circle, and 2.8^-24 is 2e-11
+CIRCLE = 2.0  # chosen: radius of the circle of samples, in sides of the cell
+WALK = 1.05  # chosen: from an anchor to a place in a neighbouring cell, in the same unit
+TAIL = 1e-7  # chosen: of the series of f, its last terms on the circle; in the cell they are smaller by 2.8^24
+LEVELS = 60  # chosen: halvings of the side, more than a double has bits
+MOST = 600  # chosen: cells looked at for one path, some seconds
+PER_DOUBLING = 3.0  # chosen: steps that a change of the cell's size counts for in the search of a path
 DIRECTIONS = np.exp(0.25j * np.pi * np.arange(8)).tolist()
 
 Key = tuple[int, int, int]  # ln2 of the side, and the place of the anchor from σ0 in sides

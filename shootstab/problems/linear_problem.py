@@ -24,8 +24,8 @@ from shootstab.problems.two_point import TwoPointReduction, reduce_to_two_points
 Crossings = tuple[tuple[NDArray[np.float64], ComplexArray], ...]
 
 FIRST_MESH = 33  # chosen: points of it
-BESIDE = 1.0371  # chosen: σ next to the reference, where the decaying spaces are known to exist
-GRADING = 3.0  # of the first mesh towards the wall, where the other end is at infinity
+BESIDE = 1.0371  # chosen: times the reference, a σ where the decaying spaces are known to exist, of no property of its own
+GRADING = 3.0  # chosen: of the first mesh towards the wall, where the other end is at infinity; redistribution undoes it
 
 
 def problem(
@@ -107,7 +107,7 @@ class LinearProblem:
     a factor, farther_walls that with its approximate walls twice as far from the points that they approximate.
     """
 
-    matrices: PencilFunction
+    function: PencilFunction
     reduction: TwoPointReduction
     curve: Callable[[Any], Any] | None = None
     fixed: Crossings = ()
@@ -124,7 +124,7 @@ class LinearProblem:
 
     def pencil(self, z: ComplexArray) -> Pencil:
         """At points z of the line on which the problem is laid out: the user's own if it has one subdomain."""
-        return blocks([subdomain.pencil(self.matrices, z) for subdomain in self.reduction.subdomains])
+        return blocks([subdomain.pencil(self.function, z) for subdomain in self.reduction.subdomains])
 
     def start(self, sigma: complex, tolerance: float) -> float:
         """The same for all σ: the coefficients are at their limit to rounding."""
@@ -135,6 +135,7 @@ class LinearProblem:
         return frames([subdomain.frame(sigma) for subdomain in self.reduction.subdomains])
 
     def mesh(self, start: float) -> NDArray[np.float64]:
+        """Points from start to the end, denser there if another end is at infinity."""
         end, x = self.reduction.end, np.linspace(1.0, 0.0, FIRST_MESH)
         graded = np.sinh(GRADING * x) / math.sinh(GRADING) if self.at_infinity else x
         return np.asarray(end + (start - end) * graded)
@@ -151,7 +152,7 @@ class LinearProblem:
         return self._crude[factor]
 
     def heights(self, points: int) -> NDArray[np.float64] | None:
-        """Rising; None where the problem has no continuum or more than one subdomain, whose curves are crossings."""
+        """Real points, rising; None where the problem has no continuum or more than one subdomain, whose curves are crossings."""
         if self.curve is None or len(self.reduction.subdomains) > 1:
             return None
         low, high = sorted((self.reduction.start, self.reduction.end))
@@ -160,7 +161,7 @@ class LinearProblem:
     def continuum_at(self, z: ComplexArray) -> ComplexArray:
         if self.curve is None:
             return np.empty(0, dtype=np.complex128)
-        given = self.curve(z) if self.matrices.vectorized else [self.curve(p) for p in z.tolist()]
+        given = self.curve(z) if self.function.vectorized else [self.curve(p) for p in z.tolist()]
         sigma = np.asarray(given, dtype=np.complex128)
         if sigma.shape != z.shape or not np.isfinite(sigma).all():
             raise InputError("continuum(z) is not a finite number for every z: allowed is a function that gives σ_c at z")

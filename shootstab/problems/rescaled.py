@@ -1,4 +1,4 @@
-"""A problem in another eigenvalue: σ = unit·v with a complex unit, so that every answer, circle and table is in v."""
+"""A problem in another eigenvalue v, σ = unit·v with a complex unit, so that every answer and every circle is in v."""
 
 from __future__ import annotations
 
@@ -14,8 +14,10 @@ from shootstab.problems.splitting import AsymptoticPencil
 
 @dataclass(frozen=True, eq=False)
 class Rescaled:
-    """The pencil (C0 + v unit C1) ψ′ = (D0 + v unit D1) ψ. A function analytic in σ is analytic in v, and a rotation with
-    scaling keeps orientation: the left side of the image of a curve is the image of its left side."""
+    """The pencil (C0 + v unit C1) ψ′ = (D0 + v unit D1) ψ.
+
+    Multiplication by a complex number is analytic and keeps orientation: D stays analytic, and a curve's left side stays its left side.
+    """
 
     problem: Problem
     unit: complex

@@ -23,7 +23,7 @@ from shootstab.problems.decaying_space import StartingSpace
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
 
-INSIDE = 4 * np.finfo(float).eps  # how far inside a subdomain its coefficients at an interface are taken
+INSIDE = 4 * np.finfo(float).eps  # chosen: how far inside a subdomain its coefficients at an interface are taken, some roundings of z
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,18 +49,18 @@ class Subdomain:
             z = np.where(np.abs(z - end) < hair, end + inwards * hair, z)
         return z
 
-    def pencil(self, matrices: PencilFunction, t: ComplexArray) -> Pencil:
+    def pencil(self, function: PencilFunction, t: ComplexArray) -> Pencil:
         """Of ψ, and of a before it if the subdomain is augmented."""
-        p = matrices(self.points(t))
+        p = function(self.points(t))
         own = p if self.scale == 1.0 else Pencil(p.C0, p.C1, self.scale * p.D0, self.scale * p.D1)
         if not self.augmented:
             return own
-        n = matrices.size
+        n = function.size
         still = np.zeros((len(t), n, n), dtype=np.complex128)
         return blocks([Pencil(still + np.eye(n), still, still, still), own])
 
     def frame(self, sigma: complex) -> FarFrame:
-        """Where the subdomain begins."""
+        """The frame where the subdomain begins; [I; I] times it where it is augmented."""
         far = self.far.frame(sigma)
         if not self.augmented:
             return far

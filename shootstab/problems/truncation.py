@@ -28,9 +28,9 @@ from shootstab.problems.splitting import AsymptoticPencil, SpectralSplitting, ga
 
 NEGLIGIBLE = 1e-20  # chosen: of the rates; so |σ| may be 1e4 times the problem's own size before its rounding is passed
 NEAREST, FARTHEST = 2.0**-10, 2.0**20  # chosen: distances tried
-SAMPLES = 64
+SAMPLES = 64  # chosen: of the coefficients from a distance out to TAIL times it and 1 more
 TAIL = 2.0  # chosen: the tail is sampled out to so many times the distance, 1 more
-WAY = 9  # points at which the gap is sampled between a frozen end and half the way
+WAY = 9  # chosen: points at which the gap is sampled between a frozen end and half the way
 LARGEST = 1e6  # chosen: times the reference, the largest σ for which coefficients are to be at their limit
 
 

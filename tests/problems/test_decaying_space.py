@@ -118,7 +118,7 @@ def test_close_exponents_are_in_the_bound() -> None:
 @pytest.mark.parametrize("start", [8.0, 10.0, 13.0])
 def test_a_start_with_its_limit(start: float) -> None:
     """Pöschl–Teller, ν = 0.05, begun where the potential is still 0.2 e^{−2·start}: that is the error, and the bound."""
-    pencil = st.gallery.poeschl_teller(0.05).matrices.function
+    pencil = st.gallery.poeschl_teller(0.05).function.function
 
     def plain(x: float) -> tuple[Any, Any]:
         D0, D1 = pencil(np.array([x]))

@@ -104,7 +104,7 @@ def test_all_bound_states_and_nothing_across_the_continuum() -> None:
 
 def test_a_half_line_wants_as_many_rows_as_solutions_grow() -> None:
     """The odd states of Pöschl–Teller with y(0) = 0, the even ones with y′(0) = 0; from the right and from the left."""
-    whole = st.gallery.poeschl_teller(2.5).matrices.function
+    whole = st.gallery.poeschl_teller(2.5).function.function
 
     def pencil(x: float) -> tuple[Any, Any]:
         D0, D1 = whole(np.array([x]))
