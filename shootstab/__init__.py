@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from shootstab.discriminants.compound import Compound
     from shootstab.discriminants.frame import Frame
     from shootstab.discriminants.riccati import Riccati
-    from shootstab.formulation.conditions import Conditions
+    from shootstab.formulation.conditions import Axis, Conditions
     from shootstab.formulation.problem import equations
     from shootstab.models import chute, gallery
     from shootstab.problems import Infinity, Interface, LinearProblem, Wall
@@ -50,6 +50,7 @@ _HOMES = {
     "problem": "shootstab.problems",
     "equations": "shootstab.formulation.problem",
     "Conditions": "shootstab.formulation.conditions",
+    "Axis": "shootstab.formulation.conditions",
     "Wall": "shootstab.problems",
     "LinearProblem": "shootstab.problems",
     "Interface": "shootstab.problems",
@@ -73,6 +74,7 @@ _HOMES = {
 }
 
 __all__ = [
+    "Axis",
     "ClosedProblem",
     "Compound",
     "Conditions",

@@ -43,8 +43,13 @@ class AffineSystem:
         return self.C0, self.C1, self.D0, self.D1
 
 
-def affine(first: FirstOrder, left: list[Condition], right: list[Condition], left_finite: bool, right_finite: bool) -> AffineSystem:
-    """See above. left and right are the conditions at finite ends."""
+def affine(
+    first: FirstOrder, left: list[Condition], right: list[Condition], finite: tuple[bool, bool], holding: tuple[bool, bool]
+) -> AffineSystem:
+    """See above. left and right are the conditions at the ends that hold any.
+
+    Raises InputError where copies are needed between two finite ends without conditions.
+    """
     n = first.order
     rows = [[{(0, j): c for j, c in row.items()} for row in end] for end in (left, right)]
     everything = [first.C, first.D, *rows[0], *rows[1]]
@@ -57,7 +62,7 @@ def affine(first: FirstOrder, left: list[Condition], right: list[Condition], lef
         for m in range(1, power):
             copies[j, m] = n + len(copies)
     plain = {i for i in range(n) if [(at, c) for at, c in first.C.items() if at[0] == i] == [((i, i), number(1))]}
-    kappa = number(0) if left_finite and right_finite else number(1 if not right_finite else -1)
+    kappa = number(0) if all(finite) else number(1 if not finite[1] else -1)
     C, D = _split(first.C, copies), _split(first.D, copies)
     extra: list[tuple[int, int]] = []
     for (j, m), at in copies.items():
@@ -74,9 +79,11 @@ def affine(first: FirstOrder, left: list[Condition], right: list[Condition], lef
             C[1][at, below] = number(-1)
         extra.append((at, below))
     ends = [[_split(row, copies) for row in end] for end in rows]
-    if extra and left_finite and right_finite:
+    if extra and all(finite):
+        if not any(holding):
+            raise InputError("between two regular singular ends the eigenvalue occurs to higher powers: that is not offered")
         moving = [any(degree(c) for row in end for c in row.values()) for end in (left, right)]
-        at_right = moving[1] and not moving[0]
+        at_right = holding[1] and (not holding[0] or (moving[1] and not moving[0]))
         ends[at_right] += [({(0, at): number(1)}, {(0, below): number(-1)}) for at, below in extra]
     stacked = [tuple({(r, j): c for r, row in enumerate(end) for (_, j), c in row[part].items()} for part in (0, 1)) for end in ends]
     return AffineSystem(n + len(copies), C[0], C[1], D[0], D[1], stacked[0], stacked[1], len(ends[0]), len(ends[1]))  # type: ignore[arg-type]

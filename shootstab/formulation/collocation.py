@@ -144,6 +144,12 @@ def collocation(statement: Statement) -> Collocation | None:
         if (following == c).all():
             break
         c = following
-    if int(d.sum() - c.sum()) != len(statement.left_rows) + len(statement.right_rows):
+    lacking = int(d.sum() - c.sum()) - len(statement.left_rows) - len(statement.right_rows)
+    if lacking and not all(statement.holding):
+        # a polynomial is regular at a singular end by itself: as many coefficients fewer as conditions, one for each of the highest orders
+        for j in np.argsort(-d, kind="stable")[:lacking]:
+            d[j] -= 1
+        lacking -= min(max(lacking, 0), len(d)) if lacking <= len(d) else 0
+    if lacking:
         return None
     return Collocation(statement, tuple(int(x) for x in d), tuple(int(x) for x in c))

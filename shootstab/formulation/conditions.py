@@ -21,7 +21,14 @@ class Conditions:
     conditions: Sequence[Any]
 
 
-End = Conditions | Infinity
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """A regular singular end of the equations, such as r = 0: solutions are regular there, and there are no conditions."""
+
+    at: float = 0.0
+
+
+End = Conditions | Infinity | Axis
 
 
 def end_of(given: Any, side: str) -> End:
@@ -32,10 +39,12 @@ def end_of(given: Any, side: str) -> End:
         given = Conditions(given["at"], given["conditions"])
     if isinstance(given, Infinity):
         return given
-    if not isinstance(given, Conditions):
-        raise InputError(f"{side} = {given!r}: allowed is st.Conditions(at, [...]) or st.Infinity()")
+    if not isinstance(given, Conditions | Axis):
+        raise InputError(f"{side} = {given!r}: allowed is st.Conditions(at, [...]), st.Axis(at) or st.Infinity()")
     if isinstance(given.at, bool) or not isinstance(given.at, int | float) or not math.isfinite(given.at):
         raise InputError(f"{side}: at = {given.at!r}: allowed is a finite number, or st.Infinity()")
+    if isinstance(given, Axis):
+        return given
     if isinstance(given.conditions, str) or not isinstance(given.conditions, Sequence):
         raise InputError(f"{side}: conditions = {given.conditions!r}: allowed is a list of formulas")
     return given
@@ -43,7 +52,7 @@ def end_of(given: Any, side: str) -> End:
 
 def rows_of(end: End, side: str, names: Names) -> list[tuple[str, Row]]:
     """The conditions as the user means them, each with what errors call it."""
-    if isinstance(end, Infinity):
+    if not isinstance(end, Conditions):
         return []
     out = []
     for i, formula in enumerate(end.conditions, 1):

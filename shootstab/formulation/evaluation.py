@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any
@@ -20,7 +21,8 @@ class Evaluator:
     """One walk over expressions at one z; every atom is evaluated once.
 
     number takes a Gaussian rational and apply(name, x) a function of expression.FUNCTIONS to what the walk computes with; power(x, e)
-    is x^e for an exponent that is no natural number; values are those of the atoms that are known beforehand, by their names.
+    is x^e for an exponent that is no natural number; natural(x, n) for one that is. values are those of the atoms that are
+    known beforehand, by their names.
     """
 
     def __init__(
@@ -30,8 +32,9 @@ class Evaluator:
         power: Callable[[Any, Fraction], Any],
         values: Mapping[str, Any],
         given: Callable[[str, int], Any],
+        natural: Callable[[Any, int], Any] = operator.pow,
     ) -> None:
-        self._number, self._apply, self._power, self._values, self._given = number, apply, power, values, given
+        self._number, self._apply, self._power, self._values, self._given, self._natural = number, apply, power, values, given, natural
         self._atoms: dict[Atom, Any] = {}
         self._powers: dict[tuple[Atom, Exponent], Any] = {}
 
@@ -54,7 +57,7 @@ class Evaluator:
         if (atom, exponent) not in self._powers:
             base = self._atom(atom)
             natural = Fraction(exponent).denominator == 1 and exponent > 0
-            self._powers[atom, exponent] = base ** int(exponent) if natural else self._power(base, Fraction(exponent))
+            self._powers[atom, exponent] = self._natural(base, int(exponent)) if natural else self._power(base, Fraction(exponent))
         return self._powers[atom, exponent]
 
     def _atom(self, atom: Atom) -> Any:
@@ -72,7 +75,7 @@ class Evaluator:
 def on_arrays(z: Any, given: Given, sigma: Any = None) -> Evaluator:
     """Doubles, z real or complex (m,)."""
     values = {"z": z, "pi": np.pi} if sigma is None else {"z": z, "pi": np.pi, "sigma": sigma}
-    return Evaluator(_double, _apply_numpy, _power_numpy, values, lambda name, order: given[name](z, order))
+    return Evaluator(_double, apply_numpy, power_numpy, values, lambda name, order: given[name](z, order))
 
 
 def on_mpmath(z: Any, given: Given, sigma: Any = None) -> Evaluator:
@@ -96,7 +99,8 @@ def _double(c: Gaussian) -> complex | float:
     return complex(c) if c.im else float(c.re)
 
 
-def _apply_numpy(name: str, x: Any) -> Any:
+def apply_numpy(name: str, x: Any) -> Any:
+    """A function of doubles; what leaves the real axis becomes complex."""
     if name == "sech":
         decay = np.exp(-np.where(np.real(x) < 0, -x, x))
         return 2 * decay / (1 + decay * decay)
@@ -109,7 +113,8 @@ def _apply_numpy(name: str, x: Any) -> Any:
     return getattr(np, name)(x)
 
 
-def _power_numpy(x: Any, exponent: Fraction) -> Any:
+def power_numpy(x: Any, exponent: Fraction) -> Any:
+    """A power that is no natural one."""
     if exponent.denominator == 1:
         return 1.0 / x ** -int(exponent)
     if np.isrealobj(x) and (np.asarray(x) < 0).any():

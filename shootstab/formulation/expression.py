@@ -122,6 +122,10 @@ class Expression:
             if exponent < 0:
                 raise ZeroDivisionError
             return self
+        if Fraction(exponent).denominator == 1 and exponent < 0:
+            common = min(dict(monomial).get(VARIABLE, 0) for monomial in self.terms)
+            if common:  # z alone is a factor of its own: poles at 0 are seen
+                return Z ** (common * exponent) * (self * Z**-common) ** exponent
         if Fraction(exponent).denominator == 1 and exponent > 0:
             if len(self.terms) ** min(int(exponent), LARGEST) > LARGEST:
                 raise InputError(f"a sum of {len(self.terms)} terms to the power {exponent} is too long to be multiplied out")
@@ -221,6 +225,25 @@ def slope(atom: Atom) -> Expression:
     if atom.kind == "base" or not inner:
         return inner
     return SLOPES[atom.name](atom.argument) * inner
+
+
+def substituted(expression: Expression, atom: Atom, value: Expression) -> Expression:
+    """With a value in place of an atom, in arguments too."""
+    if value == of_atom(atom):
+        return expression
+    total = number(0)
+    for monomial, c in expression.terms.items():
+        product = Expression({(): c})
+        for factor, e in monomial:
+            if factor == atom:
+                product = product * value**e
+            elif factor.argument is not None and atom in factor.argument.atoms():
+                inner = substituted(factor.argument, atom, value)
+                product = product * (inner**e if factor.kind == "base" else function(factor.name, inner) ** e)
+            else:
+                product = product * Expression({((factor, e),): ONE})
+        total = total + product
+    return total
 
 
 def quotient(a: Expression, b: Expression) -> Expression | None:

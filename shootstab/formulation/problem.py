@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from shootstab.core.errors import InputError
 from shootstab.formulation.affine import AffineSystem, Condition, affine, in_states
 from shootstab.formulation.collocation import Collocation, collocation
-from shootstab.formulation.conditions import Conditions
+from shootstab.formulation.conditions import Axis, Conditions
 from shootstab.formulation.continuous_spectrum import InteriorSpectrum, interior_spectrum
 from shootstab.formulation.digits import EquationDigits
 from shootstab.formulation.evaluation import Given, filled, on_arrays
@@ -22,6 +22,7 @@ from shootstab.formulation.explanation import Lines, explanation
 from shootstab.formulation.first_order import FirstOrder, first_order
 from shootstab.formulation.gaussian import Gaussian
 from shootstab.formulation.limits import with_limit
+from shootstab.formulation.singular_ends import between_singular_ends, singular_end
 from shootstab.formulation.statement import Statement, stated
 from shootstab.formulation.system import degree, shown
 from shootstab.problems.ends import Wall
@@ -99,7 +100,8 @@ def equations(
     """The eigenvalue problem that equations linear in the unknowns and their derivatives pose, with conditions in the same language.
 
     Equations and conditions are text (see grammar.py) or SymPy expressions, and stand for 'vanishes'. The eigenvalue may occur to any
-    natural power. parameters are numbers, where holds definitions by name. An end is Conditions(at, [...]) or Infinity(). given are
+    natural power. parameters are numbers, where holds definitions by name. An end is Conditions(at, [...]), Infinity(), or Axis(at), a
+    regular singular point of the equations at which solutions are regular. given are
     functions of the coordinate that no formula defines, as name: f(z, order) ↦ the derivative of that order, for arrays z. fold and
     reference are those of `problem`.
 
@@ -117,16 +119,27 @@ def assembled(statement: Statement, fold: float = 0.0, reference: complex | None
     spectrum = interior_spectrum(first, domain, statement.names.variable)
     conditions = [in_states(list(rows), first) for rows in (statement.left_rows, statement.right_rows)]
     ends, finite = (statement.left, statement.right), statement.finite
-    _require_count(first, statement, conditions, finite)
-    system = affine(first, conditions[0], conditions[1], finite[0], finite[1])
+    _require_count(first, statement, conditions)
+    system = affine(first, conditions[0], conditions[1], finite, statement.holding)
     if system.size > LARGEST:
         raise InputError(f"the equations have {system.size} states: allowed are {LARGEST}")
     matrices = PencilFunction(system.size, pencil_of(system, domain.given), vectorized=True)
-    made = [
-        _wall(end.at, rows, count, system.size, domain.given) if isinstance(end, Conditions) else with_limit(end, matrices, side)
-        for end, rows, count, side in zip(ends, (system.left, system.right), (system.left_rows, system.right_rows), (-1, 1), strict=True)
-    ]
-    reduction = reduce_to_two_points(matrices, made[0], made[1], (), fold, reference)
+    _require_finite(system, statement)
+    made: list[Any] = []
+    for end, rows, count, side in zip(ends, (system.left, system.right), (system.left_rows, system.right_rows), (-1, 1), strict=True):
+        if isinstance(end, Conditions):
+            made.append(_wall(end.at, rows, count, system.size, domain.given))
+        elif isinstance(end, Axis):
+            bounded = [i for i, (name, order) in enumerate(first.states) if order == 0 and name in statement.names.unknowns]
+            made.append(singular_end(system, end.at, -side, bounded, f"{statement.names.variable} = {end.at:g}", domain))
+        else:
+            made.append(with_limit(end, matrices, side))
+    if any(isinstance(end, Axis) for end in ends):
+        if spectrum.curves:
+            raise InputError("C is singular for some sigma at every point up to a regular singular end: that is not offered")
+        reduction = between_singular_ends(system.size, made[0], made[1])
+    else:
+        reduction = reduce_to_two_points(matrices, made[0], made[1], (), fold, reference)
     curve: Callable[[Any], Any] | None = spectrum.curve if spectrum.curves else None
     return EquationProblem(
         matrices,
@@ -150,6 +163,16 @@ def pencil_of(system: AffineSystem, given: Given) -> Callable[[ComplexArray], tu
     return pencil
 
 
+def _require_finite(system: AffineSystem, statement: Statement) -> None:
+    """Raise InputError where the coefficients are not finite at an end with conditions."""
+    for side, end in (("left", statement.left), ("right", statement.right)):
+        if isinstance(end, Conditions):
+            parts = pencil_of(system, statement.domain.given)(np.array([complex(end.at)]))
+            if not all(np.isfinite(part).all() for part in parts):
+                place = f"{statement.names.variable} = {end.at:g}"
+                raise InputError(f"at the {side} end, {place}, the equations are singular: allowed is st.Axis({end.at:g}), or another end")
+
+
 def _wall(z: float, rows: tuple[Any, Any], count: int, size: int, given: Given) -> Wall:
     place = np.array([float(z)])
     at = on_arrays(place, given)
@@ -157,7 +180,7 @@ def _wall(z: float, rows: tuple[Any, Any], count: int, size: int, given: Given) 
     return Wall(float(z), W0, W1 if W1.any() else None)
 
 
-def _require_count(first: FirstOrder, statement: Statement, conditions: list[list[Condition]], finite: tuple[bool, bool]) -> None:
+def _require_count(first: FirstOrder, statement: Statement, conditions: list[list[Condition]]) -> None:
     """As many conditions as the order, where both ends are finite; at an end at infinity the count is that of what decays."""
     left, right = len(statement.left_rows), len(statement.right_rows)
     names = statement.names
@@ -167,16 +190,16 @@ def _require_count(first: FirstOrder, statement: Statement, conditions: list[lis
             f"neither the equations nor the conditions hold the eigenvalue {names.eigenvalue}: they pose no eigenvalue problem"
         )
     for side, count, other in (("left", left, right), ("right", right, left)):
-        if all(finite) and count == 0 and other == first.order:
+        if all(statement.holding) and count == 0 and other == first.order:
             raise InputError(
                 f"all {other} conditions stand at one end: an initial-value problem, whose only solution is zero whatever "
                 f"{names.eigenvalue} is; it has no eigenvalues"
             )
-        if finite[side == "right"] and count == 0:
+        if statement.holding[side == "right"] and count == 0:
             raise InputError(f"{side} has no conditions: allowed is at least one (the order of the equations is {first.order})")
-        if finite[side == "right"] and count > first.order:
+        if count > first.order:
             raise InputError(f"{side} has {count} conditions: allowed are {first.order}, the order of the equations")
-    if all(finite) and left + right != first.order:
+    if all(statement.holding) and left + right != first.order:
         listed = ", ".join(shown(state) for state in first.states)
         told = f"{left} conditions at the left end and {right} at the right"
         raise InputError(f"{told}: allowed are {first.order} in all, the order of the equations, whose states are {listed}")

@@ -8,8 +8,9 @@
     left = { at = -1, conditions = ["u", "v"] }
     right = { at = 1, conditions = ["u", "v"] }
 
-An end is {at, conditions}, "infinity", or, where the coefficients have no limit, {infinity = true, start = …}. Further keys: eigenvalue and
-variable, their names (by default sigma and z), fold, and reference = [re, im].
+An end is {at, conditions}; {axis = its place} where the equations have a regular singular point; "infinity"; or, where the coefficients
+have no limit there, {infinity = true, start = …}.
+Further keys: eigenvalue and variable, their names (by default sigma and z), fold, and reference = [re, im].
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from shootstab.core.errors import InputError
-from shootstab.formulation.conditions import Conditions
+from shootstab.formulation.conditions import Axis, Conditions, End
 from shootstab.formulation.problem import EquationProblem, equations
 from shootstab.problems.ends import Infinity
 
@@ -54,10 +55,12 @@ def from_table(table: Mapping[str, Any]) -> EquationProblem:
     )
 
 
-def _end(given: Any, side: str) -> Conditions | Infinity:
-    allowed = 'allowed is { at = ..., conditions = [...] }, "infinity" or { infinity = true, start = ... }'
+def _end(given: Any, side: str) -> End:
+    allowed = 'allowed is { at = ..., conditions = [...] }, { axis = ... }, "infinity" or { infinity = true, start = ... }'
     if given == "infinity":
         return Infinity()
+    if isinstance(given, dict) and set(given) == {"axis"}:
+        return Axis(given["axis"])
     if not isinstance(given, dict):
         raise InputError(f"[problem] {side} = {given!r}: {allowed}")
     if given.get("infinity") is True and set(given) <= {"infinity", "start", "decaying"}:

@@ -14,11 +14,15 @@ from shootstab.formulation.domain import Domain
 from shootstab.formulation.evaluation import Given
 from shootstab.formulation.names import Names
 from shootstab.formulation.system import Row, System
+from shootstab.problems.ends import Infinity
 
 
 @dataclass(frozen=True, eq=False)
 class Statement:
-    """The equations and the conditions at both ends as rows over the unknowns, with the names in them; rows are empty at infinity."""
+    """The equations and the conditions at both ends as rows over the unknowns, with the names in them.
+
+    An end without conditions (an axis, infinity) has no rows.
+    """
 
     names: Names
     system: System
@@ -31,6 +35,11 @@ class Statement:
     @property
     def finite(self) -> tuple[bool, bool]:
         """Which ends are."""
+        return not isinstance(self.left, Infinity), not isinstance(self.right, Infinity)
+
+    @property
+    def holding(self) -> tuple[bool, bool]:
+        """Which ends hold conditions."""
         return isinstance(self.left, Conditions), isinstance(self.right, Conditions)
 
 
@@ -51,8 +60,8 @@ def stated(
             raise InputError(f"{name} = {value!r}: allowed is a list")
     names = Names(tuple(unknowns), dict(parameters), dict(where), eigenvalue, variable, tuple(given))
     ends = end_of(left, "left"), end_of(right, "right")
-    low = ends[0].at if isinstance(ends[0], Conditions) else -np.inf
-    high = ends[1].at if isinstance(ends[1], Conditions) else np.inf
+    low = -np.inf if isinstance(ends[0], Infinity) else ends[0].at
+    high = np.inf if isinstance(ends[1], Infinity) else ends[1].at
     if not low < high:
         raise InputError(f"the ends lie at {variable} = {low:g} and {high:g}: allowed is a left end below the right one")
     read = {f"equation {i}": names.expression(e, f"equation {i}") for i, e in enumerate(equations, 1)}

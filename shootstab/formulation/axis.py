@@ -1,0 +1,122 @@
+"""The regular solutions at a regular singular end, as the space that an integration in doubles begins with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.core.errors import ConvergenceError
+from shootstab.formulation.regular_singular import GENERIC, TERMS, Family, RegularSingularEnd, blocks
+from shootstab.problems.protocol import FarFrame
+
+REACH = 0.25  # of the length of the domain, how far out an integration begins at most
+SMALLEST = 1e-6  # of that length
+ROUNDING = 4e-15  # relative error of the frame at the start, for these σ
+PROBES = (GENERIC, -GENERIC, 1j * GENERIC)
+WORST = 1e-11  # relative error of a frame beyond which nothing is begun; what is below counts in the budget of a mode
+NEGLIGIBLE = 1e-19  # of the first terms: where the series ends
+UNIT = 4e-16  # rounding of one term
+
+Array = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class RegularSpace:
+    """See problems.decaying_space.StartingSpace: the regular solutions at the distance x from the end, without a σ-dependent factor."""
+
+    end: RegularSingularEnd
+    x: float
+    where: str
+
+    @property
+    def columns(self) -> int:
+        return self.end.columns
+
+    def frame(self, sigma: complex) -> FarFrame:
+        """Raises ConvergenceError where the series does not hold at x for this σ."""
+        parts = [self._family(family, sigma) for family in self.end.families]
+        frame, tangent = (np.concatenate([part[i] for part in parts], axis=1) for i in (0, 1))
+        error = max(part[2] for part in parts)
+        if error > WORST:
+            raise ConvergenceError(f"at {self.where} the regular solutions are known to {error:.1e} only for sigma = {sigma:.6g}")
+        return FarFrame(frame, tangent, 0.0, error)
+
+    def _family(self, family: Family, sigma: complex) -> tuple[Array, Array, float]:
+        """ψ, dψ/dσ (n, k) and the relative error of the largest column."""
+        n, k, rho = len(self.end.shifts), len(family.free), family.exponent
+        C0, C1, D0, D1 = self.end.arrays
+        C, D, S = C0 + sigma * C1, D0 + sigma * D1, np.array(self.end.shifts, dtype=float)
+        ratio = self.x / self.end.length
+        phi, slope, turned, turned_slope = (np.zeros((TERMS, n, k), dtype=np.complex128) for _ in range(4))
+        for out, part in zip((phi, slope), self._first(family, sigma), strict=True):
+            out[: family.count] = part.reshape(family.count, n, k)
+        for m in range(family.count):
+            factor = (rho + m + S)[:, None]
+            turned[m], turned_slope[m] = factor * phi[m], factor * slope[m]
+        terms = TERMS
+        largest = (np.abs(phi[: family.count]).max(axis=(1, 2)) * ratio ** np.arange(family.count)).max()
+        for m in range(family.count, TERMS):
+            # L_q φ_{m−q} summed over q ≥ 1, and what σ changes in it
+            right = _sum(D, phi, m) - _sum(C, turned, m)
+            right_slope = _sum(D, slope, m) - _sum(C, turned_slope, m) + _sum(D1, phi, m) - _sum(C1, turned, m)
+            factor = (rho + m + S)[:, None]
+            L, dL = C[0] * factor.T - D[0], C1[0] * factor.T - D1[0]
+            phi[m] = np.linalg.solve(L, right)
+            slope[m] = np.linalg.solve(L, right_slope - dL @ phi[m])
+            turned[m], turned_slope[m] = factor * phi[m], factor * slope[m]
+            ends = np.arange(max(m - 3, 0), m + 1)
+            last = np.abs(phi[ends]).max(axis=(1, 2)) * ratio**ends
+            if m > family.count + 4 and last.max() < NEGLIGIBLE * largest:
+                terms = m + 1
+                break
+        phi, slope = phi[:terms], slope[:terms]
+        powers = ratio ** np.arange(terms)
+        values, slopes = (part * powers[:, None, None] for part in (phi, slope))
+        total = values.sum(axis=0)
+        scale = self.x ** (S + (rho - self.lowest))[:, None]
+        sizes = np.abs(total).max(axis=0)
+        lost = np.abs(values).max(axis=(0, 1)) * UNIT + np.abs(values[-4:]).max(axis=(0, 1))
+        return scale * total, scale * slopes.sum(axis=0), float((lost / sizes).max())
+
+    def _first(self, family: Family, sigma: complex) -> tuple[Array, Array]:
+        """The coefficients for m < count and their σ-derivatives, (count n, k)."""
+        n, k = len(self.end.shifts), len(family.free)
+        fixed, moving = blocks(self.end.arrays, self.end.shifts, family.exponent, family.count)
+        rows, free = list(family.rows), list(family.free)
+        dependent = [i for i in range(len(family.allowed)) if i not in free]
+        allowed = np.array(family.allowed)
+        M, dM = ((part[:, allowed])[rows] for part in (fixed + sigma * moving, moving))
+        values = np.zeros((len(allowed), k), dtype=np.complex128)
+        values[free] = np.eye(k)
+        values[dependent] = np.linalg.solve(M[:, dependent], -M[:, free])
+        slopes = np.zeros_like(values)
+        slopes[dependent] = np.linalg.solve(M[:, dependent], -dM @ values)
+        out = [np.zeros((family.count * n, k), dtype=np.complex128) for _ in range(2)]
+        out[0][allowed], out[1][allowed] = values, slopes
+        return out[0], out[1]
+
+    @property
+    def lowest(self) -> complex:
+        """The exponent of the first family, taken out of all: a factor that does not depend on σ."""
+        return self.end.families[0].exponent
+
+
+def _sum(A: Array, y: Array, m: int) -> Array:
+    """Σ_{q ≥ 1} A_q y_{m−q}."""
+    q = np.arange(1, m + 1)
+    return np.asarray(np.einsum("qij,qjk->ik", A[q], y[m - q]))
+
+
+def starting_distance(end: RegularSingularEnd, length: float, where: str) -> float:
+    """How far from the end to begin: the largest of some distances at which the series holds to rounding for σ of the size 1."""
+    x = REACH * length
+    while x > SMALLEST * length:
+        try:
+            if all(RegularSpace(end, x, where).frame(sigma).error <= ROUNDING for sigma in PROBES):
+                return x
+        except ConvergenceError:
+            pass
+        x *= 0.7
+    raise ConvergenceError(f"at {where} the series of the regular solutions holds nowhere")

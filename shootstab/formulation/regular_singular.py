@@ -1,0 +1,252 @@
+"""A regular singular end, such as the axis r = 0: the exponents there, and which solutions are regular.
+
+With x = |z − z_0| and ψ_j = x^{s_j} φ_j, every row multiplied by the power of x that makes it finite, the system becomes
+
+    Ĉ (x φ′ + S φ) = D̂ φ,   S = diag(s),   Ĉ = Σ Ĉ_q x^q,  D̂ = Σ D̂_q x^q,   Ĉ_0 regular.
+
+The s are the largest integers ≤ 0 with s_i ≤ s_j + (pole orders), found by relaxation; where they do not settle the point is irregular.
+Solutions without logarithms φ = Σ φ_m x^{ρ+m} satisfy
+
+    L_0(ρ + m) φ_m + Σ_{q≥1} L_q(ρ + m − q) φ_{m−q} = 0,   L_q(μ) = μ Ĉ_q + Ĉ_q S − D̂_q,
+
+and the exponents are the zeros of det L_0. Regular are those solutions in which no unknown has a power of x with a negative real part.
+All m up to the largest exponent are taken together: the regular solutions are the null space of one matrix, affine in σ.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from shootstab.core.errors import InputError
+from shootstab.formulation.affine import AffineSystem
+from shootstab.formulation.expression import VARIABLE, Expression, Z, number, substituted
+from shootstab.formulation.first_order import Entries
+from shootstab.problems.protocol import GENERIC_SIGMA
+
+ALIKE = 1e-6  # exponents and their differences are told from integers by this
+SMALL = 1e-9  # singular values below this part of the largest are zero
+MOST = 60  # orders between the smallest and the largest exponent
+CIRCLE = 16  # values of σ at which a basis is shown to be a polynomial in it
+RADII = (0.7, 19.0)
+TERMS = 80  # of the series, at most
+FIRST_TERMS = 12  # of the coefficients, by which the length is found
+GENERIC = GENERIC_SIGMA * (1 + 0.37j)
+
+Scaled = tuple[Entries, Entries, Entries, Entries]
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """Solutions φ = Σ_{m<count} φ_m x^{ρ+m} + …; allowed are the coefficients (m n + j) that regularity leaves. Of these, by their
+    places there, free are those that a basis is named by, and rows the equations that find the others.
+    """
+
+    exponent: complex
+    count: int
+    free: tuple[int, ...]
+    rows: tuple[int, ...]
+    allowed: tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class RegularSingularEnd:
+    """The scaled pencil Ĉ0, Ĉ1, D̂0, D̂1 by entries without poles in x (the variable of the expressions), s, and the families.
+
+    Series are in x/length, a length over which the coefficients are of the size of their values at the end.
+    """
+
+    parts: Scaled
+    shifts: tuple[int, ...]
+    length: float
+    families: tuple[Family, ...]
+    exponents: tuple[complex, ...]
+
+    @property
+    def columns(self) -> int:
+        """The number of regular solutions."""
+        return sum(len(family.free) for family in self.families)
+
+    @cached_property
+    def arrays(self) -> list[NDArray[np.complex128]]:
+        """The series of Ĉ0, Ĉ1, D̂0, D̂1, (TERMS, n, n) each."""
+        return coefficient_arrays(self.parts, len(self.shifts), TERMS, self.length)
+
+
+def regular_singular_end(system: AffineSystem, z0: Fraction, direction: int, bounded: Sequence[int], where: str) -> RegularSingularEnd:
+    """The end at z0, from which the domain goes in this direction; bounded are the states that are unknowns.
+
+    Raises InputError for an irregular point, exponents that depend on σ, and solutions that no basis polynomial in σ is found for.
+    """
+    parts, shifts = _scaled(system, z0, direction, where)
+    length = _length(parts, system.size)
+    exponents = _exponents(parts, shifts, GENERIC, where)
+    other = _exponents(parts, shifts, -2.3 * GENERIC.conjugate(), where)
+    if np.abs(exponents - other).max() > ALIKE * (1.0 + np.abs(exponents).max()):
+        raise InputError(f"at {where} the exponents depend on the eigenvalue: that is not offered")
+    families = []
+    left = list(exponents)
+    while left:
+        first = left[0]
+        members = [x for x in left if abs((x - first) - round((x - first).real)) < ALIKE]
+        left = [x for x in left if x not in members]
+        lowest = min(members, key=lambda x: float(x.real))
+        rho = complex(round(lowest.real), 0.0) if abs(lowest - round(lowest.real)) < ALIKE else complex(lowest)
+        count = 1 + round(max(float((x - lowest).real) for x in members))
+        if count > MOST:
+            raise InputError(f"at {where} exponents differ by {count - 1}: allowed are differences up to {MOST - 1}")
+        families.append(_family(parts, shifts, length, rho, count, bounded, where))
+    found = tuple(family for family in families if family is not None)
+    return RegularSingularEnd(parts, shifts, length, found, tuple(complex(x) for x in exponents))
+
+
+def coefficient_arrays(parts: Scaled, n: int, terms: int, length: float = 1.0) -> list[NDArray[np.complex128]]:
+    """Ĉ0, Ĉ1, D̂0, D̂1 as arrays (terms, n, n) of their power series in x/length. Raises InputError where they have none."""
+    from shootstab.core.series import Series
+    from shootstab.formulation.series_evaluation import on_double_series
+
+    at = on_double_series(terms)
+    out = [np.zeros((terms, n, n), dtype=np.complex128) for _ in parts]
+    powers = length ** np.arange(terms)
+    for array, entries in zip(out, parts, strict=True):
+        for (i, j), entry in entries.items():
+            value = at(entry)
+            array[:, i, j] = powers * (value.coefficients if isinstance(value, Series) else [value, *[0.0] * (terms - 1)])
+        if not np.isfinite(array).all():
+            raise InputError("at a regular singular end a coefficient is no power series with a pole: allowed are powers of the coordinate")
+    return out
+
+
+def blocks(arrays: Sequence[NDArray[np.complex128]], shifts: Sequence[int], family: complex, count: int) -> list[NDArray[np.complex128]]:
+    """The matrices before σ⁰ and σ¹ of all equations for m < count, (count n, count n)."""
+    n, S = len(shifts), np.diag(np.array(shifts, dtype=float))
+    out = []
+    for C, D in ((arrays[0], arrays[2]), (arrays[1], arrays[3])):
+        M = np.zeros((count, n, count, n), dtype=np.complex128)
+        for m in range(count):
+            for q in range(m + 1):
+                M[m, :, m - q] = (family + m - q) * C[q] + C[q] @ S - D[q]
+        out.append(M.reshape(count * n, count * n))
+    return out
+
+
+def _scaled(system: AffineSystem, z0: Fraction, direction: int, where: str) -> tuple[Scaled, tuple[int, ...]]:
+    n = system.size
+    place = number(z0) + (Z if direction > 0 else -Z)
+    moved = [{at: substituted(entry, VARIABLE, place) for at, entry in part.items()} for part in system.parts]
+    C0, C1, D0, D1 = moved
+    if direction < 0:
+        D0, D1 = ({at: -entry for at, entry in part.items()} for part in (D0, D1))
+    own = [
+        min(_valuation(part[i, i]) for part in (C0, C1) if (i, i) in part) if any((i, i) in p for p in (C0, C1)) else None for i in range(n)
+    ]
+    if any(v is None for v in own):
+        raise InputError(f"at {where} the highest derivatives do not each stand in an equation of their own: that is not offered")
+    bounds = [(i, j, _valuation(e) - (own[i] or 0)) for part in (C0, C1) for (i, j), e in part.items()]
+    bounds += [(i, j, _valuation(e) + 1 - (own[i] or 0)) for part in (D0, D1) for (i, j), e in part.items()]
+    s = [0] * n
+    for _ in range(n + 1):
+        changed = False
+        for i, j, w in bounds:
+            if s[j] + w < s[i]:
+                s[i], changed = s[j] + w, True
+        if not changed:
+            break
+    else:
+        raise InputError(f"{where} is an irregular singular point of the equations: allowed are regular ones")
+
+    def scaled(part: Entries, extra: int) -> Entries:
+        return {(i, j): e * Z ** (s[j] - s[i] - (own[i] or 0) + extra) for (i, j), e in part.items()}
+
+    return (scaled(C0, 0), scaled(C1, 0), scaled(D0, 1), scaled(D1, 1)), tuple(s)
+
+
+def _length(parts: Scaled, n: int) -> float:
+    """The x at which the later terms of the coefficients together are as large as the first, for σ of the size 1."""
+    arrays = coefficient_arrays(parts, n, FIRST_TERMS)
+    sizes = [float(max(np.abs(array[q]).max() for array in arrays)) for q in range(FIRST_TERMS)]
+    x = 1.0
+    while sum(a * x**q for q, a in enumerate(sizes[1:], 1)) > sizes[0] and x > 1e-12:
+        x *= 0.5
+    return x
+
+
+def _valuation(entry: Expression) -> int:
+    """The smallest power of z in its monomials."""
+    return min(int(dict(monomial).get(VARIABLE, 0)) for monomial in entry.terms)
+
+
+def _exponents(parts: Scaled, shifts: Sequence[int], sigma: complex, where: str) -> NDArray[np.complex128]:
+    n = len(shifts)
+    C0, C1, D0, D1 = (array[0] for array in coefficient_arrays(parts, n, 2))
+    C = C0 + sigma * C1
+    if np.linalg.cond(C) > 1 / SMALL:
+        raise InputError(f"at {where} the highest derivatives are dependent: that is not offered")
+    found = np.linalg.eigvals(np.linalg.solve(C, D0 + sigma * D1) - np.diag(np.array(shifts, dtype=float)))
+    rounded = np.where(np.abs(found - np.round(found.real)) < 1e-3, np.round(found.real), found)  # multiple ones scatter
+    return np.asarray(rounded[np.lexsort((rounded.imag, rounded.real))])
+
+
+def _family(
+    parts: Scaled, shifts: tuple[int, ...], length: float, rho: complex, count: int, bounded: Sequence[int], where: str
+) -> Family | None:
+    n = len(shifts)
+    fixed, moving = blocks(coefficient_arrays(parts, n, count + 1, length), shifts, rho, count)
+    forbidden = {m * n + j for m in range(count) for j in bounded if (rho + m).real + shifts[j] < -ALIKE}
+    allowed = [i for i in range(count * n) if i not in forbidden]
+
+    def matrix(sigma: complex) -> NDArray[np.complex128]:
+        M = (fixed + sigma * moving)[:, allowed]
+        sizes = np.abs(fixed[:, allowed]).max(axis=1) + np.abs(moving[:, allowed]).max(axis=1)
+        return np.asarray(M / np.where(sizes > 0.0, sizes, 1.0)[:, None])
+
+    M = matrix(GENERIC)
+    sizes = np.linalg.svd(M, compute_uv=False)
+    k = len(allowed) - int((sizes > SMALL * sizes[0]).sum())
+    if k == 0:
+        return None
+    _, _, order = scipy.linalg.qr(M.conj().T, pivoting=True)
+    rows = sorted(order[: len(allowed) - k].tolist())
+    for free in _candidates(scipy.linalg.null_space(M, rcond=SMALL), k):
+        if _is_polynomial(matrix, rows, free):
+            return Family(rho, count, tuple(free), tuple(rows), tuple(allowed))
+    raise InputError(f"at {where} no basis of the regular solutions is found that is a polynomial in the eigenvalue: that is not offered")
+
+
+def _candidates(basis: NDArray[np.complex128], k: int) -> list[list[int]]:
+    """Coefficients that may name a basis: the first ones that are independent, counted from the lowest order, or from any later one."""
+    found: list[list[int]] = []
+    for start in range(len(basis)):
+        chosen: list[int] = []
+        for i in [*range(start, len(basis)), *range(start)]:
+            trial = basis[[*chosen, i]]
+            if np.linalg.matrix_rank(trial, tol=1e-6) == len(trial):
+                chosen.append(i)
+            if len(chosen) == k:
+                break
+        if len(chosen) == k and sorted(chosen) not in found:
+            found.append(sorted(chosen))
+    return found
+
+
+def _is_polynomial(matrix: object, rows: list[int], free: list[int]) -> bool:
+    """Whether the basis named by these coefficients has no poles: its values on circles have no negative Fourier coefficients."""
+    for radius in RADII:
+        sigmas = radius * np.exp(2j * np.pi * np.arange(CIRCLE) / CIRCLE)
+        values = []
+        for sigma in sigmas.tolist():
+            M = matrix(sigma)[rows]  # type: ignore[operator]
+            dependent = [i for i in range(M.shape[1]) if i not in free]
+            if np.linalg.cond(M[:, dependent]) > 1 / SMALL:
+                return False
+            values.append(np.linalg.solve(M[:, dependent], -M[:, free]))
+        waves = np.fft.fft(np.array(values), axis=0)
+        if np.abs(waves[CIRCLE // 2 :]).max(initial=0.0) > 1e-8 * np.abs(waves).max(initial=1e-300):
+            return False
+    return True
