@@ -227,25 +227,6 @@ def slope(atom: Atom) -> Expression:
     return SLOPES[atom.name](atom.argument) * inner
 
 
-def substituted(expression: Expression, atom: Atom, value: Expression) -> Expression:
-    """With a value in place of an atom, in arguments too."""
-    if value == of_atom(atom):
-        return expression
-    total = number(0)
-    for monomial, c in expression.terms.items():
-        product = Expression({(): c})
-        for factor, e in monomial:
-            if factor == atom:
-                product = product * value**e
-            elif factor.argument is not None and atom in factor.argument.atoms():
-                inner = substituted(factor.argument, atom, value)
-                product = product * (inner**e if factor.kind == "base" else function(factor.name, inner) ** e)
-            else:
-                product = product * Expression({((factor, e),): ONE})
-        total = total + product
-    return total
-
-
 def quotient(a: Expression, b: Expression) -> Expression | None:
     """a/b where b divides a, by leading monomials; None where that does not come out."""
     order = sorted({atom for e in (a, b) for m in e.terms for atom, _ in m}, key=lambda atom: (atom.kind != "eigenvalue", atom.key))
@@ -316,8 +297,6 @@ def _root(base: Expression, exponent: Exponent) -> Expression:
 
 def _shown(monomial: Monomial, c: Gaussian) -> str:
     factors = [str(a) if e == 1 else f"{a}**{e if e > 0 and Fraction(e).denominator == 1 else f'({e})'}" for a, e in monomial]
-    if c == ONE and factors:
-        return "*".join(factors)
-    if c == -ONE and factors:
-        return "-" + "*".join(factors)
+    if factors and c in (ONE, -ONE):
+        return ("" if c == ONE else "-") + "*".join(factors)
     return "*".join([str(c), *factors])

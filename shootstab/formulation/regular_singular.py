@@ -26,8 +26,9 @@ from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
 from shootstab.formulation.affine import AffineSystem
-from shootstab.formulation.expression import VARIABLE, Expression, Z, number, substituted
+from shootstab.formulation.expression import VARIABLE, Expression, Z, number
 from shootstab.formulation.first_order import Entries
+from shootstab.formulation.substitution import substituted
 from shootstab.problems.protocol import GENERIC_SIGMA
 
 ALIKE = 1e-6  # exponents and their differences are told from integers by this

@@ -9,7 +9,7 @@ import mpmath
 import numpy as np
 import pytest
 from equations_written import WRITTEN
-from substitution import residual
+from put_back import residual
 
 from shootstab.core.errors import InputError
 from shootstab.formulation.domain import Domain
