@@ -9,6 +9,7 @@ vanishing.py.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
 from typing import Any
@@ -69,7 +70,6 @@ class Expression:
         return self._key
 
     def __bool__(self) -> bool:
-        """Whether anything is left of it."""
         return bool(self.terms)
 
     def __eq__(self, other: object) -> bool:
@@ -91,13 +91,12 @@ class Expression:
 
     def __mul__(self, other: Expression) -> Expression:
         terms: dict[Monomial, Gaussian] = {}
-        for m, c in self.terms.items():
-            for n, d in other.terms.items():
-                product = _product(m, n)
-                if isinstance(product, Expression):
-                    _accumulate(terms, ((k, c * d * x) for k, x in product.terms.items()))
-                else:
-                    _accumulate(terms, ((product, c * d),))
+        for (m, c), (n, d) in itertools.product(self.terms.items(), other.terms.items()):
+            product = _product(m, n)
+            if isinstance(product, Expression):
+                _accumulate(terms, ((k, c * d * x) for k, x in product.terms.items()))
+            else:
+                _accumulate(terms, ((product, c * d),))
         return Expression(terms)
 
     def __truediv__(self, other: Expression) -> Expression:
