@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from shootstab.formulation.expression import Atom, Exponent, Expression
+from shootstab.formulation.atoms import Atom, Exponent
+from shootstab.formulation.expression import Expression
 from shootstab.formulation.gaussian import Gaussian
 from shootstab.problems.protocol import ComplexArray
 

@@ -15,37 +15,10 @@ from fractions import Fraction
 from typing import Any
 
 from shootstab.core.errors import InputError
+from shootstab.formulation.atoms import Atom, Exponent
 from shootstab.formulation.gaussian import ONE, Gaussian
 
 LARGEST = 4000  # chosen: monomials that a power of a sum is multiplied out to at most
-Exponent = int | Fraction
-
-
-class Atom:
-    """A factor: kind is variable, eigenvalue, constant, jet, function, given or base; order counts derivatives of a jet or a given one."""
-
-    __slots__ = ("argument", "hash", "key", "kind", "name", "order")
-
-    def __init__(self, kind: str, name: str, order: int = 0, argument: Expression | None = None) -> None:
-        self.kind, self.name, self.order, self.argument = kind, name, order, argument
-        self.key = f"{kind}:{name}:{order:03d}:{argument.key if argument is not None else ''}"
-        self.hash = hash(self.key)
-
-    def __hash__(self) -> int:
-        return self.hash
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Atom) and self.hash == other.hash and self.key == other.key
-
-    def __lt__(self, other: Atom) -> bool:
-        return self.key < other.key
-
-    def __str__(self) -> str:
-        if self.kind in ("function", "base"):
-            return f"{self.name}({self.argument})"
-        if not self.order:
-            return self.name
-        return f"d({self.name})" if self.order == 1 else f"d({self.name},{self.order})"
 
 
 Monomial = tuple[tuple[Atom, Exponent], ...]

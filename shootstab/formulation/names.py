@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from shootstab.core.errors import InputError
-from shootstab.formulation.expression import FUNCTIONS, PI, Atom, Expression, Z, number, of_atom
+from shootstab.formulation.atoms import Atom
+from shootstab.formulation.expression import FUNCTIONS, PI, Expression, Z, number, of_atom
 from shootstab.formulation.grammar import read
 from shootstab.formulation.system import SIGMA, jet
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from shootstab.formulation.expression import Atom, Expression, function, number, of_atom
+from shootstab.formulation.atoms import Atom
+from shootstab.formulation.expression import Expression, function, number, of_atom
 from shootstab.formulation.gaussian import ONE
 
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from shootstab.core.errors import InputError
-from shootstab.formulation.expression import Atom, Expression, number, of_atom
+from shootstab.formulation.atoms import Atom
+from shootstab.formulation.expression import Expression, number, of_atom
 from shootstab.formulation.vanishing import Vanishing
 
 Jet = tuple[str, int]  # an unknown and the order of its derivative
