@@ -193,10 +193,11 @@ def slope(atom: Atom) -> Expression:
         return of_atom(Atom(atom.kind, atom.name, atom.order + 1))
     if atom.argument is None:
         return number(0)
-    inner = atom.argument.derivative()
+    argument: Expression = atom.argument
+    inner = argument.derivative()
     if atom.kind == "base" or not inner:
         return inner
-    return SLOPES[atom.name](atom.argument) * inner
+    return SLOPES[atom.name](argument) * inner
 
 
 def quotient(a: Expression, b: Expression) -> Expression | None:
@@ -251,7 +252,8 @@ def _power_of(atom: Atom, exponent: Exponent) -> Expression:
     if exponent == 0:
         return number(1)
     if atom.kind == "base" and atom.argument is not None and Fraction(exponent).denominator == 1 and exponent > 0:
-        return atom.argument ** int(exponent)
+        base: Expression = atom.argument
+        return base ** int(exponent)
     return Expression({((atom, exponent),): ONE})
 
 
