@@ -7,13 +7,14 @@ import sys
 import textwrap
 from argparse import Namespace
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shootstab.core.errors import InputError
 from shootstab.core.regions import Disc, Polygon, Rectangle, Region
 from shootstab.io import scenes as scene_files
-from shootstab.io.conventions import Convention
+from shootstab.io.conventions import Convention, wavenumber
 from shootstab.io.files import require_writable, write_whole
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def verify(options: Namespace) -> int:
             region = region or (unstable_box(own.problem, claimed) if convention.plain else None)
             given = (claimed / convention.unit).tolist()
         report = question(scene.problem, given, digits=options.digits, region=region, progress=told, unstable=options.unstable)
-    report = convention.shown(report)
+    report = convention.shown(replace(report, dropped=0 if spectrum is None else spectrum.dropped))
     if options.plot is not None:
         from shootstab.cli import plots
 
@@ -71,7 +72,7 @@ def verify(options: Namespace) -> int:
     def tables() -> list[RenderableType]:
         from shootstab.cli import tables
 
-        return tables.report(report, scene)
+        return tables.report(report, scene, options.only, options.sort)
 
     document = documents.report(report)
     if not convention.plain:
@@ -110,8 +111,12 @@ def refine(options: Namespace) -> int:
 def _convention(options: Namespace) -> Convention:
     """What the user says that his numbers are."""
     given = {name: getattr(options, name)[0] for name in ("alpha", "length", "velocity") if getattr(options, name) is not None}
-    if options.kind is None and (given or options.sign is not None or options.conjugate):
-        raise InputError("--alpha, --sign, --conjugate, --length and --velocity: allowed with --as growth, frequency or phase-speed")
+    if options.kind is None and (given or options.sign is not None):
+        raise InputError("--alpha, --sign, --length and --velocity: allowed with --as growth, frequency or phase-speed")
+    if options.kind == "phase-speed" and "alpha" not in given:
+        own = wavenumber(scene_files.load(options.scene).problem)
+        if own is not None:
+            given["alpha"] = own * given.get("length", 1.0)  # in the user's units
     return Convention(options.kind or "growth", options.sign, conjugate=options.conjugate, **given)
 
 
@@ -239,7 +244,7 @@ def scenes(options: Namespace) -> int:
     if options.json is not None:
         says = [{"name": name, "description": one.scene.description, **vars(one.details)} for name, one in listed.items()]
         _write_json(options, {"scenes": says})
-    if options.json != "-":
+    if options.json != "-" and not options.quiet:
         for name, one in listed.items():
             print(textwrap.fill(f"{name:<16}{one.scene.description}", 80, subsequent_indent=" " * 16))
             print(textwrap.fill(str(one.details), 80, initial_indent=" " * 16, subsequent_indent=" " * 16))
@@ -257,7 +262,7 @@ def _answer(options: Namespace, document: dict[str, Any], tables: Callable[[], l
     """JSON where it was asked for, with the scene in it, and tables on standard output unless JSON takes it."""
     if options.json is not None:
         _write_json(options, {**document, "scene": scene.as_dict()})
-    if options.json != "-":
+    if options.json != "-" and not options.quiet:
         from shootstab.cli.terminal import show
 
         show(tables())

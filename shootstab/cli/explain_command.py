@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from shootstab.cli.commands import DONE, answer
 from shootstab.io import scenes
-from shootstab.problems.capabilities import EXPLANATION
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -15,6 +14,8 @@ if TYPE_CHECKING:
 
 def explain(options: Namespace) -> int:
     """Order, states, the continuous spectrum inside, conditions on the states."""
+    from shootstab.problems.capabilities import EXPLANATION
+
     scene = scenes.load(options.scene)
     lines = EXPLANATION.required(scene.problem)
 

@@ -8,7 +8,7 @@ from importlib.resources import files
 from shootstab.core.errors import InputError
 from shootstab.io.notation import nearest
 
-FIRST = ("first-minutes", "verdicts", "error-bars", "your-own-equations")  # the others follow by name
+FIRST = ("first-minutes", "verdicts", "error-bars", "your-own-spectrum", "your-own-equations")  # the others follow by name
 
 
 def topics() -> dict[str, str]:

@@ -1,12 +1,13 @@
 """The command line: what may be asked, and what the exit status says.
 
-0: done, no bad news. 1: bad news. 2: bad input, with one line on standard error. Nothing heavy is imported here, so that help and
-refusals come at once.
+0: done, no bad news. 1: bad news. 2: bad input. 3: an error of the program, whose traceback lies in a file. 4: an answer that could not be
+written. Each but 0 says one line on standard error. Nothing heavy is imported here, so that help and refusals come at once.
 """
 
 from __future__ import annotations
 
 import argparse
+import errno
 import os
 import re
 import sys
@@ -18,10 +19,14 @@ from shootstab import __version__
 from shootstab.cli import commands, explain_command, guide_command
 from shootstab.cli import sweep_command as sweeping
 from shootstab.cli import trade_command as trading
-from shootstab.core.errors import InputError, ShootstabError
+from shootstab.cli.help import DOORS, STATUSES, epilog, with_nearest
+from shootstab.cli.selection import SORTS
+from shootstab.core.errors import InputError, OutputError, ShootstabError
+from shootstab.core.records import VERDICTS
 from shootstab.io.notation import complex_from, floats_from
 
-BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 2, 130, 141
+BAD_INPUT, INTERNAL, NOT_WRITTEN, INTERRUPTED, BROKEN_PIPE = 2, 3, 4, 130, 141
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # what a stream says that takes no more
 SCENE_HELP = "a built-in name (see `shootstab scenes`), a TOML file, or module:object"
 
 
@@ -30,14 +35,20 @@ def main(argv: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # a σ must not stop a terminal that has none
+    words = _with_values(sys.argv[1:] if argv is None else argv)
     try:
-        options = parser().parse_args(_with_values(sys.argv[1:] if argv is None else argv))
+        if not words:
+            print(DOORS)
+            return commands.DONE
+        options = parser().parse_args(words)
         commands.prepare(options)
         status: int = options.run(options)
         sys.stdout.flush()
         return status
     except InputError as error:
         return _say(error, BAD_INPUT)
+    except OutputError as error:
+        return _say(error, NOT_WRITTEN)
     except ShootstabError as error:
         return _say(error, commands.BAD_NEWS)
     except KeyboardInterrupt:
@@ -46,6 +57,24 @@ def main(argv: Sequence[str] | None = None) -> int:
         # whoever read has gone; keep Python from flushing into the broken pipe at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return BROKEN_PIPE
+    except OSError as error:
+        if error.errno not in FULL:
+            return _internal(error)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return _say(f"the answer could not be written: {error.strerror}", NOT_WRITTEN)
+    except Exception as error:
+        return _internal(error)
+
+
+def _internal(error: Exception) -> int:
+    """One line, and the traceback in a file: what went wrong is not the user's doing."""
+    import tempfile
+    import traceback
+
+    with tempfile.NamedTemporaryFile("w", prefix="shootstab-", suffix=".traceback", delete=False, encoding="utf-8") as file:
+        file.write(f"shootstab {__version__}: {' '.join(sys.argv[1:])}\n")
+        traceback.print_exception(error, file=file)
+    return _say(f"internal error: {type(error).__name__}: {error} (the traceback is in {file.name})", INTERNAL)
 
 
 def _say(error: object, status: int) -> int:
@@ -57,10 +86,18 @@ class _Parser(argparse.ArgumentParser):
     """An ArgumentParser that refuses in one line, by the same way as everything else."""
 
     def __init__(self, **settings: Any) -> None:
-        super().__init__(**{"allow_abbrev": False, **settings})
+        super().__init__(**{"allow_abbrev": False, "formatter_class": argparse.RawDescriptionHelpFormatter, **settings})
 
     def error(self, message: str) -> NoReturn:
-        raise InputError(f"{message} (see {self.prog} --help)")
+        raise InputError(f"{with_nearest(message, self._all_options())} (see {self.prog} --help)")
+
+    def _all_options(self) -> list[str]:
+        """The options of this command and of those below it."""
+        found = list(self._option_string_actions)
+        for action in self._actions:
+            if isinstance(action, argparse._SubParsersAction):
+                found += [option for below in action.choices.values() for option in below._option_string_actions]
+        return sorted(set(found))
 
 
 class _Version(argparse.Action):
@@ -74,7 +111,7 @@ class _Version(argparse.Action):
 
 def parser() -> argparse.ArgumentParser:
     """All commands and their options."""
-    top = _Parser(prog="shootstab", description="An independent second opinion on eigenvalues of linear stability problems.")
+    top = _Parser(prog="shootstab", description=DOORS, epilog=STATUSES)
     top.add_argument("--version", action=_Version, help="show the version and stop")
     subparsers = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
@@ -86,6 +123,8 @@ def parser() -> argparse.ArgumentParser:
     _convention(verify)
     verify.add_argument("--digits", type=_integer(1, 12), default=6, metavar="N", help="digits that an eigenvalue must have (default 6)")
     verify.add_argument("--strict", action="store_true", help="`continuum` is bad news too")
+    verify.add_argument("--only", choices=("bad", *VERDICTS), help="show these verdicts only; bad: all but confirmed and continuum")
+    verify.add_argument("--sort", choices=SORTS, help="the order of the table (default: that of the file)")
     verify.add_argument("--plot", type=_plot_path, metavar="FILE", help="draw the complex plane into a png, pdf or svg file")
     verify.add_argument("-M", dest="truncation", type=_integer(0, 999_999), metavar="N", help="truncation of the bundled reference")
     verify.add_argument("--region", type=_numbers(4), metavar="RE0,IM0,RE1,IM1", help="look for missing modes in this rectangle")
@@ -123,19 +162,21 @@ def parser() -> argparse.ArgumentParser:
 
     _command(subparsers, commands.scenes, "what is built in", scene=False)
 
-    guide = subparsers.add_parser("guide", help="the manual", description="A page of the manual; without TOPIC, a list of all.")
-    guide.set_defaults(run=guide_command.guide, json=None)
+    guide = subparsers.add_parser("guide", help="the manual", description="A page of the manual, or a list of all.", epilog=epilog("guide"))
+    guide.set_defaults(run=guide_command.guide, json=None, quiet=False)
     guide.add_argument("topic", nargs="?", metavar="TOPIC", help="the page")
     return top
 
 
 def _command(subparsers: Any, run: Callable[[argparse.Namespace], int], says: str, scene: bool = True) -> argparse.ArgumentParser:
     """A command, named after the function that runs it."""
-    made: argparse.ArgumentParser = subparsers.add_parser(run.__name__, help=says, description=says[0].upper() + says[1:] + ".")
+    title = says[0].upper() + says[1:] + "."
+    made: argparse.ArgumentParser = subparsers.add_parser(run.__name__, help=says, description=title, epilog=epilog(run.__name__))
     made.set_defaults(run=run)
     if scene:
         made.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
     made.add_argument("--json", metavar="FILE", help="write the answer as JSON; - is standard output, which then holds nothing else")
+    made.add_argument("--quiet", action="store_true", help="no table: the exit status and the files asked for are the answer")
     return made
 
 

@@ -11,6 +11,7 @@ from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from shootstab.cli.selection import Row, rows
 from shootstab.core.records import (
     CONFIRMED,
     CONTINUUM,
@@ -33,20 +34,47 @@ if TYPE_CHECKING:
 
 COLOURS = {CONFIRMED: "green", INACCURATE: "yellow", SPURIOUS: "red", CONTINUUM: "cyan", UNRESOLVED: "magenta", "missing": "bold red"}
 ABSENT = "–"
+PAGE = 80  # columns that a table may have
+GAP = 2  # between two columns
 FLOW_DIGITS = 1e-12  # the relative accuracy of a steady flow
 
 Parts = list[RenderableType]
 
 
-def report(found: Report, scene: Scene) -> Parts:
-    """Verdicts and missing modes, the reasons, and one sentence."""
-    table = _table("", _sigma("claimed σ", scene), "verdict", f"mode {scene.symbol}", "error", "digits")
-    for number, verdict in enumerate(found.verdicts, 1):
+def report(found: Report, scene: Scene, only: str | None = None, sort: str | None = None) -> Parts:
+    """Verdicts and missing modes, the reasons, and one sentence.
+
+    Where a row would be wider than the page, the mode stands below the claim: a number is never cut.
+    """
+    shown = rows(found, only, sort)
+    lines = []
+    for number, verdict in shown:
         cells = _mode_cells(verdict.sigma, verdict.error) if verdict.sigma is not None else (ABSENT, ABSENT)
-        table.add_row(str(number), claimed_digits(verdict.claimed, found.digits), _coloured(verdict.verdict), *cells, _agreement(verdict))
+        lines.append((str(number), claimed_digits(verdict.claimed, found.digits), verdict.verdict, *cells, _agreement(verdict)))
     for mode in found.missing:
-        table.add_row("", ABSENT, _coloured("missing"), *_mode_cells(mode.sigma, mode.error), ABSENT)
-    return [Text(scene.heading), table, *_reasons(found), Text(_sentence(found))]
+        lines.append(("", ABSENT, "missing", *_mode_cells(mode.sigma, mode.error), ABSENT))
+    headings = ("#", _sigma("claimed σ", scene), "verdict", f"mode {scene.symbol}", "error", "digits")
+    if sum(max(len(line[i]) for line in [headings, *lines]) for i in range(6)) + 5 * GAP <= PAGE:
+        table = _table("", *headings[1:])
+        for row, claimed, said, *others in lines:
+            table.add_row(row, claimed, _coloured(said), *others)
+    else:
+        table = _table("", f"{headings[1]}, {headings[3]}", *(h for h in headings[2:] if h != headings[3]))
+        for row, claimed, said, mode_text, *others in lines:
+            both = claimed if mode_text == ABSENT else mode_text if claimed == ABSENT else f"{claimed}\n{mode_text}"
+            table.add_row(row, both, _coloured(said), *others)
+    return [_heading(scene), table, *_reasons(found, shown), *_left_out(found), Text(_sentence(found))]
+
+
+def _left_out(found: Report) -> Parts:
+    if not found.dropped:
+        return []
+    entries = "1 entry that is" if found.dropped == 1 else f"{found.dropped} entries that are"
+    return [Text(f"Left out of the file: {entries} infinite, not a number, or 1e15 and more.")]
+
+
+def _heading(scene: Scene) -> Text:
+    return Text(textwrap.fill(scene.heading, PAGE))
 
 
 def _mode_cells(sigma: Any, error: float | None) -> tuple[str, str]:
@@ -61,9 +89,9 @@ def _agreement(verdict: Verdict) -> str:
     return f"≥{known:.1f}" if verdict.digits_agreed >= known - 1e-9 else f"{verdict.digits_agreed:.1f}"
 
 
-def _reasons(found: Report) -> Parts:
+def _reasons(found: Report, shown: Sequence[Row]) -> Parts:
     reasons: Parts = []
-    for number, verdict in enumerate(found.verdicts, 1):
+    for number, verdict in shown:
         if verdict.verdict != CONFIRMED:
             reasons.append(Text.assemble(f"{number:>4}  ", _coloured(verdict.verdict), f": {verdict.why}"))
     reasons += [Text.assemble("      ", ("not searched", "magenta"), f": {what}") for what in found.undecided]
@@ -82,10 +110,10 @@ def _sentence(found: Report) -> str:
 
 def mode(found: Mode, scene: Scene) -> Parts:
     """One mode and what its error is made of."""
-    parts = ", ".join(f"{name.replace('_', ' ')} {_two_figures(value)}" for name, value in found.budget.as_dict().items())
+    parts = [f"{name.replace('_', ' ')} {_two_figures(value)}" for name, value in found.budget.as_dict().items()]
     rows = {
         _sigma("σ", scene): held_complex(found.sigma, found.error),
-        "error": f"{_two_figures(found.error)}  ({parts})",
+        "error": f"{_two_figures(found.error)}  ({', '.join(parts[:2])},\n         {', '.join(parts[2:])})",
         "digits": f"{found.digits:.1f}",
         "status": found.status,
         "method": f"{found.method}, {found.evaluations} evaluations, {found.seconds:.2g} s, {found.path} path in z",
@@ -96,7 +124,7 @@ def mode(found: Mode, scene: Scene) -> Parts:
         rows["multiplicity"] = f"{found.multiplicity}: so many eigenvalues, equal or not told apart, lie within the error"
     if math.isfinite(found.continuum_distance):
         rows["continuous spectrum"] = f"at a distance of {_two_figures(found.continuum_distance)}"
-    return [Text(scene.heading), _pairs(rows)]
+    return [_heading(scene), _pairs(rows)]
 
 
 def count(region: Region, found: RegionCount, scene: Scene) -> Parts:
@@ -113,11 +141,11 @@ def count(region: Region, found: RegionCount, scene: Scene) -> Parts:
 
 def found(answer: Found, region: Region, scene: Scene) -> Parts:
     """A table of modes, the resonances under it, and the count."""
-    table = _table("", _sigma("mode σ", scene), "error", "digits", "multiplicity", "off the continuum")
+    table = _table("", _sigma("mode σ", scene), "error", "digits", "multiplicity", "continuum")
     for number, m in enumerate(answer.modes, 1):
         away = _two_figures(m.continuum_distance) if math.isfinite(m.continuum_distance) else ABSENT
         table.add_row(str(number), held_complex(m.sigma, m.error), _two_figures(m.error), f"{m.digits:.1f}", str(m.multiplicity), away)
-    parts: Parts = [Text(scene.heading), *([table] if answer.modes else [])]
+    parts: Parts = [_heading(scene), *([table] if answer.modes else [])]
     if answer.resonances is not None:
         listed = ", ".join(f"{complex(r):.8g}" for r in answer.resonances) or "none"
         parts.append(Text(f"Resonances beyond the continuous spectrum, which are not modes: {listed}."))
@@ -153,7 +181,7 @@ def steady(flow: Flow, profiles: Mapping[str, Sequence[float]], scene: Scene) ->
     step = (len(profiles["z"]) - 1) // 10
     for row in zip(*(profiles[name][::step] for name in ("z", "nu", "T", "u")), strict=True):
         table.add_row(*(f"{value:.6g}" for value in row))
-    return [Text(scene.heading), _pairs(rows), table]
+    return [_heading(scene), _pairs(rows), table]
 
 
 def spectrum(found: Any, raw: bool, scene: Scene) -> Parts:
@@ -163,7 +191,7 @@ def spectrum(found: Any, raw: bool, scene: Scene) -> Parts:
         for number, sigma in enumerate(found.raw, 1):
             table.add_row(str(number), held_complex(complex(sigma), abs(complex(sigma)) * 1e-12 or None))
         return [
-            Text(scene.heading),
+            _heading(scene),
             table,
             Text(f"{len(found.raw)} eigenvalues of the pencil at truncation {found.truncation}, {len(found.eigenvalues)} pass."),
         ]
@@ -172,7 +200,7 @@ def spectrum(found: Any, raw: bool, scene: Scene) -> Parts:
         shown = held_complex(complex(sigma), float(drift) or None)
         table.add_row(str(number), shown, _two_figures(drift), _two_figures(tail))
     sentence = f"{len(found.eigenvalues)} of {len(found.raw)} eigenvalues at truncation {found.truncation} pass both filters."
-    return [Text(scene.heading), table, Text(sentence)]
+    return [_heading(scene), table, Text(sentence)]
 
 
 def _sigma(title: str, scene: Scene) -> str:
@@ -189,7 +217,7 @@ def _coloured(verdict: str) -> Text:
 
 
 def _table(title: str, *headings: str, numbered: bool = True) -> Table:
-    table = Table(title=Text(title) if title else None, title_justify="left", box=SIMPLE, pad_edge=False)
+    table = Table(title=Text(title) if title else None, title_justify="left", box=SIMPLE, pad_edge=False, padding=(0, GAP - 1, 0, 0))
     if numbered:
         table.add_column("#", justify="right", no_wrap=True)
     for heading in headings:

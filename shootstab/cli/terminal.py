@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 Progress = Callable[[int, int], None]
 
 WIDE = 10_000
+HEARTBEAT = 10.0  # seconds: chosen, as a job of CI that is silent for minutes is taken for dead
 
 
 def show(parts: Sequence[RenderableType]) -> None:
@@ -38,10 +39,22 @@ def show(parts: Sequence[RenderableType]) -> None:
 
 @contextmanager
 def progress(task: str) -> Iterator[Progress | None]:
-    """A bar on standard error, to be told (done, total); None unless standard error is a terminal."""
-    if not sys.stderr.isatty():
+    """A bar on standard error, to be told (done, total); into a log a line every ten seconds.
+
+    None where standard error has been replaced by whoever runs the command inside a program.
+    """
+    if sys.stderr.isatty():
+        with _bar(task) as told:
+            yield told
+    elif sys.stderr is sys.__stderr__:
+        with _heartbeat(task) as told:
+            yield told
+    else:
         yield None
-        return
+
+
+@contextmanager
+def _bar(task: str) -> Iterator[Progress]:
     from rich.console import Console
     from rich.progress import Progress as Bar
 
@@ -52,3 +65,28 @@ def progress(task: str) -> Iterator[Progress | None]:
             bar.update(bar_task, completed=done, total=total)
 
         yield told
+
+
+@contextmanager
+def _heartbeat(task: str) -> Iterator[Progress]:
+    """A thread that says how far it is: also while one step takes long."""
+    import threading
+    import time
+
+    done, began, over = "", time.monotonic(), threading.Event()
+
+    def told(count: int, total: int) -> None:
+        nonlocal done
+        done = f", {count} of {total}"
+
+    def beat() -> None:
+        while not over.wait(HEARTBEAT):
+            print(f"shootstab: {task}{done}, {time.monotonic() - began:.0f} s", file=sys.stderr, flush=True)
+
+    thread = threading.Thread(target=beat, daemon=True)
+    thread.start()
+    try:
+        yield told
+    finally:
+        over.set()
+        thread.join()

@@ -13,6 +13,10 @@ class InputError(ShootstabError, ValueError):
     """The input is wrong: the text says what, where, and what is allowed. The command line exits with status 2."""
 
 
+class OutputError(ShootstabError):
+    """An answer could not be written: the text says where and why. The command line exits with status 4."""
+
+
 class NoFlowError(InputError):
     """No steady flow exists for these parameters."""
 

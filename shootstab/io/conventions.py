@@ -89,3 +89,12 @@ class Convention:
             for v in report.verdicts
         )
         return replace(report, verdicts=tuple(verdicts), missing=tuple(replace(m, sigma=m.sigma.conjugate()) for m in report.missing))
+
+
+def wavenumber(problem: object) -> float | None:
+    """The one streamwise wavenumber of a problem that names it, alpha or kx; None for others."""
+    for name in ("alpha", "kx"):
+        value = getattr(problem, name, None)
+        if isinstance(value, int | float) and value != 0:
+            return float(value)
+    return None

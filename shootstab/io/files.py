@@ -7,7 +7,7 @@ import stat
 from collections.abc import Callable
 from pathlib import Path
 
-from shootstab.core.errors import InputError
+from shootstab.core.errors import InputError, OutputError
 
 
 def require_writable(path: Path) -> None:
@@ -25,9 +25,13 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
     """Let `write` fill a file beside `path`, then put it in its place: nobody ever sees half of it.
 
     The other file keeps the suffix, by which writers choose a format. Pipes and devices are written to as they are.
+    Raises OutputError.
     """
     if _is_device(path):
-        write(path)
+        try:
+            write(path)
+        except OSError as error:
+            raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
         return
     target = path.resolve()  # a link stays a link
     beside = target.with_name(f".{target.stem}.{os.getpid()}{target.suffix}")
@@ -35,7 +39,7 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
         write(beside)
         beside.replace(target)
     except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error
+        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
     finally:
         beside.unlink(missing_ok=True)
 

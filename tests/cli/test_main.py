@@ -19,7 +19,7 @@ import pytest
 from shootstab.analyses.cut_region import RegionCount
 from shootstab.cli import main as cli
 from shootstab.cli import tables, terminal
-from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.errors import ConvergenceError, InputError, OutputError
 from shootstab.core.records import (
     CONFIRMED,
     CONTINUUM,
@@ -196,7 +196,7 @@ def test_scenes(run: Run) -> None:
     assert status == 0
     assert [line.split()[0] for line in out.splitlines() if line[0] != " "] == list(built_in())
     assert "whole channel -1 < y < 1, both parities; order 4" in " ".join(out.split())
-    assert max(map(len, out.splitlines())) <= 80
+    assert max(map(len, out.splitlines())) <= tables.PAGE
     status, out, _ = run("scenes", "--json", "-")
     assert [scene["name"] for scene in json.loads(out)["scenes"]] == list(built_in())
     assert all(scene["order"] and scene["symmetry"] and scene["unknowns"] and scene["eigenvalue"] for scene in json.loads(out)["scenes"])
@@ -344,8 +344,11 @@ def test_bad_eigenvalue_files(run: Run, tmp_path: Path, content: str | None, wor
 
 
 BAD_WORDS = {
-    "nothing": ([], "COMMAND"),
-    "no such command": (["prove", "high"], "'prove'"),
+    "no such command": (["prooove", "high"], "'prooove'"),
+    "nearly a command": (["verfy", "high"], "did you mean verify?"),
+    "nearly an option": (["verify", "high", "--digts", "5"], "did you mean --digits?"),
+    "nearly a method": (["refine", "high", "--guess=1", "--method=ricati"], "did you mean riccati?"),
+    "nearly a verdict": (["verify", "high", "--only=suprious"], "did you mean spurious?"),
     "no scene": (["verify"], "SCENE"),
     "no such option": (["verify", "high", "--digit", "5"], "--digit"),
     "no guess": (["refine", "high"], "--guess"),
@@ -424,6 +427,7 @@ def failing(error: BaseException) -> Callable[..., Any]:
     [
         (ConvergenceError("nothing\nfound"), 1, "shootstab: nothing found\n"),
         (InputError("never"), 2, "shootstab: never\n"),
+        (OutputError("full"), 4, "shootstab: full\n"),
         (KeyboardInterrupt(), 130, "shootstab: interrupted\n"),
     ],
 )
@@ -433,6 +437,71 @@ def test_a_question_that_fails(
     monkeypatch.setattr("shootstab.analyses.refine.refine", failing(error))
     assert run("refine", "poiseuille", "--guess=1", "--json", tmp_path / "answer.json") == (status, "", said)
     assert not (tmp_path / "answer.json").exists()
+
+
+def test_an_error_of_the_program_is_one_line_and_a_file(run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr("shootstab.analyses.refine.refine", failing(TypeError("a bug\nof ours")))
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    status, out, err = run("refine", "poiseuille", "--guess=1")
+    assert (status, out) == (3, "")
+    place = re.fullmatch(r"shootstab: internal error: TypeError: a bug of ours \(the traceback is in (\S+)\)\n", err)
+    assert place is not None
+    assert "Traceback" in Path(place[1]).read_text()
+
+
+def test_a_full_disk_is_no_bad_news_of_the_spectrum() -> None:
+    for words in (["scenes"], ["scenes", "--json", "/dev/full"]):
+        with Path("/dev/full").open("w") as full:
+            done = subprocess.run([str(EXE), *words], stdout=full, stderr=subprocess.PIPE, text=True, timeout=60, check=False)
+        assert (done.returncode, done.stderr.count("\n")) == (4, 1), done.stderr
+
+
+def test_nothing_at_all_shows_three_doors_and_every_help_an_example(run: Run) -> None:
+    status, out, err = run()
+    assert (status, err) == (0, "")
+    assert len(re.findall(r" shootstab (verify|refine|count) ", out)) == 3
+    for command in ("verify", "refine", "count", "find", "steady", "spectrum", "sweep", "trade", "scenes", "guide"):
+        status, out, _ = run(command, "--help")
+        assert status == 0
+        assert f"example: shootstab {command}" in out
+        assert "exit status: 0 no bad news; 1 bad news" in out
+
+
+def test_quiet_says_nothing_and_writes_what_was_asked(run: Run, modes: Path, tmp_path: Path) -> None:
+    assert run("verify", "high", modes, "--quiet", "--json", tmp_path / "a.json") == (1, "", "")
+    assert json.loads((tmp_path / "a.json").read_text())["summary"]["spurious"] == 1
+
+
+def test_rows_are_chosen_and_sorted_and_keep_their_numbers(fake: Scene, capsys: pytest.CaptureFixture[str]) -> None:
+    found = report_of(CONFIRMED, SPURIOUS, CONTINUUM, INACCURATE, CONFIRMED, UNRESOLVED)
+    for only, sort, numbers in (
+        (None, None, [1, 2, 3, 4, 5, 6]),
+        ("bad", None, [2, 4, 6]),
+        (CONFIRMED, None, [1, 5]),
+        (None, "verdict", [1, 5, 4, 2, 3, 6]),
+        ("bad", "digits", [2, 6, 4]),
+    ):
+        table: Any = tables.report(found, fake, only, sort)[0]
+        assert [int(cell) for cell in table.columns[0].cells] == numbers
+
+
+def test_wide_tables_fit_a_page_and_cut_no_digit(capsys: pytest.CaptureFixture[str]) -> None:
+    sigma = -0.117583166744123 + 0.030124815001456j
+    verdict = Verdict(sigma, CONFIRMED, "", sigma, 1e-14, 12.0)
+    terminal.show(tables.report(Report((verdict,), (), 12), load("low")))
+    out = capsys.readouterr().out
+    assert "-0.11758316674412 + 0.03012481500146i" in out
+    assert max(map(len, out.splitlines())) <= tables.PAGE
+
+
+def test_a_log_hears_a_heartbeat(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(terminal, "HEARTBEAT", 0.05)
+    monkeypatch.setattr(sys, "stderr", sys.__stderr__)
+    with terminal.progress("work") as told:
+        assert told is not None
+        told(3, 7)
+        time.sleep(0.3)
+    assert "shootstab: work, 3 of 7, 0 s\n" in capfd.readouterr().err
 
 
 def test_a_mode_that_did_not_converge_is_bad_news(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -530,7 +599,7 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
         target.write_text("ha")
         raise OSError(28, "No space left on device")
 
-    with pytest.raises(InputError, match="No space left"):
+    with pytest.raises(OutputError, match="No space left"):
         files.write_whole(path, full)
     assert path.read_text() == "old"
     files.write_whole(path, lambda target: target.write_text("new"))
