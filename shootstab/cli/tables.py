@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -63,7 +64,7 @@ def report(found: Report, scene: Scene, only: str | None = None, sort: str | Non
         for row, claimed, said, mode_text, *others in lines:
             both = claimed if mode_text == ABSENT else mode_text if claimed == ABSENT else f"{claimed}\n{mode_text}"
             table.add_row(row, both, _coloured(said), *others)
-    return [_heading(scene), table, *_reasons(found, shown), *_left_out(found), Text(_sentence(found))]
+    return [heading(scene), table, *_reasons(found, shown), *_left_out(found), Text(_sentence(found))]
 
 
 def _left_out(found: Report) -> Parts:
@@ -73,7 +74,8 @@ def _left_out(found: Report) -> Parts:
     return [Text(f"Left out of the file: {entries} infinite, not a number, or 1e15 and more.")]
 
 
-def _heading(scene: Scene) -> Text:
+def heading(scene: Scene) -> Text:
+    """What the scene is, on a page's width."""
     return Text(textwrap.fill(scene.heading, PAGE))
 
 
@@ -124,7 +126,7 @@ def mode(found: Mode, scene: Scene) -> Parts:
         rows["multiplicity"] = f"{found.multiplicity}: so many eigenvalues, equal or not told apart, lie within the error"
     if math.isfinite(found.continuum_distance):
         rows["continuous spectrum"] = f"at a distance of {_two_figures(found.continuum_distance)}"
-    return [_heading(scene), _pairs(rows)]
+    return [heading(scene), _pairs(rows)]
 
 
 def count(region: Region, found: RegionCount, scene: Scene) -> Parts:
@@ -145,7 +147,7 @@ def found(answer: Found, region: Region, scene: Scene) -> Parts:
     for number, m in enumerate(answer.modes, 1):
         away = _two_figures(m.continuum_distance) if math.isfinite(m.continuum_distance) else ABSENT
         table.add_row(str(number), held_complex(m.sigma, m.error), _two_figures(m.error), f"{m.digits:.1f}", str(m.multiplicity), away)
-    parts: Parts = [_heading(scene), *([table] if answer.modes else [])]
+    parts: Parts = [heading(scene), *([table] if answer.modes else [])]
     if answer.resonances is not None:
         listed = ", ".join(f"{complex(r):.8g}" for r in answer.resonances) or "none"
         parts.append(Text(f"Resonances beyond the continuous spectrum, which are not modes: {listed}."))
@@ -181,7 +183,7 @@ def steady(flow: Flow, profiles: Mapping[str, Sequence[float]], scene: Scene) ->
     step = (len(profiles["z"]) - 1) // 10
     for row in zip(*(profiles[name][::step] for name in ("z", "nu", "T", "u")), strict=True):
         table.add_row(*(f"{value:.6g}" for value in row))
-    return [_heading(scene), _pairs(rows), table]
+    return [heading(scene), _pairs(rows), table]
 
 
 def spectrum(found: Any, raw: bool, scene: Scene) -> Parts:
@@ -191,7 +193,7 @@ def spectrum(found: Any, raw: bool, scene: Scene) -> Parts:
         for number, sigma in enumerate(found.raw, 1):
             table.add_row(str(number), held_complex(complex(sigma), abs(complex(sigma)) * 1e-12 or None))
         return [
-            _heading(scene),
+            heading(scene),
             table,
             Text(f"{len(found.raw)} eigenvalues of the pencil at truncation {found.truncation}, {len(found.eigenvalues)} pass."),
         ]
@@ -200,7 +202,7 @@ def spectrum(found: Any, raw: bool, scene: Scene) -> Parts:
         shown = held_complex(complex(sigma), float(drift) or None)
         table.add_row(str(number), shown, _two_figures(drift), _two_figures(tail))
     sentence = f"{len(found.eigenvalues)} of {len(found.raw)} eigenvalues at truncation {found.truncation} pass both filters."
-    return [_heading(scene), table, Text(sentence)]
+    return [heading(scene), table, Text(sentence)]
 
 
 def _sigma(title: str, scene: Scene) -> str:

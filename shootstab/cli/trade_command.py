@@ -93,9 +93,11 @@ def tables(found: WorkPrecision, scene: Scene) -> list[RenderableType]:
     from rich.table import Table
     from rich.text import Text
 
+    from shootstab.cli.tables import heading
+
     table = Table(box=SIMPLE, pad_edge=False)
-    for heading in ("method", "resolution", "relative error", "time", "memory", "D or factorizations"):
-        table.add_column(Text(heading), no_wrap=True, justify="left" if heading in ("method", "resolution") else "right")
+    for column in ("method", "resolution", "relative error", "time", "memory", "D or factorizations"):
+        table.add_column(Text(column), no_wrap=True, justify="left" if column in ("method", "resolution") else "right")
     last = ""
     for r in found.measurements:
         if last and r.method != last:
@@ -104,7 +106,7 @@ def tables(found: WorkPrecision, scene: Scene) -> list[RenderableType]:
         memory = f"{r.memory / 1e6:.1f} MB" if r.memory else "–"
         table.add_row(r.method, resolution(r), error, f"{1e3 * r.seconds:.2f} ms", memory, str(r.work))
         last = r.method
-    return [Text(scene.heading), table, Text(found.recommendation)]
+    return [heading(scene), table, Text(found.recommendation)]
 
 
 def resolution(rung: Measurement) -> str:

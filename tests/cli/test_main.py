@@ -481,7 +481,7 @@ def test_rows_are_chosen_and_sorted_and_keep_their_numbers(fake: Scene, capsys: 
         (None, "verdict", [1, 5, 4, 2, 3, 6]),
         ("bad", "digits", [2, 6, 4]),
     ):
-        table: Any = tables.report(found, fake, only, sort)[0]
+        table: Any = tables.report(found, fake, only, sort)[1]
         assert [int(cell) for cell in table.columns[0].cells] == numbers
 
 
