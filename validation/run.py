@@ -17,6 +17,7 @@ CLAIMS = (
     "gallery",
     "digits",
     "calibration",
+    "random_chutes",
     "strangers",
     "fuzz_pencils",
 )
