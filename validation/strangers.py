@@ -166,7 +166,7 @@ def judged(question: str, sigma: complex, error: float, s: Stranger, modes: Sequ
 
 def rounded(v: complex, digits: int, scale: float = 0.0) -> complex:
     """v to so many digits of its size."""
-    size = max(abs(v), scale)
+    size = abs(v) if abs(v) > 1e-10 * scale else scale
     unit = 10.0 ** (math.floor(math.log10(size)) + 1 - digits) if size else 1.0
     return complex(round(v.real / unit) * unit, round(v.imag / unit) * unit)
 
@@ -188,10 +188,12 @@ def verify(s: Stranger, problem: Any, modes: Sequence[tuple[complex, float]]) ->
             f"verify {claim:.8g}", outcome, f"{verdict.verdict}, not {' or '.join(right)}: {verdict.why}" if outcome != RIGHT else right[0]
         )
     for m in report.missing:
+        if s.region is None and min((abs(complex(m.sigma) - v) / abs(v) for v, _ in modes if v), default=1.0) > 1e-6:
+            continue  # a mode of which no truth is at hand
         yield Answer("verify", WRONG, f"{complex(m.sigma):.12g} (times {m.multiplicity}) is called missing")
     for u in report.undecided:
         kind = UNTRUE if untrue(u, s, modes) else LOST
-        if s.region is not None:
+        if s.region is not None and "of the end" not in u:  # what is documented as a limit: next to the ends of a continuous spectrum
             yield Answer("verify", kind, f"undecided: {u}")
 
 

@@ -128,6 +128,35 @@ def tiny(scale: float) -> Any:
     return lambda x: second_order(-6 * sech(x) ** 2, 0, 1 / scale)
 
 
+def bessel_in_logarithms(m: int) -> Any:
+    """r²y″ + ry′ = (m² + σr²)y in s = ln r, y bounded at −∞: σ = −j²_{m,n}."""
+    return lambda s: second_order(m * m, 0, np.exp(2 * s))
+
+
+def bessel_zeros(m: int, count: int) -> list[tuple[complex, float]]:
+    with mpmath.workdps(30):
+        return [(complex(-(mpmath.besseljzero(m, n) ** 2)), 3e-16 * float(mpmath.besseljzero(m, n) ** 2)) for n in range(1, count + 1)]
+
+
+def mixed_axis(s: Any) -> Any:
+    """The axisymmetric case, m = 0, of (y, ry′), mixed by T = [[1, 2], [3, 7]]: both rates at −∞ are 0, any gap is rounding."""
+    T = np.array([[1.0, 2], [3, 7]])
+    back = np.array([[7.0, -2], [-3, 1]])
+    return tuple(T @ M @ back for M in (np.array([[0, 1], [0, 0]]), np.array([[0, 0], [np.exp(2 * s), 0]])))
+
+
+def refused_or_right(make: Any, truth: complex) -> Any:
+    """No answer beyond its bound: a refusal in words is right."""
+    try:
+        m = st.refine(make(), truth * 1.01)
+    except st.InputError as error:
+        yield "refused", "right", str(error)
+        return
+    off = abs(complex(m.sigma) - truth)
+    good = not m.converged or off <= m.error + 1e-14
+    yield "refine", "right" if good else "WRONG", f"{m.sigma} ± {m.error}, truth {truth}: {m.status}"
+
+
 def gkdv_modes() -> Any:
     return collocated(3, stretched(kdv(1.0, 6), 20.0, 0.25), Far(-1.0, 2), Far(1.0, 1), [1.680634], N=130)
 
@@ -263,6 +292,52 @@ STRANGERS = [
         line(2, lambda x: second_order(-15.75 * sech(x) ** 2, 0)),
         exactly(12.25, 6.25, 2.25, 0.25),
         region=st.Rectangle(0.1 - 1j, 15 + 1.1j),
+    ),
+    *(
+        Stranger(
+            f"Pöschl–Teller ν = 2 about x = {at:g}",
+            "a well that is not at the origin",
+            "exact",
+            line(2, lambda x, at=at: second_order(-6 * sech(x - at) ** 2, 0)),
+            exactly(4, 1),
+            region=st.Rectangle(0.5 - 1j, 5 + 1.1j),
+        )
+        for at in (10.0, 40.0, -200.0)
+    ),
+    Stranger(
+        "half-line, well far from the wall",
+        "a well that is not at the origin",
+        "exact",
+        lambda: st.problem(2, lambda x: second_order(-6 * sech(x - 40) ** 2, 0), st.Wall(0, [[1, 0]]), st.Infinity()),
+        exactly(4, 1),
+        region=st.Rectangle(0.5 - 1j, 5 + 1.1j),
+    ),
+    Stranger(
+        "two wells, 20 apart",
+        "tunnelling pairs on the line",
+        "exact",
+        line(2, lambda x: second_order(-6 * sech(x - 10) ** 2 - 6 * sech(x + 10) ** 2, 0)),
+        lambda: [(4 + 0j, 1e-9), (4 + 0j, 1e-9), (1 + 0j, 1e-6), (1 + 0j, 1e-6)],
+        region=st.Rectangle(0.5 - 1j, 5 + 1.1j),
+        digits=5,
+    ),
+    Stranger(
+        "Bessel, m = 2, in ln r",
+        "issue 18 C16 (settle_min.py)",
+        "exact",
+        lambda: st.problem(2, bessel_in_logarithms(2), st.Infinity(), st.Wall(0.0, [[1, 0]])),
+        lambda: bessel_zeros(2, 3),
+        region=st.Rectangle(-140 - 5j, -20 + 5.1j),
+    ),
+    Stranger(
+        "Bessel, m = 0, in ln r, a gap that is rounding",
+        "issue 18 B11",
+        "exact",
+        line(2, lambda x: second_order(-6 * sech(x) ** 2, 0)),
+        list,
+        also=lambda p, modes: refused_or_right(
+            lambda: st.problem(2, mixed_axis, st.Infinity(), st.Wall(0.0, [[7, -2]])), -5.783185962946784521176
+        ),
     ),
     Stranger(
         "Rosen–Morse step",

@@ -285,6 +285,12 @@ def forum_beam(x: Any) -> Any:
     return D0, D1
 
 
+def bump(x: Any) -> Any:
+    """y″ = (σ + b)y, b a Gaussian of width 1e-4 and area 20 at 0.4137."""
+    d = (x - 0.4137) / 1e-4
+    return second_order(20e4 / math.sqrt(PI) * np.exp(-d * d), 0)
+
+
 def noisy(x: Any) -> Any:
     """Issue 18 C15 (noise_min.py): w″ = (1 + σ)w, b′ = (s w)′ with s = 1 − tanh², noise where it should vanish."""
     s = 1 - np.tanh(30 * (x - 0.5)) ** 2
@@ -304,6 +310,30 @@ def moving_mass_values(m: float, count: int) -> list[tuple[complex, float]]:
         between = [(n * mpmath.pi + tiny, (n + half) * mpmath.pi) for n in range(count)]
         roots = [mpmath.findroot(lambda k: mpmath.cos(k) - m * k * mpmath.sin(k), b, solver="anderson") for b in between]
         return [(complex(-(k**2)), 3e-16 * float(k * k)) for k in roots]
+
+
+def on_the_boundary(problem: Any) -> Any:
+    """A region whose side runs through a mode is refused for that reason, and one whose side passes it at 1e-6 is counted."""
+    try:
+        n = st.count(problem, st.Rectangle(-(PI**2) - 1j, -1 + 1j))
+        yield "side through a mode", "WRONG", f"{n} without a word"
+    except st.ConvergenceError as error:
+        yield "side through a mode", "right" if "boundary" in str(error) or "contour" in str(error) else "UNTRUE", str(error)
+    for d, truth in ((1e-6, 1), (-1e-6, 0)):
+        n = st.count(problem, st.Rectangle(-(PI**2) * (1 + d) - 1j, -1 + 1j))
+        yield f"side beside a mode, {d}", "right" if n == truth else "WRONG", f"{n}, truth {truth}"
+
+
+def odd_claims(problem: Any) -> Any:
+    """Noise in the imaginary part, a repetition, the mirror image, and far-off numbers."""
+    claims = [-9.869604401 + 3e-11j, -9.869604401, 9.869604401, 1e9, -9.88]
+    expected = [("confirmed",), ("spurious",), ("spurious",), ("spurious", "unresolved"), ("inaccurate",)]
+    report = st.verify(problem, claims[:4], digits=7)
+    verdicts = [v.verdict for v in report.verdicts] + [st.verify(problem, claims[4:]).verdicts[0].verdict]
+    # either of the first two may answer for the mode
+    swapped = [*sorted(verdicts[:2]), *verdicts[2:]]
+    for claim, got, right in zip(claims, swapped, expected, strict=True):
+        yield f"claim {claim:.10g}", "right" if got in right else "WRONG", f"{got}, not {right}"
 
 
 def davies_walls(x: Any) -> Any:
@@ -332,6 +362,23 @@ STRANGERS = [
         region=st.Rectangle(-1000 - 20j, -1 + 21j),
         spurious=(-20.0, -39.0 + 1j),
         quick=True,
+    ),
+    Stranger(
+        "string, sides through modes, odd claims",
+        "the kind of A2 and A5",
+        "exact",
+        walls(2, string, 0, DIRICHLET, 1, DIRICHLET),
+        exactly(-(PI**2)),
+        also=lambda p, modes: [*on_the_boundary(p), *odd_claims(p)],
+    ),
+    Stranger(
+        "narrow bump, width 1e-4",
+        "a feature between mesh points",
+        "collocation",
+        walls(2, bump, 0, DIRICHLET, 1, DIRICHLET),
+        collocated(
+            2, bump, Fixed(0, DIRICHLET), Fixed(1, DIRICHLET), [-23.97], cuts=(0.4129, 0.4133, 0.4136, 0.4137, 0.4138, 0.4141, 0.4145), N=40
+        ),
     ),
     Stranger(
         "string, free at both ends",
