@@ -1,24 +1,23 @@
 """Problems in equations to any number of digits: the same expressions, evaluated on power series in the arithmetic at work.
 
-See multiprecision.integration. Between two finite ends the integration starts with the solutions that the conditions at one of them leave,
+See multiprecision.integration. From a regular singular end the integration starts with the regular
+solutions; between two ends with conditions with the solutions that the conditions at one of them leave,
 or, where σ occurs at both, with all of them beside their starting values (problems.subdomains: the augmented state).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from fractions import Fraction
-from functools import partial
-from operator import mul
 from typing import Any
 
 import mpmath
 
 from shootstab.formulation.affine import AffineSystem
-from shootstab.formulation.analytic_series import SeriesFunctions
 from shootstab.formulation.evaluation import Evaluator
 from shootstab.formulation.expression import Expression
-from shootstab.formulation.gaussian import Gaussian
+from shootstab.formulation.regular_digits import RegularStart
+from shootstab.formulation.series_digits import on_numbers, on_series
 from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
 from shootstab.multiprecision.integration import Base, Entries, Expansion, Progress
@@ -31,10 +30,13 @@ class EquationDigits:
 
     real = False
 
-    def __init__(self, system: AffineSystem, left: Fraction, right: Fraction) -> None:
-        self._system = system
-        self._augmented = bool(system.left[1] and system.right[1])
-        self._backwards = bool(system.left[1]) and not self._augmented
+    def __init__(
+        self, system: AffineSystem, left: Fraction, right: Fraction, start: RegularStart | None = None, backwards: bool = False
+    ) -> None:
+        """start: the regular solutions with which the integration begins at the left end, or backwards at the right one."""
+        self._system, self._start = system, start
+        self._augmented = start is None and bool(system.left[1] and system.right[1])
+        self._backwards = backwards if start is not None else bool(system.left[1]) and not self._augmented
         self._ends = (right, left) if self._backwards else (left, right)
         self.size = system.size * (1 + self._augmented)
 
@@ -42,7 +44,7 @@ class EquationDigits:
         return ()
 
     def integration(self, arithmetic: Arithmetic, settings: Settings, base: Base) -> EquationIntegration:
-        return EquationIntegration(arithmetic, settings, self._system, self._ends, self._backwards, self._augmented)
+        return EquationIntegration(arithmetic, settings, self._system, self._ends, self._backwards, self._augmented, self._start)
 
 
 class EquationIntegration:
@@ -56,8 +58,13 @@ class EquationIntegration:
         ends: tuple[Fraction, Fraction],
         backwards: bool,
         augmented: bool,
+        start: RegularStart | None,
     ) -> None:
         self._arithmetic, self._settings, self._system, self._augmented = arithmetic, settings, system, augmented
+        self._regular = start
+        if start is not None:
+            reach = start.x / Fraction(2) ** round(settings.far_shift)
+            ends = (ends[0] + (reach if ends[1] > ends[0] else -reach), ends[1])
         self._z, self._wall = (arithmetic.number(end) for end in ends)
         self._step = (self._wall - self._z) / settings.order  # a first trial; steps double from there
         sides = [(system.left, system.left_rows), (system.right, system.right_rows)]
@@ -70,6 +77,8 @@ class EquationIntegration:
 
     def far_frame(self, sigma: Any) -> tuple[Matrix, Any]:
         one, n = self._arithmetic.number(1), self._system.size
+        if self._regular is not None:
+            return self._regular.frame(self._arithmetic, self._settings, sigma), one
         if self._augmented:
             identity = [[self._arithmetic.number(int(i == j)) for j in range(n)] for i in range(n)]
             return [*identity, *[list(row) for row in identity]], one
@@ -121,76 +130,6 @@ class EquationIntegration:
             [[at(part[i, j]) if (i, j) in part else nothing for j in range(self._system.size)] for i in range(count)] for part in parts
         )
         return W0, W1
-
-
-def on_numbers(arithmetic: Arithmetic, z: Any) -> Evaluator:
-    """Expressions at one z, in numbers of the arithmetic."""
-    seed = partial(_seed, arithmetic)
-    return Evaluator(partial(_number, arithmetic), seed, partial(_root, arithmetic), {"z": z, "pi": arithmetic.pi}, _not_given)
-
-
-def on_series(arithmetic: Arithmetic, z: Taylor) -> Evaluator:
-    """Expressions on the power series z."""
-    real, wide = (
-        SeriesFunctions(dot, partial(_seed, arithmetic), partial(_root, arithmetic)) for dot in (arithmetic.dot, partial(_dot, arithmetic))
-    )
-
-    def computed(x: Taylor, do: Callable[[SeriesFunctions, list[Any]], list[Any]], branches: bool) -> Taylor:
-        """In real numbers where x is real, and a function with branches is not at a negative one."""
-        coefficients = x.coefficients(z.terms)
-        is_real = x.im is None and not (branches and coefficients[0] < 0)
-        return _wrapped(arithmetic, do(real, coefficients) if is_real else do(wide, [arithmetic.complex(c) for c in coefficients]))
-
-    def applied(name: str, x: Any) -> Any:
-        if not isinstance(x, Taylor):
-            return _seed(arithmetic, name, x)
-        return computed(x, lambda functions, a: functions.apply(name, a), name in ("log", "sqrt"))
-
-    def power(x: Any, exponent: Fraction) -> Any:
-        if not isinstance(x, Taylor):
-            return _root(arithmetic, x, exponent)
-        if exponent.denominator == 1:
-            return 1 / x ** -int(exponent)
-        return computed(x, lambda functions, a: functions.power(a, exponent), True)
-
-    return Evaluator(partial(_number, arithmetic), applied, power, {"z": z, "pi": arithmetic.pi}, _not_given)
-
-
-def _not_given(name: str, order: int) -> Any:
-    raise AssertionError(f"{name} has no digits: refused where the problem offers its capabilities")
-
-
-def _number(arithmetic: Arithmetic, c: Gaussian) -> Any:
-    re = arithmetic.number(Fraction(c.re))
-    return re + 1j * arithmetic.complex(Fraction(c.im)) if c.im else re
-
-
-def _dot(arithmetic: Arithmetic, a: Any, b: Any) -> Any:
-    """Σ a_j b_j of complex numbers; 0 of none."""
-    return arithmetic.rounded(sum(map(mul, a, b), arithmetic.complex(0)))
-
-
-def _seed(arithmetic: Arithmetic, name: str, x: Any) -> Any:
-    """A function of a number, by mpmath at the working precision."""
-    if name == "pi":
-        return arithmetic.pi
-    value = getattr(mpmath, name)(arithmetic.to_mpmath(x))
-    return arithmetic.complex(value) if isinstance(value, mpmath.mpc) else arithmetic.number(value)
-
-
-def _root(arithmetic: Arithmetic, x: Any, exponent: Fraction) -> Any:
-    value = mpmath.power(arithmetic.to_mpmath(x), mpmath.mpf(exponent.numerator) / exponent.denominator)
-    return arithmetic.complex(value) if isinstance(value, mpmath.mpc) else arithmetic.number(value)
-
-
-def _wrapped(arithmetic: Arithmetic, coefficients: list[Any]) -> Taylor:
-    parts = [arithmetic.parts(x) for x in coefficients]
-    nothing = arithmetic.number(0)
-    re, im = ([p[k] for p in parts] for k in (0, 1))
-    made = [
-        arithmetic.series([nothing if x is None else x for x in part]) if any(x is not None for x in part) else None for part in (re, im)
-    ]
-    return Taylor(arithmetic, len(coefficients), *made)
 
 
 def _null_space(arithmetic: Arithmetic, rows: Matrix, n: int) -> Matrix:

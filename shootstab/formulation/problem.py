@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
 from shootstab.formulation.affine import AffineSystem, Condition, affine, in_states
+from shootstab.formulation.axis import RegularSpace
 from shootstab.formulation.collocation import Collocation, collocation
 from shootstab.formulation.conditions import Axis, Conditions
 from shootstab.formulation.continuous_spectrum import InteriorSpectrum, interior_spectrum
@@ -22,10 +23,11 @@ from shootstab.formulation.explanation import Lines, explanation
 from shootstab.formulation.first_order import FirstOrder, first_order
 from shootstab.formulation.gaussian import Gaussian
 from shootstab.formulation.limits import with_limit
+from shootstab.formulation.regular_digits import RegularStart
 from shootstab.formulation.singular_ends import between_singular_ends, singular_end
 from shootstab.formulation.statement import Statement, stated
 from shootstab.formulation.system import degree, shown
-from shootstab.problems.ends import Wall
+from shootstab.problems.ends import Infinity, Wall
 from shootstab.problems.linear_problem import LinearProblem
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray
@@ -68,12 +70,19 @@ class EquationProblem(LinearProblem):
 
     @property
     def multiprecision(self) -> Callable[[], EquationDigits] | None:
-        """The same expressions on power series. None where a function is given to doubles only, or an end is at infinity."""
+        """The same expressions on power series. None where a function is given to doubles only, an end is at infinity, both
+        are singular, or the exponents of one are no integers."""
         ends = self.statement.left, self.statement.right
-        if self.statement.domain.given or not all(isinstance(end, Conditions) for end in ends):
+        places = [Fraction(Gaussian.of(end.at).re) for end in ends if not isinstance(end, Infinity)]
+        if self.statement.domain.given or len(places) < 2 or not any(self.statement.holding):
             return None
-        left, right = (Gaussian.of(end.at).re for end in ends if isinstance(end, Conditions))
-        return lambda: EquationDigits(self.affine, Fraction(left), Fraction(right))
+        if all(self.statement.holding):
+            return lambda: EquationDigits(self.affine, places[0], places[1])
+        space = self.reduction.subdomains[0].far
+        if not isinstance(space, RegularSpace) or not space.end.integer:
+            return None
+        start = RegularStart(space.end, Fraction(space.x))
+        return lambda: EquationDigits(self.affine, places[0], places[1], start, backwards=self.statement.holding[0])
 
     @property
     def crossings(self) -> tuple[tuple[NDArray[np.float64], ComplexArray], ...]:

@@ -74,6 +74,11 @@ class RegularSingularEnd:
         """The number of regular solutions."""
         return sum(len(family.free) for family in self.families)
 
+    @property
+    def integer(self) -> bool:
+        """Whether the regular solutions are power series in x."""
+        return all(family.exponent == round(family.exponent.real) for family in self.families)
+
     @cached_property
     def arrays(self) -> list[NDArray[np.complex128]]:
         """The series of Ĉ0, Ĉ1, D̂0, D̂1, (TERMS, n, n) each."""

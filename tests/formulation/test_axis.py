@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 from equations_written import WRITTEN
 from scipy.special import jn_zeros, jv
 
 import shootstab as st
+from shootstab.analyses.refine_digits import refine_digits
 from shootstab.core.errors import InputError
 
 
@@ -72,6 +74,23 @@ def test_pipe_flow() -> None:
     assert abs(twin.spectrum(60).eigenvalues[0] - mode.sigma) < 1e-11
     assert problem.first_order.order == 6
     assert problem.reduction.subdomains[0].far.columns == 3
+
+
+def test_many_digits_from_the_axis() -> None:
+    """Zeros of J_2 to 40 digits, from either side; pipe flow to 20, by two arithmetics."""
+    with mpmath.workdps(50):
+        expected = mpmath.besseljzero(2, 1) ** 2
+        assert abs(st.refine(bessel(2), guess=26.37, digits=40).sigma - expected) < mpmath.mpf(10) ** -38
+        mirrored = st.equations(["y"], ["d(y,2) - d(y)/(1-x) - 4*y/(1-x)**2 + sigma*y"], st.Conditions(0, ["y"]), st.Axis(1), variable="x")
+        assert abs(st.refine(mirrored, guess=26.37, digits=40).sigma - expected) < mpmath.mpf(10) ** -38
+        found = [refine_digits(pipe(1), -0.0412756446937 - 0.9114655676227j, 20, arithmetic=name) for name in ("flint", "mpmath")]
+        assert all(mode.converged for mode in found)
+        assert abs(found[0].sigma - found[1].sigma) < 2e-20
+
+
+def test_many_digits_are_refused_where_exponents_are_no_integers() -> None:
+    with pytest.raises(InputError, match="more than 12 digits"):
+        st.refine(bessel(0.3), guess=8.0, digits=20)
 
 
 @pytest.mark.parametrize("n", [0, 2, 3])

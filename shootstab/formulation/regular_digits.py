@@ -1,0 +1,131 @@
+"""The regular solutions at a regular singular end to any number of digits: the recurrence of regular_singular.py in an arithmetic."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from shootstab.core.errors import ConvergenceError
+from shootstab.formulation.regular_singular import Family, RegularSingularEnd
+from shootstab.formulation.series_digits import on_series
+from shootstab.multiprecision import small_matrices as matrices
+from shootstab.multiprecision.arithmetic import TAIL_TERMS, Arithmetic, Matrix
+from shootstab.multiprecision.settings import Settings
+from shootstab.multiprecision.taylor import Taylor, real_series
+
+MOST = 4000  # terms of a series
+
+Series = Mapping[tuple[int, int], list[Any]]  # coefficients by entry
+
+
+@dataclass(frozen=True, eq=False)
+class RegularStart:
+    """The end, and the distance from it at which an integration begins; all exponents are integers."""
+
+    end: RegularSingularEnd
+    x: Fraction
+
+    def frame(self, arithmetic: Arithmetic, settings: Settings, sigma: Any) -> Matrix:
+        """ψ (n, k) at the distance x, or nearer with a far_shift. Raises ConvergenceError where the series does not hold there."""
+        x = arithmetic.number(self.x / Fraction(2) ** round(settings.far_shift))
+        columns = [self._family(arithmetic, settings, sigma, family, x) for family in self.end.families]
+        return [[value for part in columns for value in part[i]] for i in range(len(self.end.shifts))]
+
+    def _family(self, arithmetic: Arithmetic, settings: Settings, sigma: Any, family: Family, x: Any) -> Matrix:
+        rho, shifts = round(family.exponent.real), self.end.shifts
+        terms = max(2 * settings.far_terms, 4 * family.count)
+        C, D = self._series(arithmetic, sigma, terms)
+        phi = self._first(arithmetic, family, C, D)
+        total = [list(row) for row in phi[0]]
+        power, powers = arithmetic.number(1), []
+        largest = 0.0
+        last: list[float] = []
+        for m in range(MOST):
+            if m >= terms:
+                break
+            if m >= family.count:
+                right = [[-value for value in row] for row in _carried(arithmetic, C, D, phi, rho, shifts, m)]
+                phi.append(matrices.solve(arithmetic, _leading(arithmetic, C, D, rho + m, shifts), right))
+            if m:
+                power = arithmetic.rounded(power * x)
+                total = [[a + power * b for a, b in zip(s, t, strict=True)] for s, t in zip(total, phi[m], strict=True)]
+            powers.append(power)
+            size = max(arithmetic.log2(power * value) for row in phi[m] for value in row)
+            largest, last = max(largest, size) if m else size, [*last[1 - TAIL_TERMS :], size]
+            if m > family.count + TAIL_TERMS and max(last) < largest - settings.far_tolerance * 3.33:
+                return [[arithmetic.rounded(value * x ** (rho + shifts[i])) for value in row] for i, row in enumerate(total)]
+        raise ConvergenceError("at a regular singular end the series of the regular solutions does not hold where the integration begins")
+
+    def _series(self, arithmetic: Arithmetic, sigma: Any, terms: int) -> tuple[Series, Series]:
+        """Ĉ and D̂ at this σ."""
+        z = real_series(arithmetic, [arithmetic.number(0), arithmetic.number(1)] + [arithmetic.number(0)] * (terms - 2))
+        at = on_series(arithmetic, z)
+        parts = []
+        for entries in self.end.parts:
+            made = {}
+            for place, entry in entries.items():
+                value = at(entry)
+                made[place] = (value if isinstance(value, Taylor) else 0 * z + value).coefficients(terms)
+            parts.append(made)
+        return _affine(parts[0], parts[1], sigma), _affine(parts[2], parts[3], sigma)
+
+    def _first(self, arithmetic: Arithmetic, family: Family, C: Series, D: Series) -> list[Matrix]:
+        """φ_m (n, k) for m < count."""
+        n, rho, shifts = len(self.end.shifts), round(family.exponent.real), self.end.shifts
+        nothing = arithmetic.number(0)
+        place = {at: i for i, at in enumerate(family.allowed)}
+        M = [[nothing] * len(family.allowed) for _ in family.rows]
+        for r, row in enumerate(family.rows):
+            m, i = divmod(row, n)
+            for q in range(m + 1):
+                for j in range(n):
+                    at = (m - q) * n + j
+                    if at in place:
+                        M[r][place[at]] = _entry(C, D, (i, j), q, rho + m - q + shifts[j], nothing)
+        dependent = [i for i in range(len(family.allowed)) if i not in family.free]
+        solved = matrices.solve(arithmetic, [[row[i] for i in dependent] for row in M], [[-row[i] for i in family.free] for row in M])
+        k = len(family.free)
+        phi = [[[nothing] * k for _ in range(n)] for _ in range(family.count)]
+        for i, at in enumerate(family.allowed):
+            m, j = divmod(at, n)
+            if i in family.free:
+                phi[m][j] = [arithmetic.number(int(i == free)) for free in family.free]
+            else:
+                phi[m][j] = solved[dependent.index(i)]
+        return phi
+
+
+def _entry(C: Series, D: Series, at: tuple[int, int], q: int, factor: int, nothing: Any) -> Any:
+    """L_q = (…) Ĉ_q − D̂_q at one place."""
+    value = nothing
+    if at in C:
+        value = value + factor * C[at][q]
+    return value - D[at][q] if at in D else value
+
+
+def _leading(arithmetic: Arithmetic, C: Series, D: Series, mu: int, shifts: tuple[int, ...]) -> Matrix:
+    n, nothing = range(len(shifts)), arithmetic.number(0)
+    return [[_entry(C, D, (i, j), 0, mu + shifts[j], nothing) for j in n] for i in n]
+
+
+def _carried(arithmetic: Arithmetic, C: Series, D: Series, phi: list[Matrix], rho: int, shifts: tuple[int, ...], m: int) -> Matrix:
+    """Σ_{q≥1} L_q(ρ + m − q) φ_{m−q}."""
+    n, k = len(shifts), len(phi[0][0])
+    total = [[arithmetic.number(0)] * k for _ in range(n)]
+    for part, is_C in ((C, True), (D, False)):
+        for (i, j), series in part.items():
+            for q in range(1, m + 1):
+                if not matrices.vanishes(series[q]):
+                    factor = (rho + m - q + shifts[j]) * series[q] if is_C else -series[q]
+                    total[i] = [a + factor * b for a, b in zip(total[i], phi[m - q][j], strict=True)]
+    return [[arithmetic.rounded(value) for value in row] for row in total]
+
+
+def _affine(fixed: Series, moving: Series, sigma: Any) -> Series:
+    out = dict(fixed)
+    for at, series in moving.items():
+        scaled = [sigma * c if not matrices.vanishes(c) else c for c in series]
+        out[at] = [a + b for a, b in zip(out[at], scaled, strict=True)] if at in out else scaled
+    return out
