@@ -128,9 +128,9 @@ def reduce_pencil(pencil: Pencil, n: int) -> tuple[ComplexArray, ComplexArray, C
     if right is None:
         right = _completed(C0[:, fixed], D0[:, fixed], D1[:, fixed], None)
     if right is None:
-        raise InputError(
-            "the rows of the pencil's C that sigma does not enter are dependent at some z: C is singular there for every sigma"
-        )
+        told = "the rows of the pencil's C that sigma does not enter are dependent at some z: C is singular there for every sigma"
+        advice = "one equation with a derivative for every component; one without gives a component, to be put into the others"
+        raise InputError(f"{told}: allowed is {advice} (st.equations does that)")
     X0, X1, V = np.split(right, (n, 2 * n), axis=2)
     G0, G1 = C0[:, moving] @ V, C1[:, moving] @ V
     T0 = D0[:, moving] - C0[:, moving] @ X0

@@ -396,7 +396,11 @@ WRONG_PENCILS: dict[str, tuple[Any, tuple[str, ...]]] = {
     "NaN": (nan_at_half, ("D0", "not finite at z = 0.")),
     "division by zero": (lambda z: (np.eye(2) * (1 / (z - z)), np.eye(2)), ("cannot be computed at z",)),
     "shape that varies": (lambda z: (np.eye(2 + (z > 0.5)), np.eye(2)), ("one shape",)),
-    "singular C": (lambda z: (np.zeros((2, 2)), np.zeros((2, 2)), np.eye(2), np.eye(2)), ("C", "deficient rank")),
+    "singular C": (lambda z: (np.zeros((2, 2)), np.zeros((2, 2)), np.eye(2), np.eye(2)), ("C", "dependent at some z")),
+    "an algebraic row": (
+        lambda z: (np.diag([1.0, 0.0]), np.zeros((2, 2)), np.array([[0.0, 1.0], [1.0, 1.0]]), np.eye(2)),
+        ("dependent at some z", "to be put into the others"),
+    ),
 }
 
 
