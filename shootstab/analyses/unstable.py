@@ -14,19 +14,22 @@ from typing import Any
 
 import numpy as np
 
-from shootstab.analyses.cut_region import RegionCount, count_in_region
+from shootstab.analyses.accuracy import Tightening
+from shootstab.analyses.count import counted_twice
+from shootstab.analyses.cut_region import RegionCount
 from shootstab.core.discriminant import Discriminant
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.regions import Rectangle
-from shootstab.discriminants.continuation import Continuation
+from shootstab.discriminants.continuation import Continuation, Undecidable
 from shootstab.discriminants.frame import Frame
-from shootstab.discriminants.method import Method
+from shootstab.discriminants.method import AdaptiveDiscriminant, Method
 from shootstab.problems.protocol import Problem
 
 ANGLES = np.linspace(-0.5, 0.5, 9) * math.pi
-LAW = 0.05  # relative departure of q from its law that is allowed on every arc
-OUTWARDS = (1.0, 4.0, 16.0, 64.0)  # radii, in that of the bound, on which the law is checked
-SMALLEST, LARGEST = 1e-2, 1e6
+LAW = 0.05  # chosen: relative departure of q from its law that is allowed on every arc
+OUTWARDS = (1.0, 4.0, 16.0, 64.0)  # chosen: radii, in that of the bound, on which the law is checked
+SMALLEST, LARGEST = 1e-2, 1e6  # chosen: radii between which a bound is looked for
+MOST_WORK = 20_000  # chosen: steps of all meshes on which a bound is looked for, which take some seconds
 
 
 @dataclass(frozen=True)
@@ -83,27 +86,45 @@ class Unstable:
 def count_unstable(problem: Problem, floor: float = 1e-8, method: Method | None = None) -> Unstable:
     """The number of modes with Re σ > floor.
 
-    Raises ConvergenceError where no radius is found beyond which D follows its law of growth.
+    Raises Undecidable where the essential spectrum reaches beyond the floor, ConvergenceError where no radius is found beyond which D
+    follows its law of growth.
     """
     if not 0.0 < floor < SMALLEST:
         raise InputError(f"floor = {floor!r}: allowed is a number above 0 and below {SMALLEST:g}")
     used = method or Frame(rtol=1e-8)
+    continuation = Continuation(problem, used)
+    if continuation.rightmost > floor:
+        raise Undecidable(
+            f"the essential spectrum reaches Re sigma = {continuation.rightmost:.6g}, right of the floor {floor:.1e}: "
+            "the half-plane cannot be counted as a whole; modes can be counted in a region that is named"
+        )
     radius, departure = bound(used.on(problem))
-    counted = count_in_region(Continuation(problem, used), HalfDisc(radius, floor))
+    _, counted = counted_twice(Tightening(continuation), HalfDisc(radius, floor))
     return Unstable(counted.count, floor, radius, departure, counted)
 
 
-def bound(discriminant: Discriminant) -> tuple[float, float]:
-    """A radius beyond which D follows its law of growth in the right half-plane, and the largest departure seen."""
-    radius = SMALLEST
+def bound(discriminant: AdaptiveDiscriminant) -> tuple[float, float]:
+    """A radius beyond which D follows its law of growth in the right half-plane, and the largest departure seen.
+
+    Raises ConvergenceError, before long, where none is found.
+    """
+    radius, work = SMALLEST, 0
     while radius <= LARGEST:
-        departure = max(departure_from_law(discriminant, radius * r) for r in OUTWARDS[:1])
-        if departure < LAW:
-            departure = max(departure_from_law(discriminant, radius * r) for r in OUTWARDS)
-            if departure < LAW:
-                return radius, departure
+        departures = []
+        for factor in OUTWARDS:
+            departures.append(departure_from_law(discriminant, radius * factor))
+            work += len(ANGLES) * discriminant.at(radius * factor).steps
+            if not departures[-1] < LAW or work > MOST_WORK:
+                break
+        if len(departures) == len(OUTWARDS) and max(departures) < LAW:
+            return radius, max(departures)
+        if work > MOST_WORK:
+            break
         radius *= 4.0
-    raise ConvergenceError(f"D does not follow a law of growth up to |sigma| = {LARGEST:g}: no bound on unstable modes is found")
+    raise ConvergenceError(
+        f"no bound on |sigma| of growing modes is known: D does not follow its law of growth, ln D = 2A sigma^(1/2) + B ln sigma, "
+        f"up to |sigma| = {radius:.2g}; modes can be counted in a region that is named"
+    )
 
 
 def departure_from_law(discriminant: Discriminant, radius: float) -> float:
