@@ -52,7 +52,7 @@ class Compound:
         """D = Σ_I w_I y_I, w and y the minors of W0 + σW1 and of Y: by Cauchy–Binet det[(W0 + σW1) Y]."""
         n, k = far.frame.shape
         lists = induced(n, k)
-        # columns of size 1, and by the way a number that depends on the basis: in another one everything rounds otherwise
+        # columns of size 1; the samples of rounding rely on it too: in a rotated basis these norms differ, and everything rounds otherwise
         norms = np.linalg.norm(far.frame, axis=0)
         y, dy = minors_with_slope(far.frame / norms, far.tangent / norms, lists.subsets)
         errors = np.empty(len(sampled.nodes) - 1)

@@ -1,10 +1,10 @@
-"""Only what a problem requires: the independent parts into which it falls, each of lower order, and real where phases make it so.
+"""Only what a problem requires: the independent subsystems into which it falls, each of lower order, and real where phases make it so.
 
-Equations, states, decaying solutions and wall rows that no entry connects are independent, and D is the product of the parts' D. In a part
-whose entries are all real or imaginary, states and the rest are multiplied by powers of i so that as much as possible becomes real: for
-k_x = 0 that is v → iv. The signs and phases are kept account of: the product is the D of the whole.
+Equations, states, decaying solutions and wall rows that no entry connects are independent, and D is the product of the subsystems' D.
+In one whose entries are all real or imaginary, states and the rest are multiplied by powers of i so that as much as possible becomes real:
+for k_x = 0 that is v → iv. The signs and phases are kept account of: the product is the D of the whole.
 
-For the chute k_y = 0 leaves a part of order 6 with 3 decaying solutions, and v̂ alone with order 2 and 1.
+For the chute k_y = 0 leaves a subsystem of order 6 with 3 decaying solutions, and v̂ alone with order 2 and 1.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ I_POWERS = np.array([1, 1j])
 
 
 class Coupled(InputError):  # noqa: N818 - it is a finding, not a fault
-    """What was taken for independent parts is not."""
+    """What was taken for independent subsystems is not."""
 
 
 @dataclass(frozen=True, eq=False)
 class Subsystem:
     """Some states of a problem with the equations, decaying solutions and wall rows that belong to them, each with a phase 0 or 1.
 
-    Again a problem: state j of the whole is i^phase times that of the part, and so for the rest.
+    Again a problem: state j of the whole is i^phase times that of the subsystem, and so for the rest.
     """
 
     whole: Problem
@@ -52,7 +52,7 @@ class Subsystem:
 
     @property
     def factor(self) -> complex:
-        """What the determinant of the part is to be multiplied with: i^(phases of the rows − phases of the solutions)."""
+        """What the determinant of the subsystem is to be multiplied with: i^(phases of the rows − phases of the solutions)."""
         turns = int(self.phases[3].sum() - self.phases[2].sum()) % 4
         return (1 + 0j, 1j, -1 + 0j, -1j)[turns]
 
@@ -115,25 +115,25 @@ def _require_apart(name: str, matrices: ComplexArray, rows: NDArray[np.int64], c
 
 @lru_cache(maxsize=2)
 def _far_frame(problem: Problem, z: float, sigma: complex) -> FarFrame:
-    """Kept for the other parts, which ask for the same."""
+    """The frame of the whole, kept for the other subsystems, which ask for the same."""
     return problem.far_frame(z, sigma)
 
 
 @dataclass(frozen=True, eq=False)
 class Decoupling:
-    """The parts of a problem; D of the whole is factor times the product of theirs."""
+    """The subsystems of a problem; D of the whole is factor times the product of theirs."""
 
     members: tuple[Subsystem, ...]
     factor: complex
 
     def applied_to(self, problem: Problem) -> tuple[Subsystem, ...]:
-        """The same parts of another problem of the same structure."""
+        """The same subsystems of another problem of the same structure."""
         return tuple(replace(part, whole=problem) for part in self.members)
 
 
 @lru_cache(maxsize=64)
 def decouple(problem: Problem) -> Decoupling | None:
-    """The parts of a problem, None if it is one part without phases, or one of which samples cannot be had.
+    """The subsystems of a problem; None if it is one without phases, or if samples of it cannot be had.
 
     What is wrong with the latter is said when it is used.
     """
