@@ -8,6 +8,7 @@
     report = st.verify(problem, [0.0039705046, 0.002 + 0.003j])
     count = st.count(problem, st.Rectangle(1e-4 - 0.1j, 0.05 + 0.1j))
 
+Scenes, files and methods may be given by name, as on the command line: st.verify("low", "modes.npy"), st.scene("low").problem.
 Everything is imported when it is first used.
 """
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from shootstab.analyses.unstable import count_unstable
     from shootstab.analyses.verify import verify
     from shootstab.analyses.work_precision import trade
+    from shootstab.by_name import discriminant
     from shootstab.core.errors import ConvergenceError, InputError, NoFlowError, ShootstabError
     from shootstab.core.regions import Disc, Polygon, Rectangle
     from shootstab.discriminants.compound import Compound
@@ -33,6 +35,8 @@ if TYPE_CHECKING:
     from shootstab.discriminants.riccati import Riccati
     from shootstab.formulation.conditions import Axis, Conditions
     from shootstab.formulation.problem import equations
+    from shootstab.io.readers import read
+    from shootstab.io.scenes import load as scene
     from shootstab.models import chute, gallery
     from shootstab.problems import Infinity, Interface, LinearProblem, Wall
     from shootstab.problems.closed_form import ClosedProblem
@@ -49,6 +53,9 @@ _HOMES = {
     "InputError": "shootstab.core.errors",
     "problem": "shootstab.problems",
     "equations": "shootstab.formulation.problem",
+    "discriminant": "shootstab.by_name",
+    "read": "shootstab.io.readers",
+    "scene": "shootstab.io.scenes",
     "Conditions": "shootstab.formulation.conditions",
     "Axis": "shootstab.formulation.conditions",
     "Wall": "shootstab.problems",
@@ -73,6 +80,10 @@ _HOMES = {
     "verify": "shootstab.analyses.verify",
 }
 
+_MODULES = ("chute", "gallery", "testing")
+_INSIDE = {"scene": "load"}  # called otherwise in its module
+_ASKED = ("count", "count_unstable", "find", "refine", "trade", "verify")
+
 __all__ = [
     "Axis",
     "ClosedProblem",
@@ -95,11 +106,14 @@ __all__ = [
     "count",
     "count_unstable",
     "critical",
+    "discriminant",
     "equations",
     "find",
     "gallery",
     "problem",
+    "read",
     "refine",
+    "scene",
     "sweep",
     "testing",
     "trade",
@@ -111,6 +125,18 @@ def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         raise AttributeError(f"module 'shootstab' has no attribute {name!r}")
     home = _HOMES[name]
-    value = import_module(f"{home}.{name}") if name in ("chute", "gallery", "testing") else getattr(import_module(home), name)
+    value = (
+        import_module(f"{home}.{name}")
+        if name in ("chute", "gallery", "testing")
+        else getattr(import_module(home), _INSIDE.get(name, name))
+    )
+    if name in _ASKED:  # problems, files and methods by name
+        from shootstab import by_name
+
+        value = by_name.verifying(value) if name == "verify" else by_name.by_name(value)
     globals()[name] = value
     return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, "__version__"])

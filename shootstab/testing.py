@@ -1,13 +1,18 @@
-"""For CI jobs: an assertion that fails when a stability code drifts."""
+"""For CI jobs: assertions that fail when a stability code drifts."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from shootstab.core.records import CONFIRMED, Verdict, digits_between
+from shootstab.core.errors import InputError
+from shootstab.core.records import CONFIRMED, CONTINUUM, Mode, Report, Verdict, digits_between
+from shootstab.io.conventions import Convention
 from shootstab.io.notation import claimed_digits, held_complex
 
 if TYPE_CHECKING:
+    from shootstab.core.regions import Region
     from shootstab.problems.protocol import Problem
 
 
@@ -23,6 +28,60 @@ def assert_eigenvalue(problem: Problem, claimed: complex, digits: int = 8) -> No
     verdict = verify(problem, [complex(claimed)], digits=digits).verdicts[0]
     if verdict.verdict != CONFIRMED:
         raise AssertionError(_failure(problem, verdict, digits))
+
+
+MISSING = ("none", "region")
+
+
+def assert_spectrum(
+    problem: Any,
+    claimed: str | Path | Iterable[complex],
+    digits: int = 6,
+    convention: Convention | None = None,
+    missing: str = "none",
+    region: Region | None = None,
+) -> Report:
+    """The report, if every claim is an eigenvalue to so many digits; AssertionError with the table of verdicts otherwise.
+
+    problem is a problem or the name of a scene, claimed a list or the name of a file, convention what the numbers are (σ of exp(σt) by
+    default). missing="none" leaves open whether modes are missing; "region" fails for each that is missing from the region given.
+    A `continuum` is no failure. Raises InputError.
+    """
+    __tracebackhide__ = True
+    from shootstab.analyses.verify import verify
+    from shootstab.by_name import problem_of
+    from shootstab.io.readers import read
+    from shootstab.io.scenes import Scene, load
+
+    if missing not in MISSING or (missing == "region") != (region is not None):
+        raise InputError(f"missing = {missing!r}: allowed is none, or region together with a region")
+    seen = convention or Convention()
+    spectrum = read(claimed) if isinstance(claimed, str | Path) else list(claimed)
+    named = load(str(problem)) if isinstance(problem, str | Path) else problem
+    own = named.seen(seen).problem if isinstance(named, Scene) else _seen(problem_of(named), seen)
+    report = seen.shown(verify(own, seen.read(spectrum), digits=digits, region=region))
+    bad = [v for v in report.verdicts if v.verdict not in (CONFIRMED, CONTINUUM)]
+    lost = report.missing if missing == "region" else ()
+    if bad or lost:
+        raise AssertionError(_table(report, digits, len(bad), lost))
+    return report
+
+
+def _seen(problem: Any, convention: Convention) -> Any:
+    """The problem with somebody else's eigenvalue."""
+    from shootstab.problems.rescaled import Rescaled
+
+    return problem if convention.plain else Rescaled(problem, convention.unit)
+
+
+def _table(report: Report, digits: int, bad: int, lost: tuple[Mode, ...]) -> str:
+    """One line a claim and a missing mode, under a sentence that counts them."""
+    lines = [f"{bad} of {len(report.verdicts)} eigenvalues are not what they should be to {digits} digits, {len(lost)} missing:"]
+    for number, v in enumerate(report.verdicts, 1):
+        mode = "" if v.sigma is None else f"  mode {held_complex(v.sigma, v.error)}"
+        why = f": {v.why}" if v.verdict != CONFIRMED else ""
+        lines.append(f"{number:>4}  {claimed_digits(v.claimed, digits)}  {v.verdict}{why}{mode}")
+    return "\n".join([*lines, *(f"      missing  {held_complex(m.sigma, m.error)} (error {m.error:.1e})" for m in lost)])
 
 
 def _failure(problem: Problem, verdict: Verdict, digits: int) -> str:

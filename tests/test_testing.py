@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 
+import shootstab as st
 from shootstab.core.errors import InputError
+from shootstab.io.conventions import Convention
 from shootstab.models.gallery.poiseuille import PlanePoiseuille
-from shootstab.testing import assert_eigenvalue
+from shootstab.testing import assert_eigenvalue, assert_spectrum
 
 # σ = −iαc, c = 0.23752648882047010745 + 0.0037396706229794099322i: Orszag 1971, re-computed (reference/published.md)
 SIGMA = 0.0037396706229794099 - 0.2375264888204701j
@@ -60,3 +63,29 @@ def test_a_spurious_eigenvalue_fails_and_the_next_mode_is_named() -> None:
 def test_digits_out_of_range(digits: int) -> None:
     with pytest.raises(InputError, match="1 to 12"):
         assert_eigenvalue(FLOW, SIGMA, digits=digits)
+
+
+# whole spectra
+
+SECOND = -0.03518658379244 - 0.96464251003928j  # the bundled reference's, and shooting's, to 14 digits
+
+
+def test_a_right_spectrum_passes_whatever_its_convention(tmp_path: Path) -> None:
+    (tmp_path / "c.csv").write_text(f"{(1j * SIGMA).real!r},{(1j * SIGMA).imag!r}\n")
+    report = assert_spectrum("poiseuille", [SIGMA, SECOND], digits=8)
+    assert [v.verdict for v in report.verdicts] == ["confirmed", "confirmed"]
+    assert_spectrum("poiseuille", tmp_path / "c.csv", digits=8, convention=Convention("phase-speed", alpha=1.0))
+    assert_spectrum(FLOW, [SIGMA], digits=8, missing="region", region=st.Rectangle(1e-4 - 1j, 0.1 + 0j))
+
+
+def test_a_wrong_spectrum_fails_with_its_table() -> None:
+    with pytest.raises(AssertionError) as failed:
+        assert_spectrum(FLOW, [SIGMA, 0.01 - 0.3j], digits=8)
+    said = str(failed.value)
+    assert said.startswith("1 of 2 eigenvalues are not what they should be to 8 digits, 0 missing:")
+    assert re.search(r"\n   1  0.0037396706\d* - 0.2375264888\d*i  confirmed  mode ", said)
+    assert re.search(r"\n   2  \S+ - \S+i  spurious: ", said)
+    with pytest.raises(AssertionError, match=r"missing  0\.0037396706"):
+        assert_spectrum(FLOW, [SECOND], missing="region", region=st.Rectangle(1e-4 - 1j, 0.1 + 0j))
+    with pytest.raises(InputError, match="allowed is none"):
+        assert_spectrum(FLOW, [SIGMA], missing="all")
