@@ -125,17 +125,17 @@ def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         raise AttributeError(f"module 'shootstab' has no attribute {name!r}")
     home = _HOMES[name]
-    value = (
-        import_module(f"{home}.{name}")
-        if name in ("chute", "gallery", "testing")
-        else getattr(import_module(home), _INSIDE.get(name, name))
-    )
+    value = _found(home, name)
     if name in _ASKED:  # problems, files and methods by name
         from shootstab import by_name
 
         value = by_name.verifying(value) if name == "verify" else by_name.by_name(value)
     globals()[name] = value
     return value
+
+
+def _found(home: str, name: str) -> Any:
+    return import_module(f"{home}.{name}") if name in _MODULES else getattr(import_module(home), _INSIDE.get(name, name))
 
 
 def __dir__() -> list[str]:
