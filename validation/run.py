@@ -15,6 +15,7 @@ CLAIMS = (
     "methods",
     "planted_faults",
     "gallery",
+    "equations",
     "digits",
     "calibration",
     "random_chutes",

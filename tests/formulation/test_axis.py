@@ -76,6 +76,7 @@ def test_pipe_flow() -> None:
     assert problem.reduction.subdomains[0].far.columns == 3
 
 
+@pytest.mark.slow
 def test_many_digits_from_the_axis() -> None:
     """Zeros of J_2 to 40 digits, from either side; pipe flow to 20, by two arithmetics."""
     with mpmath.workdps(50):
