@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from shootstab.analyses.count import count
     from shootstab.analyses.critical import critical
     from shootstab.analyses.find import find
+    from shootstab.analyses.prove import prove
     from shootstab.analyses.refine import refine
     from shootstab.analyses.sweep import sweep
     from shootstab.analyses.unstable import count_unstable
@@ -73,6 +74,7 @@ _HOMES = {
     "count_unstable": "shootstab.analyses.unstable",
     "find": "shootstab.analyses.find",
     "gallery": "shootstab.models",
+    "prove": "shootstab.analyses.prove",
     "refine": "shootstab.analyses.refine",
     "sweep": "shootstab.analyses.sweep",
     "testing": "shootstab",
@@ -111,6 +113,7 @@ __all__ = [
     "find",
     "gallery",
     "problem",
+    "prove",
     "read",
     "refine",
     "scene",

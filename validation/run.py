@@ -18,7 +18,6 @@ CLAIMS = (
     "equations",
     "digits",
     "calibration",
-    "random_chutes",
     "strangers",
     "fuzz_pencils",
 )

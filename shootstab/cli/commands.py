@@ -60,11 +60,9 @@ def verify(options: Namespace) -> int:
         if given is None:
             claimed = claims(own.problem, options.digits, options.truncation)
             # the reference claims that these are modes, not that there are no others
-            if options.missing is None:
-                region = region or (unstable_box(own.problem, claimed) if convention.plain else None)
+            region = region or (unstable_box(own.problem, claimed) if convention.plain else None)
             given = (claimed / convention.unit).tolist()
-        wishes: Any = {"digits": options.digits, "region": region, "unstable": options.unstable, "missing": options.missing}
-        report = question(scene.problem, given, progress=told, **wishes)
+        report = question(scene.problem, given, digits=options.digits, region=region, progress=told, unstable=options.unstable)
     report = convention.shown(replace(report, dropped=0 if spectrum is None else spectrum.dropped))
     if options.plot is not None:
         from shootstab.cli import plots
@@ -260,10 +258,12 @@ def prepare(options: Namespace) -> None:
             require_writable(Path(path))
 
 
-def _answer(options: Namespace, document: dict[str, Any], tables: Callable[[], list[RenderableType]], scene: scene_files.Scene) -> None:
-    """JSON where it was asked for, with the scene in it, and tables on standard output unless JSON takes it."""
+def _answer(
+    options: Namespace, document: dict[str, Any], tables: Callable[[], list[RenderableType]], scene: scene_files.Scene | None
+) -> None:
+    """JSON where it was asked for, with the scene in it if there is one, and tables on standard output unless JSON takes it."""
     if options.json is not None:
-        _write_json(options, {**document, "scene": scene.as_dict()})
+        _write_json(options, document if scene is None else {**document, "scene": scene.as_dict()})
     if options.json != "-" and not options.quiet:
         from shootstab.cli.terminal import show
 

@@ -20,6 +20,8 @@ EXAMPLES = {
     "spectrum": "shootstab spectrum low -M 80",
     "sweep": "shootstab sweep high --kx 5e-4 --ky 0:0.03:31 --plot curve.png",
     "trade": "shootstab trade high --plot trade.png",
+    "prove": "shootstab prove poiseuille --guess 0.0037,-0.2375 --certificate mode.json",
+    "check": "shootstab check mode.json",
     "scenes": "shootstab scenes",
     "guide": "shootstab guide verdicts",
     "explain": "shootstab explain scene.toml",

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from shootstab import __version__
-from shootstab.cli import commands, explain_command, guide_command
+from shootstab.cli import commands, explain_command, guide_command, prove_command
 from shootstab.cli import sweep_command as sweeping
 from shootstab.cli import trade_command as trading
 from shootstab.cli.help import DOORS, STATUSES, epilog, with_nearest
@@ -128,8 +128,6 @@ def parser() -> argparse.ArgumentParser:
     verify.add_argument("--plot", type=_plot_path, metavar="FILE", help="draw the complex plane into a png, pdf or svg file")
     verify.add_argument("-M", dest="truncation", type=_integer(0, 999_999), metavar="N", help="truncation of the bundled reference")
     verify.add_argument("--region", type=_numbers(4), metavar="RE0,IM0,RE1,IM1", help="look for missing modes in this rectangle")
-    wishes = "none, within the claims (the default for a list), or in the --region"
-    verify.add_argument("--missing", choices=("none", "within", "region"), help=f"where missing modes are looked for: {wishes}")
     verify.add_argument("--unstable", action="store_true", help="count all growing modes too, wherever they are")
 
     refine = _command(subparsers, commands.refine, "one mode, with its error bar")
@@ -161,6 +159,11 @@ def parser() -> argparse.ArgumentParser:
 
     trade = _command(subparsers, trading.trade, "work against accuracy of every method")
     trading.options(trade, _guess, _plot_path)
+
+    prove = _command(subparsers, prove_command.prove, "a theorem: exactly so many eigenvalues in a disc, a rectangle, or growing")
+    prove_command.options(prove, _guess, _numbers, _integer)
+    check = _command(subparsers, prove_command.check, "whether a certificate proves what it says", scene=False)
+    check.add_argument("file", type=Path, metavar="FILE", help="a certificate of `shootstab prove --certificate`")
 
     _command(subparsers, commands.scenes, "what is built in", scene=False)
 

@@ -67,10 +67,6 @@ class Family(Protocol):
         """The member at these values. Raises InputError where there is none."""
         ...
 
-    def beside(self, values: Mapping[str, float]) -> Mapping[str, float]:
-        """What else is to be said of the member at these values, by name: what its parameters determine."""
-        ...
-
     def as_dict(self) -> dict[str, Any]:
         """What the members have in common, for JSON."""
         ...
@@ -92,3 +88,7 @@ CLOSED_FORM = Capability(
 FAMILY = Capability("family", None, "this problem belongs to no family of problems with parameters: a sweep is over parameters of a family")
 EXPLANATION = Capability("explanation", None, "this problem was not written in equations: allowed is a scene with equations in [problem]")
 BASE_FLOW = Capability("flow", None, "this problem has no steady flow of grains: allowed is a scene with a [flow]")
+# growing_region(floor): a rectangle that holds every eigenvalue with Re σ ≥ floor, by a theorem that its docstring names
+GROWING_REGION = Capability("growing_region", None, "this problem has no theorem that bounds its growing modes")
+# a name and parameters by which a checker of certificates knows the problem
+CERTIFIED = Capability("certified", None, "this problem has no checker of certificates")

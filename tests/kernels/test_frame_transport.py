@@ -170,8 +170,7 @@ NESTED = (
     "multiply_with_slope",
     "add_carried",
     "combine",
-    "_error_of_step",
-    "local_error",
+    "_local_error",
 )
 
 

@@ -17,16 +17,7 @@ from shootstab.analyses.sweep.grid import Point
 from shootstab.analyses.sweep.outcomes import Outcome
 from shootstab.core.errors import InputError
 
-COLUMNS = {
-    "re": "REAL",
-    "im": "REAL",
-    "error": "REAL",
-    "status": "TEXT",
-    "proved": "INTEGER",
-    "floor": "REAL",
-    "evaluations": "INTEGER",
-    "beside": "TEXT",
-}
+COLUMNS = {"re": "REAL", "im": "REAL", "error": "REAL", "status": "TEXT", "proved": "INTEGER", "floor": "REAL", "evaluations": "INTEGER"}
 
 
 class Store:
@@ -98,12 +89,12 @@ class Store:
 def _row(outcome: Outcome) -> tuple[Any, ...]:
     sigma = outcome.sigma
     re, im = (None, None) if sigma is None else (sigma.real, sigma.imag)
-    return re, im, outcome.error, outcome.status, int(outcome.proved), outcome.floor, outcome.evaluations, json.dumps(dict(outcome.beside))
+    return re, im, outcome.error, outcome.status, int(outcome.proved), outcome.floor, outcome.evaluations
 
 
 def _outcome(row: Sequence[Any]) -> Outcome:
-    re, im, error, status, proved, floor, evaluations, beside = row
-    return Outcome(status, bool(proved), None if re is None else complex(re, im), error, floor, evaluations, json.loads(beside))
+    re, im, error, status, proved, floor, evaluations = row
+    return Outcome(status, bool(proved), None if re is None else complex(re, im), error, floor, evaluations)
 
 
 def _differences(found: dict[str, Any], wanted: dict[str, Any]) -> str:

@@ -14,12 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
+from shootstab.core.regions import Rectangle
 from shootstab.models.gallery.orr_sommerfeld import CLAMPED, orr_sommerfeld, require_positive
 from shootstab.models.gallery.poiseuille_collocation import PoiseuilleCollocation
 from shootstab.problems import LinearProblem, Wall
 from shootstab.problems.closed_form import Exact
 from shootstab.problems.linear_problem import problem
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
+
+OUTWARDS = 2.0**-20  # chosen: the margin of the region that holds all growing modes, far above rounding
 
 
 @dataclass(frozen=True)
@@ -62,6 +65,29 @@ class PlanePoiseuille:
     def pseudospectral(self) -> PoiseuilleCollocation:
         """Chebyshev collocation in vorticity and streamfunction."""
         return PoiseuilleCollocation(self.reynolds, self.alpha, self.half)
+
+    def growing_region(self, floor: float) -> Rectangle:
+        """A rectangle that holds every σ with Re σ ≥ floor, whatever the floor (theory, lemma P1).
+
+        With Q = ∫|φ′|² + α²|φ|², multiplication of the equation by φ* and integration give c_r Q = ∫U(|φ′|² + α²|φ|²) − ∫|φ|² and
+        c_i Q ≤ 2 ∫|φ′||φ|. As 0 ≤ U ≤ 1 and ∫|φ′|² ≥ λ∫|φ|², λ = π²/4:
+
+            −1/(λ + α²) ≤ c_r ≤ 1,   c_i ≤ max_{x ≥ √λ} 2x/(x² + α²) = 2√λ/(λ + α²), or 1/α where α² > λ.
+
+        Source: D. D. Joseph, J. Fluid Mech. 33 (1968) 617. The corners are rounded outwards.
+        Raises InputError where the floor lies above all of this.
+        """
+        a2, root = self.alpha**2, 0.5 * math.pi
+        top = self.alpha * (2 * root / (root * root + a2) if a2 <= root * root else 1 / self.alpha)
+        low, high = -self.alpha, self.alpha / (root * root + a2)
+        if not floor < top:
+            raise InputError(f"floor = {floor!r}: allowed is a number below {top:.6g}, above which no mode grows")
+        return Rectangle(complex(floor, low - OUTWARDS), complex(top + OUTWARDS, high + OUTWARDS))
+
+    @property
+    def certified(self) -> dict[str, Any]:
+        """What shootstab/checkers/plane_poiseuille.py knows the problem by."""
+        return {"name": "plane Poiseuille", "reynolds": repr(float(self.reynolds)), "alpha": repr(float(self.alpha)), "even": self.half}
 
     @property
     def closed_form(self) -> PlanePoiseuille:

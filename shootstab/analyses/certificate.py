@@ -1,0 +1,83 @@
+"""Certificates: a proof as a JSON file of exact decimals that a checker of its own, on mpmath's intervals alone, verifies anew.
+
+{"format": 1, "problem": {…}, "count": n, "disc": {"re", "im", "radius"}, "outer", "weight", "points", "bits", "order", "steps"}: what is
+claimed, and the settings with which the checker finds that it holds. The checker trusts none of them; poor ones make it refuse.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from flint import acb
+
+from shootstab.analyses.prove import Proof
+from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.multiprecision.enclosure import Enclosure, at_bits, decimal
+from shootstab.problems.capabilities import CERTIFIED, CLOSED_FORM
+from shootstab.problems.protocol import Problem
+
+CHECKERS: Mapping[str, str] = {"plane Poiseuille": "shootstab.checkers.plane_poiseuille"}
+LARGEST = 2**20  # bytes of a certificate
+OUTER = 0.5  # of |σ|: the circle on which the checker bounds |D|
+SPARE_POINTS, SPARE_BITS = 2, 24
+ATTEMPTS = 3  # with more points and bits each, before a proof is said to have no certificate
+
+
+def certify(problem: Problem, proof: Proof) -> dict[str, Any]:
+    """The certificate of a proof on a disc; it is handed out only after its checker has accepted it.
+
+    Raises InputError for a problem without a checker and a proof on another region, ConvergenceError where the checker does not accept.
+    """
+    named: dict[str, Any] = CERTIFIED.required(problem)
+    if proof.region["shape"] != "disc":
+        raise InputError(f"a proof on a {proof.region['shape']}: allowed is one on a disc")
+    checker = import_module(CHECKERS[named["name"]])
+    centre, radius = proof.region["centre"], proof.region["radius"]
+    size = max(math.hypot(float(centre["re"]), float(centre["im"])), 8.0 * float(radius))
+    settings = checker.settings(named, {**centre, "radius": radius}, repr(OUTER * size), _log_size(problem, proof))
+    for attempt in range(ATTEMPTS):
+        points = math.ceil(settings["points"] * 1.3**attempt) + SPARE_POINTS
+        bits = math.ceil(settings["bits"] * 1.3**attempt) + SPARE_BITS
+        found = {"format": 1, "problem": named, "count": proof.count, "disc": {**centre, "radius": radius}, **settings}
+        found |= {"points": points, "bits": bits}
+        reason = checker.check(found)
+        if reason is None:
+            return found
+    raise ConvergenceError(f"the checker does not accept the certificate: {reason}")
+
+
+def check(certificate: Any) -> str | None:
+    """None where the certificate proves what it says, else why not. Raises InputError for a problem that no checker knows."""
+    named = certificate.get("problem") if isinstance(certificate, dict) else None
+    name = named.get("name") if isinstance(named, dict) else None
+    if not isinstance(name, str) or name not in CHECKERS:
+        raise InputError(f"a certificate for {name!r}: allowed is one for {', '.join(CHECKERS)}")
+    verdict: Callable[[Any], str | None] = import_module(CHECKERS[name]).check
+    return verdict(certificate)
+
+
+def read(path: Path) -> Any:
+    """The JSON of a certificate. Raises InputError for a file that cannot be read, is too large or is no JSON."""
+    try:
+        with path.open("rb") as file:
+            data = file.read(LARGEST + 1)
+        if len(data) > LARGEST:
+            raise InputError(f"{path}: larger than 1 MB: allowed is a certificate of some kilobytes")
+        return json.loads(data.decode("utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror or error}: allowed is a certificate") from error
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: not JSON: {error}") from error
+
+
+def _log_size(problem: Problem, proof: Proof) -> float:
+    """ln |D| on the circle of the proof."""
+    with at_bits(proof.bits):
+        centre, radius = proof.region["centre"], proof.region["radius"]
+        D = Enclosure(CLOSED_FORM.required(problem), proof.bits)(acb(decimal(centre["re"]), decimal(centre["im"])) + decimal(radius))
+        return float(abs(D).log().mid())

@@ -1,0 +1,234 @@
+"""Theorems on eigenvalues: exactly n in a disc, in a rectangle, or above a growth rate, with multiplicity, proved in ball arithmetic.
+
+Not an error bar but an enclosure: D is enclosed at points (multiprecision.enclosure), bounded on a larger circle, and Pellet's theorem
+counts (roots.pellet). A proof rests on the lemmas of the guide's theory that it names, on the correctness of python-flint's balls, and on
+the equations as the problem's closed form writes them, with every parameter the decimal that was typed. Discs and rectangles have exact
+decimals for their numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from time import perf_counter
+from typing import Any
+
+import mpmath
+from flint import acb, arb
+
+from shootstab.analyses.refine import refine
+from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.regions import Rectangle
+from shootstab.multiprecision.enclosure import Enclosure, at_bits, decimal
+from shootstab.problems.capabilities import CLOSED_FORM, GROWING_REGION
+from shootstab.problems.protocol import Problem
+from shootstab.roots.pellet import TaylorModel, points_for, polynomial_model, taylor_model
+
+LEMMAS = ("E1", "E2", "E3", "E4", "E5", "E6")
+SPARE_BITS = 96  # beyond the digits asked for; more are taken where the enclosure of D is too wide
+MORE_BITS, MOST_BITS = 1.6, 4096
+KNOWN_BITS = 40  # of D on the circle: an inequality that fails with so many fails for another reason than too few bits
+MOST_POINTS = 96  # values of D on a circle
+OUTER = 0.5  # chosen: the circle on which |D| is bounded, in |σ|; nearer circles need more points, wider ones more bits
+WIDEST, NARROWER = 0.125, 4.0  # of |σ|, the first disc in the search for the largest in which a mode is alone, and the factor to the next
+SPARE_DIGITS = 6  # of the mode beyond the digits of the disc around it
+CONTOUR_SAMPLES_BITS = 192  # of the values of D that tell how many bits and points a contour needs
+CONTOUR_BITS, CONTOUR_ATTEMPTS = 24, 3  # spare bits of D on a contour, for a zero 2^−12 of the contour away; how often they are raised
+RIM = 12  # values of D on a circle, and on a side of a contour, by which its size is judged
+SLACK = 1.0625  # chosen: the disc on which D is one polynomial, over the half diagonal of the rectangle
+
+Progress = Callable[[int, int], None]
+Decimals = tuple[str, str]  # real and imaginary part
+
+
+@dataclass(frozen=True)
+class Proof:
+    """Proved: exactly `count` eigenvalues, with multiplicity, lie in the region, and none on its boundary.
+
+    region is {"shape": "disc", "centre", "radius"} or {"shape": "rectangle", "corners"}, its numbers exact decimals. margin is the factor
+    by which the decisive inequality holds, the least one of a contour. alone is the radius of the largest disc about the same centre in
+    which the count was proved too; floor
+    stands where the count is that of all eigenvalues with Re σ ≥ floor. bits, points and evaluations say
+    what it took, lemmas what it relies on.
+    """
+
+    count: int
+    region: dict[str, Any]
+    margin: float
+    bits: int
+    points: int
+    evaluations: int
+    seconds: float
+    lemmas: tuple[str, ...] = LEMMAS
+    alone: float | None = None
+    floor: float | None = None
+
+    @property
+    def statement(self) -> str:
+        """The theorem in words."""
+        many = f"exactly {self.count} eigenvalues"
+        if self.floor is not None:
+            subject = {0: "no eigenvalue has", 1: "exactly one eigenvalue has"}.get(self.count, f"{many} have")
+            return f"{subject} Re σ ≥ {self.floor!r}"
+        subject = {0: "no eigenvalue lies", 1: "exactly one eigenvalue lies"}.get(self.count, f"{many} lie")
+        if self.region["shape"] == "disc":
+            return f"{subject} in |σ − ({_shown(self.region['centre'])})| < {self.region['radius']}"
+        low, high = self.region["corners"]
+        return f"{subject} in the rectangle from {_shown(low)} to {_shown(high)}"
+
+
+def prove(problem: Problem, guess: Any, digits: int = 12) -> Proof:
+    """Exactly one eigenvalue (or m, where it is m-fold) in a disc of radius at most 10^−digits |σ| about the mode next to guess.
+
+    Raises InputError for a problem without a closed form, ConvergenceError where the mode is not found or the inequality does not hold.
+    """
+    if not 1 <= digits <= 1000:
+        raise InputError(f"digits = {digits}: allowed is 1 to 1000")
+    form = CLOSED_FORM.required(problem)
+    began = perf_counter()
+    mode = refine(problem, guess, digits=max(digits + SPARE_DIGITS, 13))
+    if not mode.converged:
+        raise ConvergenceError(f"no mode to prove: {mode.status}")
+    with mpmath.workdps(digits + 2 * SPARE_DIGITS):
+        places = digits - math.floor(float(mpmath.log10(abs(mode.sigma))))
+        centre = tuple(_rounded(part, places + SPARE_DIGITS) for part in (mode.sigma.real, mode.sigma.imag))
+    return _around(form, centre, f"1e-{places}" if places >= 0 else f"1e{-places}", began, True)  # type: ignore[arg-type]
+
+
+def prove_disc(problem: Problem, centre: complex, radius: float) -> Proof:
+    """Exactly n eigenvalues in this disc, n found; floats stand for their shortest decimals.
+
+    Raises ConvergenceError where none is proved.
+    """
+    if not 0.0 < radius < math.inf:
+        raise InputError(f"radius = {radius!r}: allowed is a finite number above 0")
+    at = complex(centre)
+    return _around(CLOSED_FORM.required(problem), (repr(at.real), repr(at.imag)), repr(float(radius)), perf_counter(), False)
+
+
+def prove_rectangle(problem: Problem, region: Rectangle, progress: Progress | None = None) -> Proof:
+    """Exactly n eigenvalues in this rectangle, n found: D is one polynomial on a disc around it, whose phase is followed in proved pieces.
+
+    progress(done, total) counts values of D. Raises ConvergenceError where an eigenvalue lies on the boundary or too near to it.
+    """
+    form = CLOSED_FORM.required(problem)
+    began = perf_counter()
+    corners = [(repr(v.real), repr(v.imag)) for v in region.vertices]
+    middle, half = (region.vertices[0] + region.vertices[2]) / 2, abs(region.vertices[2] - region.vertices[0]) / 2
+    bits, points = _contour_settings(form, region.vertices, middle, half * SLACK)
+    failure = ""
+    for attempt in range(CONTOUR_ATTEMPTS):
+        with at_bits(bits):
+            enclosure, centre, radius = Enclosure(form, bits), acb(middle.real, middle.imag), arb(half * SLACK)
+            log_bound = enclosure.growth(_disc(centre, 2 * radius))
+            model = polynomial_model(enclosure, log_bound, centre, radius, 2 * radius, points, progress)
+            try:
+                count, margin = model.count([_number(c) for c in corners])
+            except ConvergenceError as error:
+                failure = str(error)
+            else:
+                shape = {"shape": "rectangle", "corners": [_named(corners[0]), _named(corners[2])]}
+                return Proof(count, shape, margin, bits, points, (attempt + 1) * points, perf_counter() - began)
+        bits, points = math.ceil(MORE_BITS * bits), math.ceil(1.25 * points)
+    raise ConvergenceError(failure)
+
+
+def prove_growing(problem: Problem, floor: float, progress: Progress | None = None) -> Proof:
+    """Exactly n eigenvalues with Re σ ≥ floor, n found, where a theorem on the problem bounds all of them.
+
+    Raises InputError where there is no such theorem, and as `prove_rectangle` does.
+    """
+    region = GROWING_REGION.required(problem)(floor)
+    return replace(prove_rectangle(problem, region, progress), floor=floor, lemmas=(*LEMMAS, "P1"))
+
+
+def _around(form: Any, centre: Decimals, radius: str, began: float, alone: bool) -> Proof:
+    """Pellet's theorem on a disc, with as many bits as it takes."""
+    size = max(abs(complex(float(centre[0]), float(centre[1]))), float(radius))
+    bits = SPARE_BITS + max(0, math.ceil(math.log2(size / float(radius))))
+    spent = 0
+    while bits <= MOST_BITS:
+        with at_bits(bits):
+            enclosure, at, r = Enclosure(form, bits), _number(centre), decimal(radius)
+            model, points = _model(enclosure, at, r, max(OUTER * size, 4.0 * float(radius)))
+            spent += points
+            count = model.proved()
+            if count is not None:
+                widest = _alone(enclosure, at, float(radius), size, count) if alone and count > 0 else None
+                shape = {"shape": "disc", "centre": _named(centre), "radius": radius}
+                return Proof(count, shape, model.margin(count), bits, points, spent, perf_counter() - began, alone=widest)
+            known = int(enclosure(at + r).rel_accuracy_bits())
+        if known > KNOWN_BITS:
+            raise ConvergenceError(
+                f"no term dominates the Taylor series of D on the circle of radius {radius}: take a smaller disc, or another centre"
+            )
+        bits = math.ceil(MORE_BITS * bits)
+    raise ConvergenceError(f"{MOST_BITS} bits do not enclose D well enough on the circle of radius {radius}")
+
+
+def _model(enclosure: Enclosure, centre: Any, radius: Any, outer: float) -> tuple[TaylorModel, int]:
+    """The Taylor model on a circle, and how many values of D it took."""
+    log_bound = enclosure.growth(_disc(centre, arb(outer)))
+    log_size = abs(enclosure(centre + radius)).log()
+    if not log_size.is_finite():
+        log_size = log_bound - 200  # D is not told from 0 there: as many points as for a D smaller by e^200 than its bound
+    points = points_for(log_bound, log_size, radius, arb(outer), MOST_POINTS)
+    return taylor_model(enclosure, log_bound, centre, radius, arb(outer), points), points + 1
+
+
+def _alone(enclosure: Enclosure, centre: Any, radius: float, size: float, count: int) -> float:
+    """The largest disc about the centre, from WIDEST·|σ| down by factors, in which the count is still proved."""
+    trial = WIDEST * size
+    while trial > radius:
+        model, _ = _model(enclosure, centre, arb(trial), max(OUTER * size, 8.0 * trial))
+        if model.proved() == count:
+            return trial
+        trial /= NARROWER
+    return radius
+
+
+def _contour_settings(form: Any, corners: Sequence[complex], middle: complex, radius: float) -> tuple[int, int]:
+    """Bits and points, from the sizes of D on the contour and on the circle and from what an enclosure of D loses; choices, not bounds."""
+    with at_bits(CONTOUR_SAMPLES_BITS):
+        enclosure, centre, R = Enclosure(form, CONTOUR_SAMPLES_BITS), acb(middle.real, middle.imag), arb(radius)
+        rim = [enclosure(centre + R * (acb(2 * j) / RIM).exp_pi_i()) for j in range(RIM)]
+        sides = zip(corners, [*corners[1:], corners[0]], strict=True)
+        edge = [enclosure(acb(s.real, s.imag)) for a, b in sides for s in (a + (b - a) * x / RIM for x in range(RIM))]
+        least, largest = min(map(_nats, edge)), max(map(_nats, rim))
+        loss = max(0, CONTOUR_SAMPLES_BITS - min(int(D.rel_accuracy_bits()) for D in (*rim, *edge)))
+        bound = float(enclosure.growth(_disc(centre, 2 * R)).mid())
+    bits = loss + math.ceil((largest - least) / math.log(2)) + CONTOUR_BITS
+    return max(bits, 64), math.ceil((bound - least) / math.log(2)) + CONTOUR_BITS
+
+
+def _nats(D: Any) -> float:
+    return float(abs(D).log().mid())
+
+
+def _disc(centre: Any, radius: Any) -> Any:
+    """A square ball that holds the disc."""
+    spread = arb(0, radius.upper())
+    return acb(centre.real + spread, centre.imag + spread)
+
+
+def _number(at: Decimals) -> Any:
+    return acb(decimal(at[0]), decimal(at[1]))
+
+
+def _named(at: Decimals) -> dict[str, str]:
+    return {"re": at[0], "im": at[1]}
+
+
+def _shown(at: dict[str, str]) -> str:
+    sign, size = ("−", at["im"][1:]) if at["im"].startswith("-") else ("+", at["im"])
+    return f"{at['re']} {sign} {size}i"
+
+
+def _rounded(x: Any, places: int) -> str:
+    """A decimal with so many places behind the point."""
+    whole = int(mpmath.nint(x * mpmath.mpf(10) ** places))
+    if places <= 0:
+        return str(whole * 10**-places)
+    digits = str(abs(whole)).rjust(places + 1, "0")
+    return f"{'-' if whole < 0 else ''}{digits[:-places]}.{digits[-places:]}"

@@ -1,0 +1,88 @@
+"""`shootstab prove` and `shootstab check`: a theorem on an eigenvalue, its certificate, and the checker of certificates."""
+
+from __future__ import annotations
+
+import argparse
+from argparse import Namespace
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from shootstab.cli.commands import BAD_NEWS, DONE, answer
+from shootstab.core.errors import InputError
+from shootstab.io import documents, scenes
+from shootstab.io.files import require_writable, write_whole
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+
+def options(parser: argparse.ArgumentParser, guess: Callable[[str], complex], numbers: Any, integer: Any) -> None:
+    """Add what `prove` takes."""
+    what = parser.add_mutually_exclusive_group(required=True)
+    what.add_argument("--guess", type=guess, metavar="RE[,IM]", help="exactly one eigenvalue in a small disc about the mode next to it")
+    what.add_argument("--disc", type=numbers(3), metavar="RE,IM,R", help="how many eigenvalues lie in this disc")
+    what.add_argument("--region", type=numbers(4), metavar="RE0,IM0,RE1,IM1", help="how many lie in this rectangle")
+    what.add_argument("--growing", type=numbers(1), metavar="X", help="how many have Re σ ≥ X, where a theorem bounds all of them")
+    parser.add_argument("--digits", type=integer(1, 1000), default=12, metavar="N", help="of the disc about the mode (default 12)")
+    parser.add_argument("--certificate", type=Path, metavar="FILE", help="write the certificate, for `shootstab check`")
+
+
+def prove(options: Namespace) -> int:
+    """A theorem on one eigenvalue or on all in a region."""
+    if options.certificate is not None:
+        if options.guess is None and options.disc is None:
+            raise InputError("--certificate: allowed with --guess and --disc")
+        require_writable(options.certificate)
+    scene = scenes.load(options.scene)
+    from shootstab.analyses import prove as proofs
+    from shootstab.cli.terminal import progress
+    from shootstab.core.regions import Rectangle
+
+    with progress(f"proving {scene.name}") as told:
+        if options.guess is not None:
+            found = proofs.prove(scene.problem, options.guess, options.digits)
+        elif options.disc is not None:
+            re, im, radius = options.disc
+            found = proofs.prove_disc(scene.problem, complex(re, im), radius)
+        elif options.region is not None:
+            low_re, low_im, high_re, high_im = options.region
+            found = proofs.prove_rectangle(scene.problem, Rectangle(complex(low_re, low_im), complex(high_re, high_im)), told)
+        else:
+            found = proofs.prove_growing(scene.problem, options.growing[0], told)
+    if options.certificate is not None:
+        from shootstab.analyses.certificate import certify
+
+        text = documents.text(certify(scene.problem, found))
+        write_whole(options.certificate, lambda path: path.write_text(text, encoding="utf-8"))
+
+    def tables() -> list[RenderableType]:
+        from rich.text import Text
+
+        said = [f"Proved: {found.statement}."]
+        if found.alone is not None:
+            said.append(f"It is alone within {found.alone:.2g} of there.")
+        said.append(
+            f"The inequality holds by a factor of {found.margin:.3g}; {found.evaluations} enclosures of D at {found.bits} bits, "
+            f"{found.seconds:.2g} s; lemmas {', '.join(found.lemmas)} of `shootstab guide proofs`."
+        )
+        return [Text(scene.heading), *(Text(line) for line in said)]
+
+    answer(options, {"statement": found.statement, **asdict(found)}, tables, scene)
+    return DONE
+
+
+def check(options: Namespace) -> int:
+    """Whether a certificate proves what it says, found by its checker alone."""
+    from shootstab.analyses import certificate
+
+    reason = certificate.check(certificate.read(options.file))
+
+    def tables() -> list[RenderableType]:
+        from rich.text import Text
+
+        return [Text("proved" if reason is None else f"refused: {reason}")]
+
+    answer(options, {"proved": reason is None, "reason": reason}, tables, None)
+    return DONE if reason is None else BAD_NEWS

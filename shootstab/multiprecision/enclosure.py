@@ -1,0 +1,245 @@
+"""D(σ) of a problem in closed form enclosed in a ball: Taylor steps with rigorous tails on the compound vector.
+
+The decaying space Y (n, k) is carried as y = Λ^k Y, which obeys y′ = A^(k) y with A = C⁻¹D, and D = Σ_I w_I y_I with the minors w of the
+wall rows: no division by anything that depends on the solution, no orthonormalization, and one ball for each component. σ is thin: a
+circle is sampled, never enclosed (theory, lemmas E2 and E3).
+
+On a step z = z_0 + h t, |t| ≤ 1, with B = h A^(k) = Σ B_j t^j + (tail): the coefficients (m + 1) y_{m+1} = Σ_{j≤m} B_j y_{m−j} are
+computed for m + 1 < N, and X_i = Σ_{m≥N} |y_{m,i}| obeys X ≤ G X + R with
+
+    G = ‖B‖/N,   R = (1/N) Σ_{k<N} Σ_{j≥N−1−k} |B_j| |y_k|,
+
+entrywise. If G w ≤ g w for some w > 0 and g < 1, then X ≤ w max_l (R_l/w_l)/(1 − g).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from flint import acb, acb_mat, arb, ctx, fmpq
+
+from shootstab.core.errors import ConvergenceError
+from shootstab.multiprecision.arithmetic import exact
+from shootstab.multiprecision.minors import Entries, affine, compound, minors, solved
+from shootstab.multiprecision.tailed_series import NONE, TailedSeries, variable
+from shootstab.problems.closed_form import ClosedForm
+
+MOST_STEPS = 20_000  # a budget: some minutes for one D
+SHORTEST = 2.0**-40  # of the whole way: a step below it means a singular point of the coefficients
+POWER_STEPS = 40  # chosen: of the power iteration towards Perron's vector, of which nothing is asked but to be about right
+PIECES = 96  # chosen: subintervals over which the growth of |y| is bounded; more make the bound tighter, fewer looser, none wrong
+
+
+@dataclass(frozen=True, eq=False)
+class Enclosure:
+    """A closed form with the arithmetic that encloses its D: bits of working precision, terms of a Taylor step.
+
+    step is what |B| may be at most, in units of its spectral radius: the length of a step.
+    """
+
+    form: ClosedForm
+    bits: int
+
+    @property
+    def terms(self) -> int:
+        """N: (ρh)^N/N! falls below 2^−bits for the longest step; at least 12."""
+        n, reach, size = 1, self.reach, 0.0
+        while size > -self.bits or n < 12:
+            size += math.log2(reach / n)
+            n += 1
+        return n
+
+    @property
+    def reach(self) -> float:
+        """ρ(|A^(k)|) h of the longest step; chosen so that the number of terms is a few times it."""
+        return max(2.0, self.bits / 16)
+
+    def exact(self, x: float) -> Any:
+        """The decimal that a float stands for, as a ball."""
+        fraction = exact(x)
+        return acb(fmpq(fraction.numerator, fraction.denominator))
+
+    def __call__(self, sigma: Any) -> Any:
+        """A ball that holds D(σ) for every σ in the ball given, which should be thin. To be called at the working precision."""
+        y = self._start(sigma)
+        here, wall = (acb(end).real for end in self.form.exact_ends(self.exact))
+        whole = float((wall - here).mid())
+        length = whole
+        for _ in range(MOST_STEPS):
+            y, taken, last = self._step(sigma, y, here, wall, length)
+            if last:
+                return self._at_wall(sigma, y)
+            here = here + arb(taken)
+            length = 2.0 * taken
+        raise ConvergenceError(f"the enclosure of D would need more than {MOST_STEPS} steps at sigma = {complex(sigma.mid()):.6g}")
+
+    def growth(self, sigma: Any) -> Any:
+        """An upper bound on ln |D| over the whole ball σ: the logarithmic norm of A^(k) integrated along the way (theory, lemma E4)."""
+        start, wall = (acb(end).real for end in self.form.exact_ends(self.exact))
+        weights = self._weights(sigma, start, wall)
+        y = self._start(sigma)
+        total = _largest([abs(y[i, 0]) / arb(w) for i, w in enumerate(weights)]).log()
+        piece = (wall - start) / PIECES
+        for i in range(PIECES):
+            z = (start + piece * i).union(start + piece * (i + 1))
+            A = compound(self.form.size, self.form.decaying, self._system(acb(z), sigma))
+            rates = []
+            for row in range(len(weights)):
+                rate = (A.get((row, row), acb(0)) * piece).real
+                for (a, b), entry in A.items():
+                    if a == row and b != row:
+                        rate += abs(entry) * abs(piece) * arb(weights[b]) / arb(weights[row])
+                rates.append(rate)
+            total += _largest(rates)
+        w = self._wall_minors(sigma)
+        ends = sum((abs(x) * arb(weight) for x, weight in zip(w, weights, strict=True)), NONE)
+        return total + ends.upper().log()
+
+    def _step(self, sigma: Any, y: Any, here: Any, wall: Any, longest: float) -> tuple[Any, float, bool]:
+        """The compound vector after one step, its length and whether it ends at the wall."""
+        left = wall - here
+        whole = abs(float(left.mid()))
+        length = min(abs(longest), self._natural(sigma, here))
+        while True:
+            last = length >= whole
+            h = left if last else arb(math.copysign(length, float(left.mid())))
+            carried = self._carried(sigma, y, here, h)
+            if carried is not None:
+                return carried, float(h.mid()), last
+            length = 0.5 * min(length, whole)
+            if length < SHORTEST * max(whole, 1e-300):
+                raise ConvergenceError(
+                    f"no step is short enough for an enclosure at z = {float(here.mid()):.6g}: the coefficients are singular"
+                )
+
+    def _natural(self, sigma: Any, here: Any) -> float:
+        """A length of step from the spectral radius of |A^(k)| here, in doubles: a choice, not a bound."""
+        A = compound(self.form.size, self.form.decaying, self._system(acb(here), sigma))
+        size = math.comb(self.form.size, self.form.decaying)
+        dense = np.zeros((size, size))
+        for (i, j), entry in A.items():
+            dense[i, j] = float(abs(entry).mid())
+        return self.reach / max(float(np.abs(np.linalg.eigvals(dense)).max()), 1e-300)
+
+    def _carried(self, sigma: Any, y: Any, here: Any, h: Any) -> Any:
+        """y at the end of the step, or None where its tail cannot be bounded."""
+        N, size = self.terms, y.nrows()
+        A = compound(self.form.size, self.form.decaying, self._system(variable(here, h, N), sigma))
+        entries = {at: _series(entry, N) * acb(h) for at, entry in A.items()}
+        orders = range(max(len(e.c) for e in entries.values()))
+        B = [_matrix(size, {at: e.c[m] for at, e in entries.items() if m < len(e.c)}) for m in orders]
+        terms, total = [y], y
+        for m in range(N - 1):
+            new = B[0] * terms[m]
+            for j in range(1, min(m + 1, len(B))):
+                new += B[j] * terms[m - j]
+            terms.append(new * (acb(1) / (m + 1)))
+            total = total + terms[-1]
+        tail = self._tail(entries, terms)
+        return None if tail is None else acb_mat(size, 1, [_widened(total[i, 0], tail[i]) for i in range(size)])
+
+    def _tail(self, entries: dict[tuple[int, int], TailedSeries], terms: list[Any]) -> list[Any] | None:
+        """X of the head of this module."""
+        N, size = len(terms), terms[0].nrows()
+        beyond = {at: e.beyond() for at, e in entries.items()}
+        if not all(sums[0].is_finite() for sums in beyond.values()):
+            return None
+        dense = np.zeros((size, size))
+        for at, sums in beyond.items():
+            dense[at] = float(sums[0].upper())
+        w = _perron(dense)
+        rows, rest = [NONE] * size, [NONE] * size
+        for (i, j), sums in beyond.items():
+            rows[i] += sums[0] * arb(w[j])
+            p = len(sums) - 1
+            first = 0 if sums[p] != 0 else N - p  # |B_j| vanishes from j = p on: only the last p terms of y meet it
+            for k in range(max(first, 0), N):
+                rest[i] += sums[min(N - 1 - k, p)] * abs(terms[k][j, 0])
+        g = _largest([row / arb(x) for row, x in zip(rows, w, strict=True)]) / N
+        if not g < arb(0.5):
+            return None
+        ratio = _largest([r / N / arb(x) for r, x in zip(rest, w, strict=True)]) / (1 - g)
+        return [arb(x) * ratio for x in w]
+
+    def _system(self, z: Any, sigma: Any) -> Entries:
+        """A = C⁻¹ D at z, a number or a series, by its non-zero entries."""
+        C0, C1, D0, D1 = self.form.exact_pencil(z, self.exact)
+        n = self.form.size
+        if not C1 and dict(C0) == {(i, i): 1 for i in range(n)}:
+            return affine(D0, D1, sigma)
+        return solved(n, affine(C0, C1, sigma), affine(D0, D1, sigma))
+
+    def _start(self, sigma: Any) -> Any:
+        """Λ^k of the decaying space at the far end."""
+        rows = [[acb(x) for x in row] for row in self.form.exact_far(sigma, self.exact)]
+        found = minors(rows, self.form.decaying)
+        return acb_mat(len(found), 1, found)
+
+    def _wall_minors(self, sigma: Any) -> list[Any]:
+        W0, W1 = self.form.exact_wall(self.exact)
+        rows = [[acb(a) + acb(b) * sigma for a, b in zip(x, y, strict=True)] for x, y in zip(W0, W1, strict=True)]
+        return minors([list(column) for column in zip(*rows, strict=True)], self.form.decaying)
+
+    def _at_wall(self, sigma: Any, y: Any) -> Any:
+        return sum((w * y[i, 0] for i, w in enumerate(self._wall_minors(sigma))), acb(0))
+
+    def _weights(self, sigma: Any, start: Any, wall: Any) -> list[float]:
+        """A scaling of the components in which |A^(k)| grows little: Perron's vector halfway, in doubles. Any positive one would do."""
+        size = math.comb(self.form.size, self.form.decaying)
+        dense = np.zeros((size, size))
+        for part in (0.1, 0.5, 0.9):
+            A = compound(self.form.size, self.form.decaying, self._system(acb(start + (wall - start) * part), acb(sigma.mid())))
+            for (i, j), entry in A.items():
+                dense[i, j] += float(abs(entry).mid())
+        return _perron(dense)
+
+
+def at_bits(bits: int) -> Any:
+    """The context in which everything is computed with so many bits."""
+    return ctx.workprec(bits)
+
+
+def decimal(text: str) -> Any:
+    """A decimal as a ball at the working precision."""
+    fraction = Fraction(text)
+    return arb(fmpq(fraction.numerator, fraction.denominator))
+
+
+def _series(entry: Any, terms: int) -> TailedSeries:
+    return entry if isinstance(entry, TailedSeries) else TailedSeries([acb(entry)], terms)
+
+
+def _matrix(size: int, entries: dict[tuple[int, int], Any]) -> Any:
+    out = acb_mat(size, size)
+    for at, e in entries.items():
+        out[at] = e
+    return out
+
+
+def _widened(x: Any, radius: Any) -> Any:
+    """x with its real and imaginary parts wider by a bound on the modulus of what is left out."""
+    spread = arb(0, radius.upper())
+    return acb(x.real + spread, x.imag + spread)
+
+
+def _largest(numbers: Sequence[Any]) -> Any:
+    found = numbers[0]
+    for x in numbers[1:]:
+        found = found.max(x)
+    return found.upper()
+
+
+def _perron(dense: np.ndarray[Any, Any]) -> list[float]:
+    """A positive vector close to Perron's of a non-negative matrix: a choice, in doubles, as powers of two."""
+    size = len(dense)
+    scale = max(float(dense.max(initial=0.0)), 1e-300)
+    w = np.ones(size)
+    for _ in range(POWER_STEPS):
+        w = dense @ w / scale + 1e-3 * w
+        w /= w.max()
+    return [2.0 ** round(math.log2(max(x, 2.0**-300))) for x in w.tolist()]

@@ -1,0 +1,161 @@
+"""Proved counts of zeros from enclosures of D at points: Cauchy's estimate and Pellet's theorem.
+
+D is analytic on |σ − c| ≤ R with |D| ≤ M there. From K values on the circle of radius r < R, q = r/R, the discrete Fourier transform gives
+d̂_k, and for the Taylor coefficients d_k of D about c (theory, lemma E5)
+
+    |d_k r^k − d̂_k| ≤ M q^{k+K}/(1 − q^K),   Σ_{k≥K} |d_k| r^k ≤ M q^K/(1 − q).
+
+Pellet: if |d_n| r^n > Σ_{k≠n} |d_k| r^k then D has exactly n zeros in |σ − c| < r, with multiplicity, and none on the circle (lemma
+E6). With n = 0 and s ≤ r in place of r, D(σ)/d_0 has a positive real part on |σ − c| ≤ s: the phase of D differs from that at c by less
+than a quarter turn. Balls are python-flint's; M enters by its logarithm.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from flint import acb, acb_poly, arb, ctx
+
+from shootstab.core.errors import ConvergenceError
+
+NONE = arb(0)
+FIRST_PIECE, SHORTEST_PIECE = 1 / 64, 2.0**-48  # of a side of a polygon; chosen
+Ball = Callable[[Any], Any]  # σ ↦ an enclosure of D(σ)
+
+
+@dataclass(frozen=True, eq=False)
+class TaylorModel:
+    """|d_k| r^k ∈ sizes[k] for k < K, and Σ_{k≥K} |d_k| r^k ≤ tail; centre is c, radius r."""
+
+    centre: Any
+    radius: Any
+    sizes: tuple[Any, ...]
+    tail: Any
+
+    def margin(self, n: int) -> float:
+        """|d_n| r^n over the sum of all the others: above 1, exactly n zeros are proved."""
+        others = sum((x for k, x in enumerate(self.sizes) if k != n), NONE) + self.tail
+        ratio = self.sizes[n].lower() / others.upper() if others.upper() > 0 else arb.pos_inf()
+        return float(ratio) if ratio.is_finite() else math.inf
+
+    def proved(self) -> int | None:
+        """The number of zeros, None where the inequality holds for no n."""
+        for n, size in enumerate(self.sizes):
+            others = sum((x for k, x in enumerate(self.sizes) if k != n), NONE) + self.tail
+            if size > others:
+                return n
+        return None
+
+
+def taylor_model(D: Ball, log_bound: Any, centre: Any, radius: Any, outer: Any, points: int) -> TaylorModel:
+    """From `points` values of D on |σ − centre| = radius, and ln |D| ≤ log_bound on |σ − centre| ≤ outer."""
+    K = points
+    roots = [(2 * acb(j) / K).exp_pi_i() for j in range(K)]
+    values = [D(centre + radius * w) for w in roots]
+    q = radius / outer
+    M = log_bound.exp()
+    spill = q**K
+    sizes = []
+    for k in range(K):
+        d = sum((v * roots[-j * k % K] for j, v in enumerate(values)), acb(0)) / K
+        size = abs(d)
+        off = (M * q ** (k + K) / (1 - spill)).upper()
+        sizes.append(arb(0).max(size.lower() - off).union(size.upper() + off))
+    return TaylorModel(centre, radius, tuple(sizes), (M * spill / (1 - q)).upper())
+
+
+def points_for(log_bound: Any, log_size: Any, radius: Any, outer: Any, most: int) -> int:
+    """K for which the tail is about a thousandth of the size given; a choice, not a bound."""
+    nats = max(float((log_bound - log_size).mid()) + 7.0, 7.0)
+    return min(most, max(6, math.ceil(nats / float((outer / radius).log().mid())) + 2))
+
+
+@dataclass(frozen=True, eq=False)
+class PolynomialModel:
+    """D(σ) = p(u) + ε on |u| ≤ 1, u = (σ − centre)/radius, with |ε| ≤ spread; the coefficients of p are exact.
+
+    Balls are boxes: a multiplication by a complex u widens one by up to √2, so that p is evaluated with half a bit more a degree.
+    """
+
+    centre: Any
+    radius: Any
+    polynomial: Any
+    spread: Any
+
+    def __call__(self, sigma: Any) -> Any:
+        """A ball that holds D(σ)."""
+        value = self.polynomial((sigma - self.centre) / self.radius)
+        wide = arb(0, self.spread)
+        return acb(value.real + wide, value.imag + wide)
+
+    def margin(self, middle: Any, reach: Any) -> float:
+        """(|c_0| − spread)/(Σ_{k≥1} |c_k| s^k + 2 spread) on a piece |σ − middle| ≤ reach, c_k about its middle, s the reach in u.
+
+        Above 1, D has no zero on the piece, and its phase differs from that at the middle by less than a quarter turn.
+        """
+        s, u = (reach / self.radius).upper(), (middle - self.centre) / self.radius
+        if not abs(u) + s <= 1:
+            return 0.0  # the piece leaves the disc
+        shifted = self.polynomial(acb_poly([u, 1])).coeffs()
+        power, others = arb(1), 2 * self.spread
+        for c in shifted[1:]:
+            power = power * s
+            others = others + abs(c) * power
+        ratio = (abs(shifted[0]) - self.spread).lower() / others.upper()
+        return float(ratio)
+
+    def count(self, corners: Sequence[Any]) -> tuple[int, float]:
+        """The zeros inside a polygon that lies in the disc, its corners counter-clockwise, and the least margin on its boundary.
+
+        Raises ConvergenceError where a piece would have to be too short.
+        """
+        with ctx.workprec(ctx.prec + self.polynomial.degree()):
+            values, least = self._followed(corners)
+            turns = [(b / a).arg() for a, b in zip(values, [*values[1:], values[0]], strict=True)]
+            whole = (sum(turns, NONE) / (2 * arb.pi())).unique_fmpz()
+        if whole is None:
+            raise ConvergenceError("the enclosures of D on the contour do not determine a whole number of turns")
+        return int(whole), least
+
+    def _followed(self, corners: Sequence[Any]) -> tuple[list[Any], float]:
+        """D at the ends and middles of the pieces, in their order, and the least margin."""
+        values: list[Any] = []
+        least = math.inf
+        for start, end in zip(corners, [*corners[1:], corners[0]], strict=True):
+            here, length = 0.0, FIRST_PIECE
+            while here < 1.0:
+                ahead = min(1.0, here + length)
+                a, b = (start + (end - start) * arb(x) for x in (here, ahead))
+                margin = self.margin((a + b) / 2, abs(b - a) / 2)
+                if margin <= 1.0:
+                    length = 0.5 * (ahead - here)
+                    if length < SHORTEST_PIECE:
+                        raise ConvergenceError(f"an eigenvalue lies on the boundary or too near to it, at {complex(a.mid()):.12g}")
+                    continue
+                values += [self(a), self((a + b) / 2)]  # either half turns the phase by less than a quarter: no branch is in doubt
+                least = min(least, margin)
+                here, length = ahead, (ahead - here) * min(2.0, 0.7 * margin)
+        return values, least
+
+
+def polynomial_model(
+    D: Ball, log_bound: Any, centre: Any, radius: Any, outer: Any, points: int, progress: Callable[[int, int], None] | None = None
+) -> PolynomialModel:
+    """The Taylor polynomial of D on |σ − centre| ≤ radius from K = points values on the circle; see the head of this module."""
+    K, values = points, []
+    for j in range(K):
+        values.append(D(centre + radius * (2 * acb(j) / K).exp_pi_i()))
+        if progress is not None:
+            progress(j + 1, K)
+    q, M = radius / outer, log_bound.exp()
+    spill = q**K
+    found = acb.dft(values)
+    coefficients, spread = [], M * spill / (1 - q)
+    for k, d in enumerate(found):
+        exact = (d / K).mid()
+        spread = spread + abs(d / K - exact) + M * q ** (k + K) / (1 - spill)
+        coefficients.append(exact)
+    return PolynomialModel(centre, radius, acb_poly(coefficients), spread.upper())

@@ -1,0 +1,174 @@
+"""Proofs: against eigenvalues known exactly, against many digits, and against a checker that shares nothing with them."""
+
+from __future__ import annotations
+
+import copy
+import math
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+
+flint = pytest.importorskip("flint")
+
+from flint import acb, arb, ctx  # noqa: E402
+
+import shootstab as st  # noqa: E402
+from shootstab.analyses.certificate import certify, check  # noqa: E402
+from shootstab.analyses.prove import prove, prove_disc, prove_growing, prove_rectangle  # noqa: E402
+from shootstab.multiprecision.enclosure import Enclosure  # noqa: E402
+
+MODE = 0.0037396706229799 - 0.2375264888204701j  # Orszag's, R = 10000, α = 1
+
+
+class String:
+    """ψ″ = σ ψ with ψ = 0 at 0 and 1: σ = −(nπ)². The state is (ψ, ψ′)."""
+
+    size, decaying = 2, 1
+
+    def exact_ends(self, exact: Any) -> tuple[Any, Any]:
+        return 0, 1
+
+    def exact_pencil(self, z: Any, exact: Any) -> tuple[Any, ...]:
+        return {(0, 0): 1, (1, 1): 1}, {}, {(0, 1): 1}, {(1, 0): 1}
+
+    def exact_far(self, sigma: Any, exact: Any) -> list[list[int]]:
+        return [[0], [1]]
+
+    def exact_wall(self, exact: Any) -> tuple[list[list[int]], list[list[int]]]:
+        return [[1, 0]], [[0, 0]]
+
+
+class Airy(String):
+    """(1 + z/2) ψ′ = χ, χ′ = (z + σ) ψ: C depends on z, so that A = C⁻¹D is a series with a tail."""
+
+    def exact_pencil(self, z: Any, exact: Any) -> tuple[Any, ...]:
+        return {(0, 0): 1 + z / 2, (1, 1): 1}, {}, {(0, 1): 1, (1, 0): z}, {(1, 0): 1}
+
+
+def string_D(sigma: complex) -> Any:
+    """sinh(√σ)/√σ."""
+    root = mpmath.sqrt(mpmath.mpmathify(sigma))
+    return mpmath.sinh(root) / root
+
+
+@pytest.mark.parametrize("sigma", [-3.0 + 0.5j, 40 - 7j, -500 + 0.125j])
+def test_the_enclosure_holds_the_exact_value(sigma: complex) -> None:
+    with ctx.workprec(200), mpmath.workprec(200):
+        D = Enclosure(String(), 200)(acb(sigma.real, sigma.imag))  # type: ignore[arg-type]
+        truth = string_D(sigma)
+        assert D.real.contains(arb(mpmath.nstr(truth.real, 40))) or abs(D.real - arb(mpmath.nstr(truth.real, 40))) < arb("1e-35") * abs(D)
+        assert D.rel_accuracy_bits() > 100
+
+
+def test_the_bound_on_growth_lies_above_the_values() -> None:
+    rng = np.random.default_rng(3)
+    with ctx.workprec(120):
+        enclosure = Enclosure(st.gallery.PlanePoiseuille(half=True), 120)
+        at, radius = acb(MODE.real, MODE.imag), 0.05
+        spread = arb(0, radius)
+        bound = enclosure.growth(acb(at.real + spread, at.imag + spread))
+        for phase in rng.uniform(0, 2 * math.pi, 5).tolist():
+            D = enclosure(at + radius * acb(math.cos(phase), math.sin(phase)) * acb("0.99"))
+            assert abs(D).log() < bound
+
+
+@pytest.mark.parametrize(("radius", "count"), [(1.0, 1), (5.0, 1), (1e-6, 1)])
+def test_discs_about_an_eigenvalue_known_exactly(radius: float, count: int) -> None:
+    proof = prove_disc(st.ClosedProblem(String()), -(math.pi**2), radius)  # type: ignore[arg-type]
+    assert proof.count == count
+    assert proof.margin > 1.0
+
+
+def test_a_disc_without_eigenvalues_and_one_with_several() -> None:
+    problem = st.ClosedProblem(String())  # type: ignore[arg-type]
+    assert prove_disc(problem, -20.0, 5.0).count == 0
+    found = prove_rectangle(problem, st.Rectangle(-100 - 4j, -5 + 4j))
+    assert found.count == 3  # π², 4π² and 9π²
+
+
+def test_an_edge_within_a_rounding_of_an_eigenvalue_is_on_the_right_side_of_it() -> None:
+    problem, edge = st.ClosedProblem(String()), -9.869604401089358  # type: ignore[arg-type]
+    with mpmath.workdps(30):
+        assert edge > -(mpmath.pi**2)
+    assert prove_rectangle(problem, st.Rectangle(edge - 1j, -5 + 1j)).count == 0
+    assert prove_rectangle(problem, st.Rectangle(float(np.nextafter(edge, -10.0)) - 1j, -5 + 1j)).count == 1
+
+
+def test_a_pencil_whose_C_depends_on_z() -> None:
+    problem = st.ClosedProblem(Airy())  # type: ignore[arg-type]
+    mode = st.refine(problem, -12.0, rtol=1e-11)
+    proof = prove(problem, complex(mode.sigma), digits=10)
+    assert proof.count == 1
+    assert abs(float(proof.region["centre"]["re"]) - complex(mode.sigma).real) < 1e-9
+
+
+@pytest.mark.parametrize("digits", [6, 30])
+def test_orszags_mode(digits: int) -> None:
+    proof = prove(st.gallery.PlanePoiseuille(half=True), MODE, digits=digits)
+    assert proof.count == 1
+    centre = complex(float(proof.region["centre"]["re"]), float(proof.region["centre"]["im"]))
+    assert abs(centre - MODE) < 1e-15 + 10.0 ** -(digits + 4)
+    assert float(proof.region["radius"]) <= 10.0**-digits * abs(MODE) * 1.0000001
+    assert proof.alone is not None and proof.alone > 1e-3
+    assert proof.statement.startswith("exactly one eigenvalue lies in |σ − (0.00373967")
+
+
+def test_a_certificate_is_accepted_and_tampered_ones_are_not() -> None:
+    problem = st.gallery.PlanePoiseuille(100.0, 1.0, half=True)
+    certificate = certify(problem, prove(problem, -0.163 - 0.463j, digits=10))
+    assert check(certificate) is None
+    rng = np.random.default_rng(7)
+    digits = certificate["disc"]["re"]
+    for _ in range(4):
+        false = copy.deepcopy(certificate)
+        at = int(rng.integers(4, 9))
+        false["disc"]["re"] = digits[:at] + str((int(digits[at]) + int(rng.integers(1, 9))) % 10) + digits[at + 1 :]
+        assert check(false) is not None
+    for key, value in (
+        ("count", 0),
+        ("count", 2),
+        ("order", 12),
+        ("steps", ["1.5"]),
+        ("format", 2),
+        ("outer", "1e-20"),
+    ):
+        assert check({**certificate, key: value}) is not None, key
+    for name, value in (("reynolds", "100.1"), ("alpha", "1.001"), ("even", False)):
+        assert check({**certificate, "problem": {**certificate["problem"], name: value}}) is not None, name
+    assert check({**certificate, "disc": {**certificate["disc"], "radius": "__import__('os')"}}) is not None
+
+
+def test_the_checker_imports_neither_the_program_nor_flint() -> None:
+    import ast
+    from pathlib import Path
+
+    import shootstab.checkers
+
+    for path in Path(shootstab.checkers.__file__).parent.glob("*.py"):
+        names = {
+            alias.name.split(".")[0]
+            for node in ast.walk(ast.parse(path.read_text()))
+            if isinstance(node, ast.Import)
+            for alias in node.names
+        } | {(node.module or "").split(".")[0] for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.ImportFrom)}
+        assert names <= {"json", "math", "re", "sys", "pathlib", "typing", "mpmath"}, path
+
+
+def test_what_cannot_be_proved_says_why(scenes: Any) -> None:
+    with pytest.raises(st.InputError, match="closed form"):
+        prove(scenes["high"], 0.004)
+    with pytest.raises(st.InputError, match="no theorem"):
+        prove_growing(st.ClosedProblem(String()), 0.0)  # type: ignore[arg-type]
+    with pytest.raises(st.InputError, match="digits"):
+        prove(st.gallery.PlanePoiseuille(), MODE, digits=0)
+    with pytest.raises(st.ConvergenceError, match="take a smaller disc"):
+        prove_disc(st.ClosedProblem(String()), -25.0, 14.0)  # type: ignore[arg-type]
+
+
+@pytest.mark.slow
+def test_all_modes_of_poiseuille_flow_that_grow() -> None:
+    proof = prove_growing(st.gallery.PlanePoiseuille(half=True), -1e-3)
+    assert proof.count == 1
+    assert proof.statement == "exactly one eigenvalue has Re σ ≥ -0.001"
