@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from shootstab.discriminants.compound import Compound
     from shootstab.discriminants.frame import Frame
     from shootstab.discriminants.riccati import Riccati
-    from shootstab.formulation.conditions import Axis, Conditions
+    from shootstab.formulation.conditions import Axis, Conditions, Periodic
     from shootstab.formulation.problem import equations
     from shootstab.io.readers import read
     from shootstab.io.scenes import load as scene
@@ -59,6 +59,7 @@ _HOMES = {
     "scene": "shootstab.io.scenes",
     "Conditions": "shootstab.formulation.conditions",
     "Axis": "shootstab.formulation.conditions",
+    "Periodic": "shootstab.formulation.conditions",
     "Wall": "shootstab.problems",
     "LinearProblem": "shootstab.problems",
     "Interface": "shootstab.problems",
@@ -99,6 +100,7 @@ __all__ = [
     "Interface",
     "LinearProblem",
     "NoFlowError",
+    "Periodic",
     "Polygon",
     "Rectangle",
     "Riccati",

@@ -81,7 +81,7 @@ def affine(
     ends = [[_split(row, copies) for row in end] for end in rows]
     if extra and all(finite):
         if not any(holding):
-            raise InputError("between two regular singular ends the eigenvalue occurs to higher powers: that is not offered")
+            raise InputError("between two ends without conditions the eigenvalue occurs to higher powers: that is not offered")
         moving = [any(degree(c) for row in end for c in row.values()) for end in (left, right)]
         at_right = holding[1] and (not holding[0] or (moving[1] and not moving[0]))
         ends[at_right] += [({(0, at): number(1)}, {(0, below): number(-1)}) for at, below in extra]

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from shootstab.core.errors import InputError
-from shootstab.formulation.conditions import Conditions
+from shootstab.formulation.conditions import Conditions, Periodic
 from shootstab.formulation.evaluation import on_arrays
 from shootstab.formulation.statement import Statement
 from shootstab.formulation.system import Row, coefficients, degree
@@ -126,8 +126,8 @@ class Collocation:
 
 
 def collocation(statement: Statement) -> Collocation | None:
-    """The discretization of a statement; None where an end is at infinity, or the number of conditions is not that of c and d."""
-    if not all(statement.finite):
+    """The discretization of a statement; None where an end is at infinity or periodic, or conditions are not as many as c and d ask for."""
+    if not all(statement.finite) or isinstance(statement.left, Periodic):
         return None
     unknowns = statement.names.unknowns
     S = np.full((len(unknowns), len(unknowns)), ABSENT)

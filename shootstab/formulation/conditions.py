@@ -28,7 +28,14 @@ class Axis:
     at: float = 0.0
 
 
-End = Conditions | Infinity | Axis
+@dataclass(frozen=True, eq=False)
+class Periodic:
+    """One of two ends at which everything is the same: the coefficients have the period between them, and so have solutions."""
+
+    at: float
+
+
+End = Conditions | Infinity | Axis | Periodic
 
 
 def end_of(given: Any, side: str) -> End:
@@ -39,11 +46,11 @@ def end_of(given: Any, side: str) -> End:
         given = Conditions(given["at"], given["conditions"])
     if isinstance(given, Infinity):
         return given
-    if not isinstance(given, Conditions | Axis):
-        raise InputError(f"{side} = {given!r}: allowed is st.Conditions(at, [...]), st.Axis(at) or st.Infinity()")
+    if not isinstance(given, Conditions | Axis | Periodic):
+        raise InputError(f"{side} = {given!r}: allowed is st.Conditions(at, [...]), st.Axis(at), st.Periodic(at) or st.Infinity()")
     if isinstance(given.at, bool) or not isinstance(given.at, int | float) or not math.isfinite(given.at):
         raise InputError(f"{side}: at = {given.at!r}: allowed is a finite number, or st.Infinity()")
-    if isinstance(given, Axis):
+    if isinstance(given, Axis | Periodic):
         return given
     if isinstance(given.conditions, str) or not isinstance(given.conditions, Sequence):
         raise InputError(f"{side}: conditions = {given.conditions!r}: allowed is a list of formulas")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from shootstab.formulation.affine import AffineSystem, Condition
-from shootstab.formulation.conditions import Axis, Conditions
+from shootstab.formulation.conditions import Axis, Conditions, Periodic
 from shootstab.formulation.continuous_spectrum import InteriorSpectrum
 from shootstab.formulation.expression import Expression
 from shootstab.formulation.first_order import FirstOrder
@@ -68,6 +68,8 @@ def explanation(
             lines += [(f"{side}, {names.variable} = {end.at:g}", condition_text(row)) for row in rows]
         elif isinstance(end, Axis):
             lines.append((f"{side}, {names.variable} = {end.at:g}", "a regular singular end: solutions are regular"))
+        elif isinstance(end, Periodic):
+            lines.append((f"{side}, {names.variable} = {end.at:g}", "periodic: every state is the same at both ends"))
         else:
             lines.append((f"{side}, infinity", "solutions decay"))
     return lines

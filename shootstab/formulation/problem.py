@@ -15,7 +15,7 @@ from shootstab.core.errors import InputError
 from shootstab.formulation.affine import AffineSystem, Condition, affine, in_states
 from shootstab.formulation.axis import RegularSpace
 from shootstab.formulation.collocation import Collocation, collocation
-from shootstab.formulation.conditions import Axis, Conditions
+from shootstab.formulation.conditions import Axis, Conditions, Periodic
 from shootstab.formulation.continuous_spectrum import InteriorSpectrum, interior_spectrum
 from shootstab.formulation.digits import EquationDigits
 from shootstab.formulation.evaluation import Given, filled, on_arrays
@@ -24,7 +24,7 @@ from shootstab.formulation.first_order import FirstOrder, first_order
 from shootstab.formulation.gaussian import Gaussian
 from shootstab.formulation.limits import with_limit
 from shootstab.formulation.regular_digits import RegularStart
-from shootstab.formulation.singular_ends import between_singular_ends, singular_end
+from shootstab.formulation.singular_ends import between_periodic_ends, between_singular_ends, singular_end
 from shootstab.formulation.statement import Statement, stated
 from shootstab.formulation.system import degree, shown
 from shootstab.problems.ends import Infinity, Wall
@@ -110,7 +110,7 @@ def equations(
 
     Equations and conditions are text (see grammar.py) or SymPy expressions, and stand for 'vanishes'. The eigenvalue may occur to any
     natural power. parameters are numbers, where holds definitions by name. An end is Conditions(at, [...]), Infinity(), or Axis(at), a
-    regular singular point of the equations at which solutions are regular. given are
+    regular singular point of the equations at which solutions are regular; or both ends are Periodic(at). given are
     functions of the coordinate that no formula defines, as name: f(z, order) ↦ the derivative of that order, for arrays z. fold and
     reference are those of `problem`.
 
@@ -134,6 +134,7 @@ def assembled(statement: Statement, fold: float = 0.0, reference: complex | None
         raise InputError(f"the equations have {system.size} states: allowed are {LARGEST}")
     matrices = PencilFunction(system.size, pencil_of(system, domain.given), vectorized=True)
     _require_finite(system, statement)
+    curve: Callable[[Any], Any] | None = spectrum.curve if spectrum.curves else None
     made: list[Any] = []
     for end, rows, count, side in zip(ends, (system.left, system.right), (system.left_rows, system.right_rows), (-1, 1), strict=True):
         if isinstance(end, Conditions):
@@ -141,15 +142,16 @@ def assembled(statement: Statement, fold: float = 0.0, reference: complex | None
         elif isinstance(end, Axis):
             bounded = [i for i, (name, order) in enumerate(first.states) if order == 0 and name in statement.names.unknowns]
             made.append(singular_end(system, end.at, -side, bounded, f"{statement.names.variable} = {end.at:g}", domain))
-        else:
+        elif isinstance(end, Infinity):
             made.append(with_limit(end, matrices, side))
-    if any(isinstance(end, Axis) for end in ends):
+    if isinstance(ends[0], Periodic) and isinstance(ends[1], Periodic):
+        reduction = between_periodic_ends(matrices, ends[0].at, ends[1].at)
+    elif any(isinstance(end, Axis) for end in ends):
         if spectrum.curves:
             raise InputError("C is singular for some sigma at every point up to a regular singular end: that is not offered")
         reduction = between_singular_ends(system.size, made[0], made[1])
     else:
         reduction = reduce_to_two_points(matrices, made[0], made[1], (), fold, reference)
-    curve: Callable[[Any], Any] | None = spectrum.curve if spectrum.curves else None
     return EquationProblem(
         matrices,
         reduction,

@@ -8,8 +8,8 @@
     left = { at = -1, conditions = ["u", "v"] }
     right = { at = 1, conditions = ["u", "v"] }
 
-An end is {at, conditions}; {axis = its place} where the equations have a regular singular point; "infinity"; or, where the coefficients
-have no limit there, {infinity = true, start = …}.
+An end is {at, conditions}; {axis = its place} where the equations have a regular singular point; {periodic = its place}, both ends;
+"infinity"; or, where the coefficients have no limit there, {infinity = true, start = …}.
 Further keys: eigenvalue and variable, their names (by default sigma and z), fold, and reference = [re, im].
 """
 
@@ -20,7 +20,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from shootstab.core.errors import InputError
-from shootstab.formulation.conditions import Axis, Conditions, End
+from shootstab.formulation.conditions import Axis, Conditions, End, Periodic
 from shootstab.formulation.problem import EquationProblem, equations
 from shootstab.problems.ends import Infinity
 
@@ -56,11 +56,15 @@ def from_table(table: Mapping[str, Any]) -> EquationProblem:
 
 
 def _end(given: Any, side: str) -> End:
-    allowed = 'allowed is { at = ..., conditions = [...] }, { axis = ... }, "infinity" or { infinity = true, start = ... }'
+    allowed = (
+        'allowed is { at = ..., conditions = [...] }, { axis = ... }, { periodic = ... }, "infinity" or { infinity = true, start = ... }'
+    )
     if given == "infinity":
         return Infinity()
     if isinstance(given, dict) and set(given) == {"axis"}:
         return Axis(given["axis"])
+    if isinstance(given, dict) and set(given) == {"periodic"}:
+        return Periodic(given["periodic"])
     if not isinstance(given, dict):
         raise InputError(f"[problem] {side} = {given!r}: {allowed}")
     if given.get("infinity") is True and set(given) <= {"infinity", "start", "decaying"}:

@@ -1,4 +1,4 @@
-"""Problems with a regular singular end, or two, laid out for the engine: the regular solutions at one end, conditions at the other."""
+"""Problems with a regular singular end, or two, or with periodic ends, laid out for the engine."""
 
 from __future__ import annotations
 
@@ -14,9 +14,13 @@ from shootstab.formulation.axis import RegularSpace, starting_distance
 from shootstab.formulation.domain import Domain
 from shootstab.formulation.gaussian import Gaussian
 from shootstab.formulation.regular_singular import regular_singular_end
+from shootstab.problems.decaying_space import ConstantSpace
 from shootstab.problems.ends import Wall
+from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.subdomains import Subdomain
 from shootstab.problems.two_point import TwoPointReduction
+
+ALIKE = 1e-12  # coefficients at two periodic ends, relative to their size
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,3 +74,17 @@ def _meeting(size: int, left: SingularEnd, right: SingularEnd) -> TwoPointReduct
     identity = np.eye(size, dtype=np.complex128)
     rows = np.concatenate((identity, -identity), axis=1)
     return TwoPointReduction(parts, 1.0, 0.0, (rows, np.zeros_like(rows)))
+
+
+def between_periodic_ends(matrices: PencilFunction, left: float, right: float) -> TwoPointReduction:
+    """(a, ψ) from (1, 1) at the left end, a = ψ at the right one: det(1 − the monodromy matrix). Raises InputError without a period."""
+    n = matrices.size
+    for name, a, b in zip(("C0", "C1", "D0", "D1"), matrices.at(left), matrices.at(right), strict=True):
+        if np.abs(a - b).max() > ALIKE * max(float(np.abs(a).max()), float(np.abs(b).max())):
+            raise InputError(
+                f"between periodic ends {name} of the first-order system is not the same at both: allowed are periodic coefficients"
+            )
+    identity = np.eye(n, dtype=np.complex128)
+    rows = np.concatenate((identity, -identity), axis=1)
+    part = Subdomain(0.0, 1.0, ConstantSpace(identity), augmented=True)
+    return TwoPointReduction((part,), left, right, (rows, np.zeros_like(rows)))

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from shootstab.core.errors import InputError
-from shootstab.formulation.conditions import Conditions, End, end_of, rows_of
+from shootstab.formulation.conditions import Conditions, End, Periodic, end_of, rows_of
 from shootstab.formulation.domain import Domain
 from shootstab.formulation.evaluation import Given
 from shootstab.formulation.names import Names
@@ -64,6 +64,8 @@ def stated(
     high = np.inf if isinstance(ends[1], Infinity) else ends[1].at
     if not low < high:
         raise InputError(f"the ends lie at {variable} = {low:g} and {high:g}: allowed is a left end below the right one")
+    if isinstance(ends[0], Periodic) != isinstance(ends[1], Periodic):
+        raise InputError("one end is periodic and the other is not: allowed are two periodic ends")
     read = {f"equation {i}": names.expression(e, f"equation {i}") for i, e in enumerate(equations, 1)}
     system = System.of(names.unknowns, read)
     rows = [tuple(rows_of(end, side, names)) for end, side in zip(ends, ("left", "right"), strict=True)]

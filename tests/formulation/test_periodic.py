@@ -1,0 +1,37 @@
+"""Periodic ends: Mathieu's equation, and what is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.special import mathieu_a, mathieu_b
+
+import shootstab as st
+from shootstab.core.errors import InputError
+
+
+def mathieu(q: float, right: float = np.pi) -> object:
+    return st.equations(["y"], ["d(y,2) + (sigma - 2*q*cos(2*z))*y"], st.Periodic(0), st.Periodic(right), parameters={"q": q})
+
+
+def test_characteristic_values_of_mathieus_equation() -> None:
+    """Period π: a_0, b_2, a_2, …; a rectangle holds as many as there are."""
+    problem = mathieu(3.0)
+    values = [mathieu_a(0, 3.0), mathieu_b(2, 3.0), mathieu_a(2, 3.0)]
+    for value in values:
+        assert abs(st.refine(problem, guess=value + 0.01).sigma - value) < 1e-11
+    assert st.count(problem, st.Rectangle(-3 - 1j, 8 + 1j)) == 3
+
+
+def test_double_eigenvalues_are_counted_twice() -> None:
+    """Without the potential σ = (2n)²: 0 once, 4 and 16 twice."""
+    assert st.count(mathieu(0.0), st.Rectangle(-1 - 1j, 5 + 1j)) == 3
+
+
+def test_what_users_are_told() -> None:
+    with pytest.raises(InputError, match="allowed are periodic coefficients"):
+        mathieu(1.0, 2.0)
+    with pytest.raises(InputError, match="one end is periodic and the other is not"):
+        st.equations(["y"], ["d(y,2) + sigma*y"], st.Periodic(0), st.Conditions(1, ["y"]))
+    with pytest.raises(InputError, match="the eigenvalue occurs to higher powers"):
+        st.equations(["y"], ["d(y,2) + sigma**2*y"], st.Periodic(0), st.Periodic(1))
