@@ -63,6 +63,10 @@ def verify(options: Namespace) -> int:
             region = region or (unstable_box(own.problem, claimed) if convention.plain else None)
             given = (claimed / convention.unit).tolist()
         report = question(scene.problem, given, digits=options.digits, region=region, progress=told, unstable=options.unstable)
+    from shootstab.analyses.hypotheses import hypotheses
+    from shootstab.cli.proposals import sentence
+
+    meant = [sentence(found, convention.plain) for found in hypotheses(scene.problem, report, options.digits)]
     report = convention.shown(replace(report, dropped=0 if spectrum is None else spectrum.dropped))
     if options.plot is not None:
         from shootstab.cli import plots
@@ -72,9 +76,10 @@ def verify(options: Namespace) -> int:
     def tables() -> list[RenderableType]:
         from shootstab.cli import tables
 
-        return tables.report(report, scene, options.only, options.sort)
+        return [*tables.report(report, scene, options.only, options.sort), *map(tables.paragraph, meant)]
 
     document = documents.report(report)
+    document["meant"] = meant
     if not convention.plain:
         document["convention"] = convention.formula
     _answer(options, document, tables, scene)

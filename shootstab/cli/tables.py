@@ -74,6 +74,11 @@ def _left_out(found: Report) -> Parts:
     return [Text(f"Left out of the file: {entries} infinite, not a number, or 1e15 and more.")]
 
 
+def paragraph(sentence: str) -> Text:
+    """A sentence on a page's width."""
+    return Text(textwrap.fill(sentence, PAGE))
+
+
 def heading(scene: Scene) -> Text:
     """What the scene is, on a page's width."""
     return Text(textwrap.fill(scene.heading, PAGE))

@@ -1,0 +1,44 @@
+"""cli/proposals.py: what a list may have meant is said in words, and with the options that mean it."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+
+import pytest
+
+from shootstab.analyses.hypotheses import Hypothesis
+from shootstab.cli import main as cli
+from shootstab.cli.proposals import options, sentence
+from shootstab.io.conventions import Convention
+
+
+@pytest.mark.parametrize(
+    ("factor", "conjugate", "said"),
+    [
+        (1.0, True, "--conjugate"),
+        (-1.0, False, "--as growth --sign -"),
+        (-1j, False, "--as frequency"),
+        (0.5, False, "--as growth --length 2"),
+        (2j, True, "--as frequency --sign + --length 0.5 --conjugate"),
+        (0.3 + 0.4j, False, ""),
+    ],
+)
+def test_the_options_proposed_mean_the_factor(factor: complex, conjugate: bool, said: str) -> None:
+    one = Hypothesis(factor, conjugate, 3, 8.0)
+    assert options(one) == said
+    if said:
+        words = said.split()
+        given = dict(itertools.pairwise(words))
+        convention = Convention(
+            given.get("--as", "growth"), given.get("--sign"), length=float(given.get("--length", 1)), conjugate="--conjugate" in words
+        )
+        assert (convention.unit, convention.conjugate) == (factor, conjugate)
+    assert (": try" in sentence(one, True), ": try" in sentence(one, False)) == (bool(said), False)
+
+
+def test_a_conjugate_list_is_told_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "modes.csv").write_text("0.0037396706,0.2375264888\n-0.0351865838,0.9646425100\n")
+    assert cli.main(["verify", "poiseuille", str(tmp_path / "modes.csv")]) == 1
+    assert "All 2 claims tried, conjugated, are modes to" in (out := capsys.readouterr().out)
+    assert "try --conjugate." in out
