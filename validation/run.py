@@ -18,6 +18,7 @@ CLAIMS = (
     "equations",
     "digits",
     "calibration",
+    "random_chutes",
     "strangers",
     "fuzz_pencils",
 )

@@ -8,10 +8,11 @@ import sys
 from shootstab.core.discriminant import Discriminant, Value
 from shootstab.core.records import Budget
 from shootstab.discriminants.method import MeshedDiscriminant
+from shootstab.kernels.tableau import ORDER
 from shootstab.problems.capabilities import FARTHER_WALLS
 from shootstab.problems.protocol import Problem
 
-HALVING = 14.0  # of the 2^8 that halving the steps gains, what is counted on
+HALVING = 2.0 ** (ORDER / 2) - 1.0  # derived: Richardson's 2^q − 1, for steps that have reached half the order of the pair only
 FLOWS = (4.0, 2.0)  # by which the base flow is computed less accurately, for another one that errs about as much
 PROBE = 1e-7  # relative change of the far frame by which its influence is measured
 SAFETY = 3.0  # on what a random sample of the far frame shows

@@ -1,124 +1,224 @@
-"""The modes that a claimed spectrum lacks, and in words where they were looked for and what could not be searched."""
+"""The modes that a claimed spectrum lacks, and in words where they were looked for and what could not be searched.
+
+A list of eigenvalues claims that no other mode lies among them, and nothing about what lies beyond: it may be the first ten, those that
+grow fastest, or those around a target. All of these are the modes in some convex part of the plane, and the convex hull of the list is a
+part of that: a mode inside the hull that no claim means is missing, one outside is not. Anything more needs a region that is named.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
 
+from shootstab.analyses.cut_region import RegionCount
 from shootstab.analyses.find import find_modes, modes_of
-from shootstab.core.errors import ConvergenceError
+from shootstab.core.division import distance_outside, divided, divisions
+from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.records import Mode, Verdict
-from shootstab.core.regions import Rectangle, Region
-from shootstab.discriminants.continuation import Continuation, Undecidable
+from shootstab.core.regions import Polygon, Rectangle, Region, convex_hull, size
+from shootstab.discriminants.continuation import Continuation
 from shootstab.essential_spectrum.interior import continuum_of
 from shootstab.problems.protocol import Problem
 from shootstab.roots.search import Zero
 
-MARGIN = 0.05  # of the box that the claims span
-CLEAR = 1e-4  # of the box, how far right of the continuous spectrum a search begins
+NONE, WITHIN, REGION = "none", "within", "region"
+MISSING = (NONE, WITHIN, REGION)
 NOT_SEARCHED = "missing modes were not looked for"
-MOST_TURNS = 60.0  # of D's phase along the box in which missing modes are looked for
-FIRST_PART, LARGER = 4, 4.0  # the box of the smallest quarter of the claims is tried first, then those of claims so many times larger
-POINTS = 12
-MISSING_RTOL = 1e-10
+MARGIN = 0.05  # chosen: of the hull's extent, how far around it the contour runs, clear of the claims at its corners
+THINNEST = 0.1  # chosen: of the largest |claim|, what the extent of claims counts as at least
+ON_HULL = 1e-6  # chosen: of the extent, how far outside a mode still lies among claims on a line, or that are a little wrong
+CLEAR = 1e-4  # chosen: of the region, how far right of the continuous spectrum it is cut where it cannot be counted as a whole
+MOST_TURNS = 200.0  # chosen: of D's phase along the hull; beyond, a search takes minutes
+FEWER = 0.7  # chosen: of the claims, those that stay where the contour around all is too long
+POINTS = 6  # chosen: on the length of the hull, at which D is asked what a contour costs
+DEEPEST = 4  # chosen: cuts of a region that cannot be counted as a whole
+MOST_PARTS = 16  # chosen: of it that are tried
+MISSING_RTOL = 1e-10  # chosen: to which missing modes are refined
+
+
+class Missing(NamedTuple):
+    """Modes that no claim means; where they were looked for, in words; what was not searched, and why; the same as a region, None where
+    nothing was searched; and how many of the claims lie in it."""
+
+    modes: tuple[Mode, ...]
+    searched: str
+    undecided: tuple[str, ...]
+    region: Region | None = None
+    claims_inside: int = 0
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A part of a region that could be searched."""
+
+    continuation: Continuation
+    zeros: list[Zero]
+    whole: RegionCount
+
+
+def require_missing(missing: str | None, region: Region | None) -> str:
+    """How missing modes are to be looked for; without a wish in the region if there is one, else within the claims.
+
+    Raises InputError for a wish that is none of MISSING, or that does not go with the region.
+    """
+    wish = missing or (WITHIN if region is None else REGION)
+    if wish not in MISSING:
+        raise InputError(f"missing = {missing!r}: allowed is {', '.join(MISSING)}")
+    if (wish == REGION) != (region is not None):
+        needed = "a region, in which they are looked for" if region is None else f"no region with missing = {wish!r}"
+        raise InputError(f"missing = {wish!r}: needed is {needed}")
+    return wish
 
 
 def find_missing(
-    continuation: Continuation, verdicts: list[Verdict], region: Region | None, loose: Continuation, reach: float
-) -> tuple[tuple[Mode, ...], str, tuple[str, ...]]:
-    """Modes in the region that no claim means; where they were looked for; what could not be searched.
+    continuation: Continuation, verdicts: Sequence[Verdict], region: Region | None, loose: Continuation, reach: float
+) -> Missing:
+    """The modes that no claim means: in the region, or without one inside the convex hull of the claims.
 
-    Without a region it is the box of those claims that are not beyond the reach of a mesh; the loose continuation tells what a box
-    would cost.
+    The hull is that of the claims that mean modes, as long as these are several; of those with the largest growth rates where the contour
+    around all would be too long, and of none beyond the reach of a mesh. The loose continuation tells what a contour would cost.
     """
     claims = [v.claimed for v in verdicts]
-    undecided: tuple[str, ...] = ()
-    box = region
-    if box is None:
-        box, undecided = _searchable(loose, claims, reach)
-        if box is None:
-            return (), NOT_SEARCHED, undecided
     known = claimed_modes(verdicts)
-    low, high = _extremes(box)
-    try:
-        _, zeros, whole = find_modes(continuation, box, known)
-    except ConvergenceError as error:
-        undecided += (f"from {low:.6g} to {high:.6g}: {error}",)
-        if not isinstance(error, Undecidable) or not isinstance(box, Rectangle):
-            return (), NOT_SEARCHED, undecided
-        # the part right of the continuous spectrum, where instability is
-        edge = max(continuation.rightmost, 0.0) + CLEAR * abs(high)
-        if high.real <= edge:
-            return (), NOT_SEARCHED, undecided
-        low = complex(max(edge, low.real), low.imag)
+    if region is not None:
+        return _searched(continuation, region, known, claims, region.contains, "in the region", ())
+    chosen, hull_region = _chosen(loose, verdicts, reach)
+    if hull_region is None:
+        return Missing((), NOT_SEARCHED, ("the claims span no part of the plane that is small enough to be searched: name a region",))
+    left = len(claims) - len(chosen)
+    undecided = (f"the part of the plane that {left} more of the claims add: name a region to search there",) if left else ()
+    corners = convex_hull(tuple(chosen))
+    nearest = ON_HULL * _extent(chosen)
+
+    def among(sigma: complex) -> bool:
+        return distance_outside(corners, sigma) <= nearest
+
+    return _searched(continuation, hull_region, known, claims, among, "among the claims", undecided)
+
+
+def _searched(
+    continuation: Continuation,
+    region: Region,
+    known: list[Zero],
+    claims: list[complex],
+    meant: Callable[[complex], bool],
+    where: str,
+    undecided: tuple[str, ...],
+) -> Missing:
+    """The modes of a region that are not known and meant, from its unstable side on."""
+    parts, left = _parts(continuation, region, known)
+    undecided += tuple(left)
+    if not parts:
+        return Missing((), NOT_SEARCHED, undecided)
+    modes: list[Mode] = []
+    for part in parts:
+        for zero in part.zeros:
+            if not meant(zero.sigma):
+                continue
+            try:
+                modes += modes_of(part.continuation, zero, MISSING_RTOL)
+            except ConvergenceError as error:
+                undecided += (f"the {zero.multiplicity} modes counted near {zero.sigma:.6g}: {error}",)
+        undecided += tuple(
+            f"what lies within {d.radius:.1e} of the end {d.centre:.6g} of the continuous spectrum" for d in part.whole.left_out
+        )
+    inside = sum(meant(c) for c in claims)
+    low, high = _extremes(region)
+    said = f"{where}, from {low:.6g} to {high:.6g}, where {inside} of the {len(claims)} claims lie"
+    return Missing(tuple(modes), said, undecided, region, inside)
+
+
+def _parts(continuation: Continuation, region: Region, known: list[Zero]) -> tuple[list[_Part], list[str]]:
+    """The region, or the parts of it that can be searched, the unstable ones first; and where the others are, and why they cannot."""
+    found, left = [], []
+    waiting = [(0, region)]
+    tried = 0
+    while waiting:
+        depth, part = waiting.pop()
+        low, high = _extremes(part)
+        tried += 1
         try:
-            _, zeros, whole = find_modes(continuation, Rectangle(low, high), known)
-        except ConvergenceError as again:
-            return (), NOT_SEARCHED, (*undecided, f"from {low:.6g} to {high:.6g}: {again}")
-    where = f"missing modes were looked for from {low:.6g} to {high:.6g}, which holds {whole.count}"
-    left_out = tuple(f"what lies within {d.radius:.1e} of the end {d.centre:.6g} of the continuous spectrum" for d in whole.left_out)
-    return modes_with_bounds(continuation, zeros), where, undecided + left_out
+            found.append(_Part(*find_modes(continuation, part, known)))
+            continue
+        except ConvergenceError as error:
+            why = f"from {low:.6g} to {high:.6g}: {error}"
+        halves = None
+        if depth < DEEPEST and tried + len(waiting) < MOST_PARTS:
+            halves = _right_of_the_spectrum(continuation, part) or next(divisions(part), None)
+        if halves is None:
+            left.append(why)
+            continue
+        waiting += sorted(((depth + 1, half) for half in halves), key=lambda item: _extremes(item[1])[1].real)
+    return found, left
 
 
-def _searchable(continuation: Continuation, claims: list[complex], reach: float) -> tuple[Rectangle | None, tuple[str, ...]]:
-    """The box that the claims span, without the largest of them where the contour around it would be too long; what was left out.
-
-    It is looked for from the smallest claims on: D at large |σ| is dear.
-    """
-    sizes = sorted(abs(c) for c in claims if abs(c) <= reach)
-    chosen: Rectangle | None = None
-    inside = 0
-    limit = max(sizes[len(sizes) // FIRST_PART], 1e-300) if sizes else 0.0
-    while inside < len(sizes):
-        kept = [c for c in claims if abs(c) <= limit]
-        box = _box(kept)
-        if box is not None and _turns(continuation, box) > MOST_TURNS:
-            break
-        chosen, inside, limit = box, len(kept), limit * LARGER
-    if chosen is None:
-        return None, ("the claims span no box that is small enough to be searched: name a region",)
-    if inside == len(claims):
-        return chosen, ()
-    return chosen, (f"the part of the box that the {len(claims) - inside} largest claims add: name a region to search there",)
+def _right_of_the_spectrum(continuation: Continuation, region: Region) -> tuple[Region, Region] | None:
+    """The region cut a little right of the continuous spectrum; None if that does not pass to the left of its right side."""
+    low, high = _extremes(region)
+    edge = continuation.rightmost + CLEAR * size(region)
+    return divided(region, 1.0 + 0j, edge) if low.real < edge - 2 * CLEAR * size(region) and edge < high.real else None
 
 
-def _turns(continuation: Continuation, box: Rectangle) -> float:
+def _chosen(continuation: Continuation, verdicts: Sequence[Verdict], reach: float) -> tuple[list[complex], Polygon | None]:
+    """The claims in whose hull modes are looked for, and the hull with a margin; no claim and None where every contour is too long."""
+    within_reach = [v for v in verdicts if abs(v.claimed) <= reach]
+    meant = [v.claimed for v in within_reach if v.sigma is not None]
+    claims = meant if len(meant) > 1 else [v.claimed for v in within_reach]
+    chosen = sorted(claims, key=lambda c: -c.real)
+    while chosen:
+        around = _around(chosen)
+        if around is not None and _turns(continuation, around) <= MOST_TURNS:
+            return chosen, around
+        chosen = chosen[: min(len(chosen) - 1, math.ceil(FEWER * len(chosen)))]
+    return [], None
+
+
+def _around(claims: Sequence[complex]) -> Polygon | None:
+    """The convex hull with a margin, so that no claim lies on its boundary; None if all claims are 0."""
+    margin = MARGIN * _extent(claims)
+    if margin == 0.0:
+        return None
+    corners = tuple(c + margin * complex(a, b) for c in claims for a in (-1, 1) for b in (-1, 1))
+    return Polygon(convex_hull(corners))
+
+
+def _extent(claims: Sequence[complex]) -> float:
+    re, im = [c.real for c in claims], [c.imag for c in claims]
+    return max(max(re) - min(re), max(im) - min(im), THINNEST * max(map(abs, claims)))
+
+
+def _turns(continuation: Continuation, polygon: Polygon) -> float:
     """About how often the phase of D turns along the boundary, or ln |D| changes by 2π: a measure of its cost."""
     turns = 0.0
-    for k in range(POINTS):
-        sigma = box.boundary((k + 0.5) / POINTS)
-        try:
-            slope = continuation.at(sigma).discriminant.with_derivative(sigma).logarithmic_derivative
-        except ConvergenceError:
-            return math.inf
-        turns += abs(slope) * abs(box.boundary((k + 1) / POINTS) - box.boundary(k / POINTS)) / (2 * math.pi)
+    for a, b in pairwise((*polygon.vertices, polygon.vertices[0])):
+        pieces = max(1, round(POINTS * abs(b - a) / size(polygon)))
+        for k in range(pieces):
+            sigma = a + (k + 0.5) / pieces * (b - a)
+            try:
+                slope = continuation.at(sigma).discriminant.with_derivative(sigma).logarithmic_derivative
+            except ConvergenceError:
+                continue  # a part of the region that cannot be searched, which will be said
+            turns += abs(slope) * abs(b - a) / pieces / (2 * math.pi)
     return turns
 
 
-def claimed_modes(verdicts: list[Verdict]) -> list[Zero]:
+def claimed_modes(verdicts: Sequence[Verdict]) -> list[Zero]:
     """The modes that claims mean, a multiple one as often as it is claimed."""
     return [Zero(v.sigma, 1, v.error or 0.0) for v in verdicts if v.sigma is not None]
 
 
 def _extremes(region: Region) -> tuple[complex, complex]:
     """Lower left and upper right of what the region reaches over."""
-    hull = region.hull
-    re, im = [v.real for v in hull], [v.imag for v in hull]
+    re, im = [v.real for v in region.hull], [v.imag for v in region.hull]
     return complex(min(re), min(im)), complex(max(re), max(im))
 
 
 def modes_with_bounds(continuation: Continuation, zeros: list[Zero]) -> tuple[Mode, ...]:
+    """The zeros as modes with their error bars. Raises ConvergenceError where one has none."""
     return tuple(mode for zero in zeros for mode in modes_of(continuation, zero, MISSING_RTOL))
-
-
-def _box(claims: list[complex]) -> Rectangle | None:
-    """The box that the claims span, a little larger so that none of them lies on its boundary."""
-    re, im = [c.real for c in claims], [c.imag for c in claims]
-    size = max(max(re) - min(re), max(im) - min(im), 0.1 * max(map(abs, claims)))
-    if size == 0.0:
-        return None
-    margin = MARGIN * size * complex(1, 1)
-    return Rectangle(complex(min(re), min(im)) - margin, complex(max(re), max(im)) + margin)
 
 
 def unstable_box(problem: Problem, claims: Iterable[complex]) -> Rectangle | None:

@@ -9,7 +9,7 @@ from typing import Any
 
 from shootstab.analyses.claims import Verifier
 from shootstab.analyses.find import find_modes
-from shootstab.analyses.missing import claimed_modes, find_missing, modes_with_bounds
+from shootstab.analyses.missing import NONE, NOT_SEARCHED, Missing, claimed_modes, find_missing, modes_with_bounds, require_missing
 from shootstab.analyses.unstable import HalfDisc, count_unstable
 from shootstab.core.errors import InputError
 from shootstab.core.records import (
@@ -37,14 +37,16 @@ def verify(
     method: Method | None = None,
     progress: Progress | None = None,
     unstable: bool = False,
+    missing: str | None = None,
 ) -> Report:
     """Verdicts to so many digits, in the order of the claims, and the modes missing from them.
 
-    Missing modes are looked for in the region; without one, in the box that the claims span, cut along the continuous spectrum. The report
-    says where, and names what could not be searched. With unstable=True the whole half-plane of growing modes is counted besides, by
-    a bound on |σ| (see unstable.py), so that "no other unstable mode" is a statement.
+    missing says how missing modes are looked for: "region", the default where a region is given, in that; "within", the default else, among
+    the claims, so that a list is never told to lack a mode beyond itself; "none". The report carries where, in words and as a region with
+    the number of claims in it, and names what could not be searched. With unstable=True the whole half-plane of growing modes is counted
+    besides, by a bound on |σ| (see unstable.py), so that "no other unstable mode" is a statement.
 
-    Raises InputError for claims that are not finite numbers.
+    Raises InputError for claims that are not finite numbers, and for a wish that does not go with the region.
     """
     claims = [complex(c) for c in eigenvalues]
     if not claims:
@@ -54,6 +56,7 @@ def verify(
             raise InputError(f"eigenvalue {i + 1} is {c}: allowed is a finite number")
     if not 1 <= digits <= 12:
         raise InputError(f"digits = {digits}: allowed is 1 to 12")
+    wish = require_missing(missing, region)
     tolerance = 10.0 ** -(digits + 2)
     verifier = Verifier(problem, method or Frame(rtol=max(tolerance, 1e-13)), digits)
     judged: dict[int, Verdict] = {}
@@ -63,12 +66,22 @@ def verify(
         if progress is not None:
             progress(len(judged), len(claims))
     verdicts = _one_claim_a_mode([judged[i] for i in range(len(claims))])
-    missing, searched, undecided = find_missing(verifier.continuation, verdicts, region, verifier.loose, verifier.reach)
+    lacking = Missing((), NOT_SEARCHED, ())
+    if wish != NONE:
+        lacking = find_missing(verifier.continuation, verdicts, region, verifier.loose, verifier.reach)
     if unstable:
-        found = [Zero(complex(m.sigma), m.multiplicity, m.error) for m in missing]
+        found = [Zero(complex(m.sigma), m.multiplicity, m.error) for m in lacking.modes]
         more, said = _unstable(verifier.continuation, [*claimed_modes(verdicts), *found])
-        missing, searched = missing + more, f"{searched}; {said}"
-    return Report(tuple(verdicts), missing, digits, searched, undecided)
+        lacking = lacking._replace(modes=lacking.modes + more, searched=f"{lacking.searched}; {said}")
+    return Report(
+        tuple(verdicts),
+        lacking.modes,
+        digits,
+        lacking.searched,
+        lacking.undecided,
+        region=lacking.region,
+        claims_inside=lacking.claims_inside,
+    )
 
 
 def _one_claim_a_mode(verdicts: list[Verdict]) -> list[Verdict]:

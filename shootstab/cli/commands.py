@@ -60,9 +60,11 @@ def verify(options: Namespace) -> int:
         if given is None:
             claimed = claims(own.problem, options.digits, options.truncation)
             # the reference claims that these are modes, not that there are no others
-            region = region or (unstable_box(own.problem, claimed) if convention.plain else None)
+            if options.missing is None:
+                region = region or (unstable_box(own.problem, claimed) if convention.plain else None)
             given = (claimed / convention.unit).tolist()
-        report = question(scene.problem, given, digits=options.digits, region=region, progress=told, unstable=options.unstable)
+        wishes: Any = {"digits": options.digits, "region": region, "unstable": options.unstable, "missing": options.missing}
+        report = question(scene.problem, given, progress=told, **wishes)
     from shootstab.analyses.hypotheses import hypotheses
     from shootstab.cli.proposals import sentence
 

@@ -128,6 +128,8 @@ def parser() -> argparse.ArgumentParser:
     verify.add_argument("--plot", type=_plot_path, metavar="FILE", help="draw the complex plane into a png, pdf or svg file")
     verify.add_argument("-M", dest="truncation", type=_integer(0, 999_999), metavar="N", help="truncation of the bundled reference")
     verify.add_argument("--region", type=_numbers(4), metavar="RE0,IM0,RE1,IM1", help="look for missing modes in this rectangle")
+    wishes = "none, within the claims (the default for a list), or in the --region"
+    verify.add_argument("--missing", choices=("none", "within", "region"), help=f"where missing modes are looked for: {wishes}")
     verify.add_argument("--unstable", action="store_true", help="count all growing modes too, wherever they are")
 
     refine = _command(subparsers, commands.refine, "one mode, with its error bar")

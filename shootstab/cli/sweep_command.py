@@ -1,7 +1,8 @@
 """`shootstab sweep`: its options, its JSON, its table, and the files that its results go to.
 
 JSON: {"axes": {name: [values]}, "digits", "every", "floor", "summary": {status: points, "counted": points}, "fastest": a point or null,
-"points": [{each parameter by its name, "sigma": {"re", "im"} or null, "error", "status", "proved", "floor", "evaluations"}]}.
+"points": [{each parameter by its name, "sigma": {"re", "im"} or null, "error", "status", "proved", "floor", "evaluations", and
+"far_temperature" where the mass flux chose the flow}]}.
 """
 
 from __future__ import annotations
@@ -107,6 +108,7 @@ def _said(outcome: Outcome) -> dict[str, Any]:
         "proved": outcome.proved,
         "floor": outcome.floor,
         "evaluations": outcome.evaluations,
+        **outcome.beside,
     }
 
 
@@ -122,12 +124,13 @@ def tables(found: Swept, scene: Scene) -> list[RenderableType]:
     if len(found.outcomes) <= MOST_LISTED:
         table = Table(box=SIMPLE, pad_edge=False)
         sigma = f"dominant σ / {scene.unit}" if scene.unit else "dominant σ"
-        for heading in (*found.grid.names, sigma, "error", "status"):
+        for heading in (*found.grid.names, *found.columns, sigma, "error", "status"):
             table.add_column(Text(heading), no_wrap=True, justify="right" if heading == "error" else "left")
         for point, outcome in found.rows():
             known = outcome.sigma is not None
             table.add_row(
                 *(f"{v:.8g}" for v in point),
+                *(f"{outcome.beside[c]:.8g}" if c in outcome.beside else "–" for c in found.columns),
                 held_complex(outcome.sigma, outcome.error) if known else "–",
                 f"{outcome.error:.1e}" if known else "",
                 Text(outcome.status),
@@ -150,18 +153,23 @@ def tables(found: Swept, scene: Scene) -> list[RenderableType]:
 def _csv(found: Swept, path: Path) -> None:
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow((*found.grid.names, *COLUMNS))
+        writer.writerow((*found.grid.names, *COLUMNS, *found.columns))
         for point, o in found.rows():
             re_, im = ("", "") if o.sigma is None else (repr(o.sigma.real), repr(o.sigma.imag))
             rest = (o.error, o.status, int(o.proved), o.floor, o.evaluations)
-            writer.writerow((*map(repr, point), re_, im, *("" if x is None else x for x in rest)))
+            beside = (o.beside.get(c) for c in found.columns)
+            writer.writerow((*map(repr, point), re_, im, *("" if x is None else x for x in (*rest, *beside))))
 
 
 def _npz(found: Swept, path: Path) -> None:
     """One array for each axis by its name, and on the grid: re, im, error (NaN where absent), status, proved."""
     import numpy as np
 
+    def beside(name: str) -> Any:
+        return found.array(lambda o: o.beside.get(name))
+
     arrays: dict[str, Any] = {axis.name: np.array(axis.values) for axis in found.axes}
+    arrays |= {name: beside(name) for name in found.columns}
     with path.open("wb") as file:
         np.savez(
             file,

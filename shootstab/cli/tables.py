@@ -106,13 +106,15 @@ def _reasons(found: Report, shown: Sequence[Row]) -> Parts:
 
 
 def _sentence(found: Report) -> str:
-    """How many of each, and where modes were looked for."""
+    """How many of each, then where modes were looked for and how many of the claims lie there, and what is missing there."""
     total, counts = len(found.verdicts), dict(found.summary)
     missing, confirmed = counts.pop("missing"), counts.pop(CONFIRMED)
     others = "".join(f", {n} {verdict}" for verdict, n in counts.items() if n)
-    lost = "no missing mode was found" if missing == 0 else f"{missing} mode{'s are' if missing > 1 else ' is'} missing"
-    where = f" ({found.searched})" if found.searched else ""
-    return f"{confirmed} of {total} eigenvalue{'s' * (total != 1)} confirmed to {found.digits} digits{others}; {lost}{where}."
+    said = f"{confirmed} of {total} eigenvalue{'s' * (total != 1)} confirmed to {found.digits} digits{others}."
+    lost = "no mode is missing" if missing == 0 else f"{missing} mode{'s are' if missing > 1 else ' is'} missing"
+    if found.region is None:
+        return f"{said} {found.searched[:1].upper()}{found.searched[1:]}{f'; {lost}' if missing else ''}."
+    return f"{said} {found.searched[:1].upper()}{found.searched[1:]}: {lost}."
 
 
 def mode(found: Mode, scene: Scene) -> Parts:

@@ -86,10 +86,18 @@ def divisions(region: Region) -> Iterator[tuple[Section, Section]]:
     for cuts in (CUTS, TIPS):
         for turn, low, high in directions:
             for cut in cuts:
-                crossings = _crossings(region, turn, low + cut * (high - low))
-                if len(crossings) == 2:
-                    first, last = crossings
-                    yield Section(region, first, last), Section(region, last, first + 1.0)
+                parts = divided(region, turn, low + cut * (high - low))
+                if parts is not None:
+                    yield parts
+
+
+def divided(region: Region, turn: complex, at: float) -> tuple[Section, Section] | None:
+    """The parts of a region on both sides of the line Re(turn·σ) = at; None unless that crosses the boundary just twice."""
+    crossings = _crossings(region, turn, at)
+    if len(crossings) != 2:
+        return None
+    first, last = crossings
+    return Section(region, first, last), Section(region, last, first + 1.0)
 
 
 def _crossings(region: Region, turn: complex, at: float) -> list[float]:
@@ -126,3 +134,18 @@ def clipped(vertices: tuple[complex, ...], a: complex, b: complex) -> tuple[comp
 def left_of(a: complex, b: complex, sigma: complex) -> float:
     """Above 0 on the left of the line from a to b, below 0 on its right: twice the area of the triangle."""
     return ((b - a).conjugate() * (sigma - a)).imag
+
+
+def distance_outside(points: tuple[complex, ...], sigma: complex) -> float:
+    """How far σ lies outside a convex polygon (its corners counter-clockwise), or from a segment or a point; 0 inside."""
+    sides = list(zip(points, points[1:] + points[:1], strict=True))
+    if len(points) > 2 and all(left_of(a, b, sigma) >= 0.0 for a, b in sides):
+        return 0.0
+    return min(_from_segment(a, b, sigma) for a, b in sides)
+
+
+def _from_segment(a: complex, b: complex, sigma: complex) -> float:
+    if a == b:
+        return abs(sigma - a)
+    along = min(1.0, max(0.0, ((sigma - a) * (b - a).conjugate()).real / abs(b - a) ** 2))
+    return abs(sigma - a - along * (b - a))

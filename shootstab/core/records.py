@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from shootstab.core.regions import Region
+
 CONVERGED = "converged"
 NOT_CONVERGED = "not converged"
 
@@ -106,8 +108,9 @@ class Verdict:
 class Report:
     """Verdicts in the order of the claims, and the modes that the claimed spectrum lacks.
 
-    searched says in words where missing modes were looked for; undecided names what could not be searched. dropped entries of the
-    spectrum were no numbers that could be eigenvalues, and were left out when it was read.
+    region is where missing modes were looked for, None where they were not; claims_inside is how many of the claims lie in it. searched
+    says both in words, and undecided names what could not be searched. dropped entries of the spectrum were no numbers that could be
+    eigenvalues, and were left out when it was read.
     """
 
     verdicts: tuple[Verdict, ...]
@@ -116,6 +119,8 @@ class Report:
     searched: str = ""
     undecided: tuple[str, ...] = ()
     dropped: int = 0
+    region: Region | None = None
+    claims_inside: int = 0
 
     @property
     def summary(self) -> Mapping[str, int]:

@@ -139,7 +139,7 @@ class Polygon:
 
     @property
     def hull(self) -> tuple[complex, ...]:
-        return _convex(self.points)
+        return convex_hull(self.points)
 
     def boundary(self, t: float) -> complex:
         return _along(self.points, t)
@@ -191,7 +191,7 @@ def size(region: Region) -> float:
     return max(abs(p - q) for p in vertices for q in vertices)
 
 
-def _convex(points: tuple[complex, ...]) -> tuple[complex, ...]:
+def convex_hull(points: tuple[complex, ...]) -> tuple[complex, ...]:
     """The convex hull, counter-clockwise, by Andrew's monotone chain."""
 
     def chain(ordered: list[complex]) -> list[complex]:
@@ -203,4 +203,6 @@ def _convex(points: tuple[complex, ...]) -> tuple[complex, ...]:
         return out[:-1]
 
     ordered = sorted(set(points), key=lambda p: (p.real, p.imag))
+    if len(ordered) == 1:
+        return tuple(ordered)
     return tuple(chain(ordered) + chain(ordered[::-1]))

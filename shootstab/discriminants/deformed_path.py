@@ -30,16 +30,21 @@ class DeformedPath:
 
     def deform(self, nodes: NDArray[np.float64]) -> ComplexArray:
         """The mesh with the detour in it; the ends stay where they are, and a leg that would overshoot ends there."""
+        along = 1.0 if nodes[-1] > nodes[0] else -1.0
+        leave, apex, back = self.corners(nodes)
+        before = nodes[along * nodes < along * leave.real - 1e-9 * self.half_width]
+        behind = nodes[along * nodes > along * back.real + 1e-9 * self.half_width]
+        out = np.linspace(leave, apex, PIECES + 1)
+        inward = np.linspace(apex, back, PIECES + 1)[1:]
+        return np.concatenate((before, out, inward, behind)).astype(np.complex128)
+
+    def corners(self, nodes: NDArray[np.float64]) -> ComplexArray:
+        """Where a path over real nodes (N,) leaves the real axis, its farthest point from it, and where it is back; (3,)."""
         start, wall = nodes[0], nodes[-1]
         along = 1.0 if wall > start else -1.0
         leave = max(along * start, along * self.centre - self.half_width) * along
         back = min(along * wall, along * self.centre + self.half_width) * along
-        apex = complex(self.centre, self.height)
-        before = nodes[along * nodes < along * leave - 1e-9 * self.half_width]
-        behind = nodes[along * nodes > along * back + 1e-9 * self.half_width]
-        out = np.linspace(leave, apex, PIECES + 1)
-        inward = np.linspace(apex, back, PIECES + 1)[1:]
-        return np.concatenate((before, out, inward, behind)).astype(np.complex128)
+        return np.array([leave, complex(self.centre, self.height), back], dtype=np.complex128)
 
     def __str__(self) -> str:
         side = "below" if self.height < 0.0 else "above"

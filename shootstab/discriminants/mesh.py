@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 import itertools
+import math
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shootstab.kernels.tableau import ORDER
+from shootstab.kernels.step_control import factor
 
-OFF_MIDDLE = 0.02
+OFF_MIDDLE = 0.02  # chosen: of a step, by how much a cut misses its middle: other roundings, and an error of the same size
+LONGER, PARTS = 4.0, 6  # chosen: by what a step grows at most, and into how many it falls, as the law of errors holds near only
 
 
 def redistribute(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolerance: float) -> NDArray[np.complex128]:
-    """A mesh on the same polygon on which the local errors, which go with the 8th power of the step, are alike and meet the tolerance.
+    """A mesh on the same polygon on which the local errors, which go with a power of the step, are alike and meet the tolerance.
 
     The corners of the polygon stay nodes.
     """
     h = np.diff(nodes)
     lengths = np.abs(h)
-    shrink = (np.where(np.isfinite(errors), errors, np.inf) / (0.5 * tolerance)) ** (1 / ORDER)
-    shrink = np.clip(shrink, 0.25, 6.0)
+    with np.errstate(divide="ignore"):
+        shrink = 1.0 / factor(np.where(np.isfinite(errors), errors, np.inf) / tolerance)
+    shrink = np.clip(shrink, 1.0 / LONGER, PARTS)
     density = shrink / lengths
     # a step cannot know what happens in its neighbour
     near = np.maximum(np.append(density[1:], 0.0), np.insert(density[:-1], 0, 0.0))
@@ -37,7 +40,7 @@ def subdivide(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolera
     for start, end, error in zip(nodes[:-1], nodes[1:], errors, strict=True):
         parts = 1
         if not error <= tolerance:
-            parts = max(2, min(6, int(np.ceil((error / (0.5 * tolerance)) ** (1 / ORDER))))) if np.isfinite(error) else 6
+            parts = max(2, min(PARTS, math.ceil(1.0 / factor(error / tolerance)))) if np.isfinite(error) else PARTS
         pieces.append(start + (end - start) * np.arange(1, parts + 1) / parts)
         pieces[-1][-1] = end
     return np.concatenate(pieces)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.errors import ConvergenceError
+from shootstab.discriminants.analyticity import require_analytic
 from shootstab.discriminants.deformed_path import DeformedPath
 from shootstab.discriminants.mesh import redistribute, subdivide
 from shootstab.discriminants.method import Propagator
@@ -33,11 +34,13 @@ def made_for(
 ) -> Shooting:
     """D on a mesh on which the local errors hold at σ: cut from the mesh to begin with, or spread from the problem's own first mesh.
 
-    Raises ConvergenceError where no mesh is found.
+    Raises ConvergenceError where no mesh is found, InputError where the pencil is not analytic between the path and the real axis.
     """
     start = problem.start(sigma, far_tolerance(propagator.rtol))
     if begin is None:
         straight = problem.mesh(start)
+        if path is not None:
+            require_analytic(problem, path, straight)
         sampled = sample_system(problem, straight.astype(np.complex128) if path is None else path.deform(straight))
         regrids: tuple[Regrid, ...] = (redistribute,) * REDISTRIBUTIONS
     else:

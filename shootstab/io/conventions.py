@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 
 from shootstab.core.errors import InputError
 from shootstab.core.records import Report
+from shootstab.core.regions import Polygon
 
 KINDS = ("growth", "frequency", "phase-speed")
 SYMBOLS = {"growth": "σ", "frequency": "ω", "phase-speed": "c"}
@@ -88,7 +89,9 @@ class Convention:
             replace(v, claimed=v.claimed.conjugate(), sigma=None if v.sigma is None else complex(v.sigma).conjugate())
             for v in report.verdicts
         )
-        return replace(report, verdicts=tuple(verdicts), missing=tuple(replace(m, sigma=m.sigma.conjugate()) for m in report.missing))
+        missing = tuple(replace(m, sigma=m.sigma.conjugate()) for m in report.missing)
+        region = None if report.region is None else Polygon(tuple(v.conjugate() for v in report.region.hull))
+        return replace(report, verdicts=tuple(verdicts), missing=missing, region=region)
 
 
 def wavenumber(problem: object) -> float | None:

@@ -45,6 +45,8 @@ def report(found: Report) -> dict[str, Any]:
         "summary": dict(found.summary),
         "digits": found.digits,
         "searched": found.searched,
+        "region": None if found.region is None else found.region.as_dict(),
+        "claims_inside": found.claims_inside,
         "undecided": list(found.undecided),
         "dropped": found.dropped,
     }

@@ -1,4 +1,4 @@
-"""Transport of an orthonormal frame, and of its σ-derivative, along a fixed mesh through a linear system (see system.py).
+"""Transport of an orthonormal frame, and of its σ-derivative, along a fixed mesh through a linear system (see reduced_system.py).
 
 On a fixed mesh every operation but the orthonormalization is a rational function of σ, and of that one the R factors are carried
 along: D(σ) computed here is analytic to rounding, whatever the accuracy of the mesh. Arrays are real or complex, as the system's are.
@@ -12,10 +12,9 @@ from numba import njit
 from shootstab.kernels.elimination import solve_small, square
 from shootstab.kernels.reduced_system import add_carried, evaluate, multiply, multiply_with_slope, workspace
 from shootstab.kernels.stages import combine, reals
+from shootstab.kernels.step_control import FLOOR, local_error
 from shootstab.kernels.tableau import STAGES, WEIGHTS
 from shootstab.kernels.tableau import A as RK_A
-
-FLOOR = 1e-9  # of the largest row: rows smaller than this count as so large
 
 
 @njit(cache=True, error_model="numpy")
@@ -121,7 +120,7 @@ def transport(system, sigma, Y, dY, tangent, errors):  # type: ignore[no-untyped
         E[:] = 0.0
         combine(fifth, ks, WEIGHTS, 1, STAGES, fifth)
         combine(third, ks, WEIGHTS, 2, STAGES, third)
-        errors[s] = _local_error(Y, K, E)
+        errors[s] = _error_of_step(Y, K, E)
         combine(y, ks, WEIGHTS, 0, STAGES, y)
         log_det += orthonormalize(Y, R)
         if tangent:
@@ -131,7 +130,7 @@ def transport(system, sigma, Y, dY, tangent, errors):  # type: ignore[no-untyped
 
 
 @njit(cache=True, error_model="numpy")
-def _local_error(Y, K, E):  # type: ignore[no-untyped-def]
+def _error_of_step(Y, K, E):  # type: ignore[no-untyped-def]
     """The estimate of Dormand & Prince, largest over the components, each relative to the size of its row in the frame."""
     n, k = Y.shape
     worst, floor = 0.0, 0.0
@@ -150,7 +149,7 @@ def _local_error(Y, K, E):  # type: ignore[no-untyped-def]
                 e5 = size5
             if e3 == e3 and not size3 <= e3:
                 e3 = size3
-        error = 0.0 if e5 == 0.0 else e5 / np.sqrt((e5 + 0.01 * e3) * size)
+        error = 0.0 if e5 == 0.0 else local_error(e5, e3) / np.sqrt(size)
         if worst == worst and not error <= worst:
             worst = error
     return worst

@@ -1,6 +1,6 @@
 """Transport of Plücker coordinates, and of their σ-derivative, along a fixed mesh: y′ = A^(k)(z; σ) y.
 
-The system comes as in transport.py. Growth goes into a power of 2, step by step and without rounding: on a fixed mesh y is a rational
+The system comes as in frame_transport.py. Growth goes into a power of 2, step by step and without rounding: on a fixed mesh y is a rational
 function of σ, and D(σ) = w·y analytic to rounding whatever the accuracy of the mesh. Matched at z above the wall instead, with u ∈ ∧^(n−k)
 the space that meets the wall's conditions, carried up to z, D is (y ∧ u)(z) exp(∫ tr A from z to the wall): the trace enters there only.
 Taking its share out of A^(k) here, as for a matching in between, was tried: the trace of the chute's A lies in directions that y does not
@@ -15,11 +15,11 @@ from numba import njit
 from shootstab.kernels.exterior import apply, row_sizes
 from shootstab.kernels.reduced_system import system_matrix, workspace
 from shootstab.kernels.stages import combine, reals
+from shootstab.kernels.step_control import FLOOR, local_error
 from shootstab.kernels.tableau import E3, E5, STAGES, WEIGHTS
 from shootstab.kernels.tableau import A as RK_A
 
 LOG_2 = float(np.log(2.0))
-FLOOR = 1e-9  # of the largest row: rows smaller than this count as so large
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
@@ -60,7 +60,7 @@ def transport_minors(system, sigma, subsets, row, column, sign, start, y, dy, ta
         combine(reals_of_y, stages, WEIGHTS, 0, STAGES, reals_of_y)
         if tangent:
             combine(reals_of_dy, slopes, WEIGHTS, 0, STAGES, reals_of_dy)
-        errors[s] = local_error(K, before, y, subsets, scales)
+        errors[s] = error_of_step(K, before, y, subsets, scales)
         exponent += halve(y, dy)
     return LOG_2 * exponent
 
@@ -82,7 +82,7 @@ def halve(y, dy):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def local_error(K, y, ahead, subsets, scales):  # type: ignore[no-untyped-def]
+def error_of_step(K, y, ahead, subsets, scales):  # type: ignore[no-untyped-def]
     """The estimate of Dormand & Prince, largest over the coordinates, each relative to |y| Π_{i∈I} r_i with r_i the sizes of the rows.
 
     A minor of an orthonormal frame is no larger than the product of its rows' norms (Hadamard), and a frame whose rows are right to a
@@ -106,7 +106,7 @@ def local_error(K, y, ahead, subsets, scales):  # type: ignore[no-untyped-def]
             size = np.sqrt(total)
             for d in range(subsets.shape[1]):
                 size *= max(scales[0, subsets[c, d]], FLOOR * largest)
-            error = e5 / np.sqrt(e5 + 0.01 * e3) / size
+            error = local_error(e5, e3) / size
             if np.isnan(error):
                 return error
             worst = max(worst, error)

@@ -1,6 +1,6 @@
 """A linear system dψ/dt = hA(σ) ψ, sampled along a mesh and reduced so that no linear system of size n is left to solve.
 
-With t from 0 to 1 over a step of length h (see discriminants/table.py for how it comes about),
+With t from 0 to 1 over a step of length h (see discriminants/sampled_system.py for how it comes about),
 
     hA(σ) = X(σ) + V γ(σ)⁻¹ τ(σ),   γ = G0 + σ G1 (m×m),   X and τ (m×n) polynomials in σ.
 

@@ -17,12 +17,12 @@ from numba import njit
 from shootstab.kernels.elimination import det_with_slope, factorize, substitute
 from shootstab.kernels.reduced_system import system_matrix, workspace
 from shootstab.kernels.stages import combine, reals
+from shootstab.kernels.step_control import FLOOR, local_error
 from shootstab.kernels.tableau import E3, E5, STAGES, WEIGHTS
 from shootstab.kernels.tableau import A as RK_A
 from shootstab.kernels.tableau import B as RK_B
 
 SMALL = 1.1  # the charts chosen have no |S_ij| beyond this at a node; rounding grows with its square, and the steps are no fewer
-FLOOR = 1e-9  # of the largest row: rows smaller than this count as so large
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
@@ -89,7 +89,7 @@ def transport_chart(system, sigma, units, order, S, dS, tangent, errors, swaps, 
                 combine(reals_of_dS, slopes, RK_A, stage, stage, w)
                 gather(dA, order, ratios, dB)
                 dlog_det += RK_B[stage] * riccati_tangent(B, dB, Z, W, M, L, stage)
-        errors[s] = local_error(K, traces, S)
+        errors[s] = error_of_step(K, traces, S)
         combine(reals_of_S, stages, WEIGHTS, 0, STAGES, reals_of_S)
         if tangent:
             combine(reals_of_dS, slopes, WEIGHTS, 0, STAGES, reals_of_dS)
@@ -134,7 +134,7 @@ def riccati_tangent(B, dB, S, dS, M, out, place):  # type: ignore[no-untyped-def
     return trace(M, 1)
 
 
-# As in system.py whole arrays are indexed: slices would be counted references
+# As in reduced_system.py whole arrays are indexed: slices would be counted references
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -259,7 +259,7 @@ def farthest(S):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def local_error(K, traces, S):  # type: ignore[no-untyped-def]
+def error_of_step(K, traces, S):  # type: ignore[no-untyped-def]
     """The estimate of Dormand & Prince, largest over the components: of S relative to the size of their row, of ln det U as it is.
 
     The pivot rows of [I; S] are of size 1 and S is small: the sizes of its rows are those of an orthonormal frame up to a factor.
@@ -269,7 +269,7 @@ def local_error(K, traces, S):  # type: ignore[no-untyped-def]
     for stage in range(STAGES):
         sum5 += E5[stage] * traces[stage]
         sum3 += E3[stage] * traces[stage]
-    worst = combined(sum5.real**2 + sum5.imag**2, sum3.real**2 + sum3.imag**2)
+    worst = local_error(sum5.real**2 + sum5.imag**2, sum3.real**2 + sum3.imag**2)
     if np.isnan(worst):
         return worst
     for c in range(rest):
@@ -285,14 +285,8 @@ def local_error(K, traces, S):  # type: ignore[no-untyped-def]
             if np.isnan(size5) or np.isnan(size3):
                 return np.nan
             e5, e3 = max(e5, size5), max(e3, size3)
-        error = combined(e5, e3) / size
+        error = local_error(e5, e3) / size
         if np.isnan(error):
             return error
         worst = max(worst, error)
     return worst
-
-
-@njit(cache=True, error_model="numpy")
-def combined(e5, e3):  # type: ignore[no-untyped-def]
-    """e5/√(e5 + e3/100) of the squares of the estimates of order 5 and 3."""
-    return 0.0 if e5 == 0.0 else e5 / np.sqrt(e5 + 0.01 * e3)

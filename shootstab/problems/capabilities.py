@@ -67,6 +67,10 @@ class Family(Protocol):
         """The member at these values. Raises InputError where there is none."""
         ...
 
+    def beside(self, values: Mapping[str, float]) -> Mapping[str, float]:
+        """What else is to be said of the member at these values, by name: what its parameters determine."""
+        ...
+
     def as_dict(self) -> dict[str, Any]:
         """What the members have in common, for JSON."""
         ...

@@ -78,7 +78,7 @@ def test_other_problems_and_settings_are_refused(scenes: dict[str, ChuteProblem]
 
 def test_a_flow_chosen_by_its_flux_keeps_flux_and_branch(scenes: dict[str, ChuteProblem]) -> None:
     family = scenes["mid"].family(("tan_theta",))
-    assert (family.mass_flux, family.branch) == (3.0, "mid")
+    assert (family.mass_flux, family.origin) == (3.0, scenes["mid"].flow)
     flow = family.flow({"tan_theta": 0.3})
     assert abs(flow.far_temperature - scenes["mid"].flow.far_temperature) < 1e-12
     assert abs(family.flow({"tan_theta": 0.301}).mass_flux - 3.0) < 1e-10
@@ -175,7 +175,9 @@ def walked(monkeypatch: pytest.MonkeyPatch, zeros: Callable[[float], list[comple
         def on(self, problem: Any, begin: Any) -> Polynomial:
             return Polynomial(problem.zeros)
 
-    family: Any = SimpleNamespace(absent=lambda values: None, problem=lambda values: SimpleNamespace(zeros=zeros(values["kx"])))
+    family: Any = SimpleNamespace(
+        absent=lambda values: None, beside=lambda values: {}, problem=lambda values: SimpleNamespace(zeros=zeros(values["kx"]))
+    )
     monkeypatch.setattr(walk, "count_dominant", counted)
     monkeypatch.setattr(walk, "Frame", Method)
     monkeypatch.setattr(
@@ -232,7 +234,9 @@ def test_a_count_that_fails_leaves_its_neighbours_unresolved(monkeypatch: pytest
     def zeros(x: float) -> list[complex]:
         return [1 - 0.1 * x + 0j]
 
-    family: Any = SimpleNamespace(absent=lambda values: None, problem=lambda values: SimpleNamespace(zeros=zeros(values["kx"])))
+    family: Any = SimpleNamespace(
+        absent=lambda values: None, beside=lambda values: {}, problem=lambda values: SimpleNamespace(zeros=zeros(values["kx"]))
+    )
     monkeypatch.setattr(walk, "count_dominant", lambda *given: next(calls)(*given))
     line = Line("kx", ("kx",), tuple((x,) for x in np.linspace(0.0, 1.0, 9)))
     outcomes = walk.walk(family, walk.Settings(every=4), line)

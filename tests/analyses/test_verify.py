@@ -230,6 +230,7 @@ def test_a_claim_of_nothing_shares_no_digit_with_a_mode(scenes: dict[str, ChuteP
     assert report.verdicts[0].verdict == "spurious"
     assert report.undecided
     assert "not looked for" in report.searched
+    assert report.region is None
 
 
 def test_where_nothing_is_searched_is_said(scenes: dict[str, ChuteProblem]) -> None:
@@ -238,5 +239,5 @@ def test_where_nothing_is_searched_is_said(scenes: dict[str, ChuteProblem]) -> N
     assert [m.sigma.real for m in line.missing] == pytest.approx([0.0039705046389])
     far = st.verify(scenes["high"], [0.0039705, 0.0045, 1e12], digits=5)
     assert [v.verdict for v in far.verdicts] == ["confirmed", "spurious", "unresolved"]
-    assert far.undecided[0].startswith("the part of the box that the 1 largest claims add")
-    assert "holds 1" in far.searched
+    assert far.undecided[0].startswith("the part of the plane that 1 more of the claims add")
+    assert "where 2 of the 3 claims lie" in far.searched

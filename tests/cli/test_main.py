@@ -524,7 +524,7 @@ def report_of(*said: str, missing: int = 0) -> Report:
         Verdict(0.25j, s, f"[why] {s}", 0.25j if s in known else None, 1e-9 if s in known else None, 6.5 if s in known else None)
         for s in said
     ]
-    return Report(tuple(verdicts), missing * (mode,), 6, "in a box", ("a corner",))
+    return Report(tuple(verdicts), missing * (mode,), 6, "in a box", ("a corner",), region=Rectangle(0, 1 + 1j))
 
 
 @pytest.mark.parametrize(
@@ -548,7 +548,7 @@ def test_exit_status_of_verify(run: Run, monkeypatch: pytest.MonkeyPatch, modes:
         assert verdict.verdict in out
         assert (f"[why] {verdict.verdict}" in out) == (verdict.verdict != CONFIRMED)
     assert ("missing  0.500000000 + 0.001000000i  1.0e-09" in re.sub(" +", "  ", out).replace("  +  ", " + ")) == bool(report.missing)
-    assert "(in a box)." in out
+    assert f"In a box: {'1 mode is' if report.missing else 'no mode is'} missing." in out
     assert "not searched: a corner" in out
 
 

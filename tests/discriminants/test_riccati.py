@@ -237,7 +237,7 @@ NESTED = (
     "exchange",
     "farthest",
     "local_error",
-    "combined",
+    "error_of_step",
 )
 
 

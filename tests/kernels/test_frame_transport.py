@@ -170,7 +170,8 @@ NESTED = (
     "multiply_with_slope",
     "add_carried",
     "combine",
-    "_local_error",
+    "_error_of_step",
+    "local_error",
 )
 
 

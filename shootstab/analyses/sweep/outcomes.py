@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 PROVED = "proved"
 FOLLOWED = "followed"
@@ -21,6 +22,7 @@ class Outcome:
     counts at the proved points on either side if not; 'no wave', k_x = k_y = 0; 'no flow: …' and 'unresolved: …' say why.
     floor: the Re σ above which modes were counted here, half that of the dominant one; where none grows the one asked for, or 1e−7 of
     the frequencies of the continuous spectrum where that is more.
+    beside: what else there is to be said of the problem at this point, such as T_∞ of a flow that was chosen by its mass flux.
     sigma is None where nothing grows: decaying modes are neither counted nor followed, for next to the continuous spectrum nothing would
     tell which of them decays least.
     """
@@ -31,6 +33,7 @@ class Outcome:
     error: float | None = None
     floor: float | None = None
     evaluations: int = 0
+    beside: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def growth(self) -> float | None:

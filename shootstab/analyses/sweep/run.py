@@ -23,7 +23,7 @@ from shootstab.problems.capabilities import FAMILY, Family
 from shootstab.problems.protocol import Problem
 
 Progress = Callable[[int, int], None]
-FORMAT = 1
+FORMAT = 2
 
 
 @dataclass(frozen=True)
@@ -49,6 +49,11 @@ class Swept:
         values = [of(self.outcomes[p]) for p in self.grid.points]
         flat = np.array([absent if v is None else v for v in values], dtype=dtype)
         return flat.reshape([len(axis.values) for axis in self.axes])
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """What the outcomes say beside the modes."""
+        return next((tuple(o.beside) for o in self.outcomes.values() if o.beside), ())
 
     @property
     def growth(self) -> NDArray[np.float64]:

@@ -17,7 +17,16 @@ from shootstab.analyses.sweep.grid import Point
 from shootstab.analyses.sweep.outcomes import Outcome
 from shootstab.core.errors import InputError
 
-COLUMNS = {"re": "REAL", "im": "REAL", "error": "REAL", "status": "TEXT", "proved": "INTEGER", "floor": "REAL", "evaluations": "INTEGER"}
+COLUMNS = {
+    "re": "REAL",
+    "im": "REAL",
+    "error": "REAL",
+    "status": "TEXT",
+    "proved": "INTEGER",
+    "floor": "REAL",
+    "evaluations": "INTEGER",
+    "beside": "TEXT",
+}
 
 
 class Store:
@@ -89,12 +98,12 @@ class Store:
 def _row(outcome: Outcome) -> tuple[Any, ...]:
     sigma = outcome.sigma
     re, im = (None, None) if sigma is None else (sigma.real, sigma.imag)
-    return re, im, outcome.error, outcome.status, int(outcome.proved), outcome.floor, outcome.evaluations
+    return re, im, outcome.error, outcome.status, int(outcome.proved), outcome.floor, outcome.evaluations, json.dumps(dict(outcome.beside))
 
 
 def _outcome(row: Sequence[Any]) -> Outcome:
-    re, im, error, status, proved, floor, evaluations = row
-    return Outcome(status, bool(proved), None if re is None else complex(re, im), error, floor, evaluations)
+    re, im, error, status, proved, floor, evaluations, beside = row
+    return Outcome(status, bool(proved), None if re is None else complex(re, im), error, floor, evaluations, json.loads(beside))
 
 
 def _differences(found: dict[str, Any], wanted: dict[str, Any]) -> str:

@@ -62,7 +62,8 @@ def walk(family: Family, settings: Settings, line: Line) -> list[Outcome]:
     """What is to be said of each point of the line. Trouble at one point is said of that point, and does not stop the walk."""
     outcomes: list[Outcome] = [_without_problem(family, line.values(i)) or Outcome("") for i in range(len(line.points))]
     for first, last in _stretches([not o.status for o in outcomes]):
-        outcomes[first : last + 1] = _Walk(family, line, settings, first, last).outcomes()
+        walked = _Walk(family, line, settings, first, last).outcomes()
+        outcomes[first : last + 1] = [replace(o, beside=family.beside(line.values(i))) for i, o in enumerate(walked, first)]
     return outcomes
 
 

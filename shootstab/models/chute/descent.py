@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numba import njit
 
+from shootstab.kernels.step_control import local_error, step_factor
 from shootstab.kernels.tableau import E3, E5, STAGES, A, B
 from shootstab.models.chute import constitutive as law
 from shootstab.models.chute.balance import slip, slopes
@@ -68,7 +69,7 @@ def step(y, h, chute, stages, out):  # type: ignore[no-untyped-def]
         else:
             scale = abs(y[c])
         e5, e3 = abs(error5) ** 2, abs(error3) ** 2
-        error = 0.0 if e5 == 0.0 else abs(h) * e5 / np.sqrt(e5 + 0.01 * e3) / scale
+        error = abs(h) * local_error(e5, e3) / scale
         if worst == worst and not error <= worst:  # a NaN must win
             worst = error
     return worst
@@ -94,7 +95,7 @@ def descend(y0, chute, far_temperature, tolerance, z, states):  # type: ignore[n
                 return count, True
         if not physical and abs(h) < 1e-9 * far_temperature:
             return count, False
-        grow = 5.0 if error == 0.0 else 0.9 * error ** (-0.125)
+        grow = 5.0 if error == 0.0 else step_factor(error)
         h *= min(5.0, max(0.2, grow)) if error == error and physical else 0.2
         if abs(h) < 1e-14 * far_temperature:
             return count, False
@@ -123,9 +124,9 @@ def follow(y, start, nodes, chute, tolerance, out):  # type: ignore[no-untyped-d
             if error <= 1.0:
                 current[:] = trial
                 here = nodes[k] if last else here + h
-                longest = max(longest, abs(h) * min(5.0, 0.9 * max(error, 1e-10) ** (-0.125)))
+                longest = max(longest, abs(h) * min(5.0, step_factor(max(error, 1e-10))))
             else:
-                longest = abs(h) * (max(0.2, 0.9 * error ** (-0.125)) if error == error else 0.2)
+                longest = abs(h) * (max(0.2, step_factor(error)) if error == error else 0.2)
             if tries > 10000:
                 return k
         out[k] = current

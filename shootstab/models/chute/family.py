@@ -28,7 +28,7 @@ def flows(chute: Chute, mass_flux: float) -> list[Flow]:
     found, nearest = _brackets(chute, mass_flux, SCOUTING)
     if not (nearest > DOUBT * mass_flux and all(_changes_sign(chute, mass_flux, *b) for b in found)):
         found, _ = _brackets(chute, mass_flux, TOLERANCE)
-    return [_solve(chute, mass_flux, *b) for b in found]
+    return [solve_between(chute, mass_flux, *b) for b in found]
 
 
 def _brackets(chute: Chute, mass_flux: float, tolerance: float) -> tuple[list[tuple[float, float]], float]:
@@ -85,14 +85,6 @@ def steady_by_flux(chute: Chute, mass_flux: float, branch: str | None) -> Flow:
     return found[names[::-1].index(branch)]
 
 
-def member(found: list[Flow], flow: Flow) -> str | None:
-    """The branch of a flow among those of its mass flux, None where it is the only one."""
-    if len(found) < 2:
-        return None
-    nearest = min(range(len(found)), key=lambda i: abs(found[i].far_temperature - flow.far_temperature))
-    return _names(len(found))[::-1][nearest]
-
-
 def _names(count: int) -> tuple[str, ...]:
     """What the members are called, hottest first."""
     named = {1: ("high",), 2: ("high", "low"), 3: BRANCHES}
@@ -133,7 +125,8 @@ def _fold_between(misfit: Callable[[float], float], logs: np.ndarray, at: np.nda
     return [float(best.x)]
 
 
-def _solve(chute: Chute, mass_flux: float, low: float, high: float) -> Flow:
+def solve_between(chute: Chute, mass_flux: float, low: float, high: float) -> Flow:
+    """The flow of this mass flux with ln T_∞ between low and high, on which sides Q0 lies on either side of it."""
     from scipy.optimize import brentq
 
     x = brentq(lambda x: _flux(chute, x, TOLERANCE) - mass_flux, low, high, xtol=1e-15, rtol=1e-15)

@@ -16,6 +16,7 @@ from shootstab.core.series import Series
 from shootstab.models.chute import constitutive as law
 from shootstab.models.chute.balance import slip, slopes
 from shootstab.models.chute.parameters import Chute
+from shootstab.models.chute.steady_flow import Flow
 from shootstab.multiprecision.arithmetic import TAIL_TERMS, Arithmetic
 from shootstab.multiprecision.relaxed_series import RelaxedSeries, RelaxedSystem
 from shootstab.multiprecision.settings import Settings, step_limit
@@ -168,15 +169,14 @@ def descend(
     chute: Chute,
     far_temperature: Any,
     settings: Settings,
-    height: Callable[[float], float],
+    seen: Flow,
     progress: Callable[[], None],
 ) -> Base:
-    """The base of the flow that decays to T_∞; height(ν0) is where doubles see that ν0."""
+    """The base of the flow that decays to T_∞; seen is the same flow in doubles, which tells how far the base lies below a ν0."""
     series = far_series(arithmetic, chute, far_temperature, settings.far_terms)
-    start = arithmetic.number(2.0 ** start_of(arithmetic, series, settings))
-    descent = Descent(
-        arithmetic, chute, settings, [evaluate(arithmetic, c, start) for c in series], height(2.0 ** start_of(arithmetic, series, settings))
-    )
+    nu = seen.inside(2.0 ** start_of(arithmetic, series, settings))
+    start = arithmetic.number(nu)
+    descent = Descent(arithmetic, chute, settings, [evaluate(arithmetic, c, start) for c in series], seen.height(nu))
     while True:
         progress()
         y, h = descent.expand()

@@ -59,7 +59,7 @@ class ChuteDigits:
         flow = self.problem.flow
 
         def end(at: Settings, T: Any) -> FlowBase:
-            return descend(arithmetic, self.chute(arithmetic), arithmetic.number(T), at, flow.height, progress)
+            return descend(arithmetic, self.chute(arithmetic), arithmetic.number(T), at, flow, progress)
 
         def found(at: Settings, T: Any) -> Values:
             base = end(at, T)
@@ -119,7 +119,8 @@ class ChuteIntegration:
 
     def begin(self, sigma: Any) -> None:
         """The start is guessed from the radius of convergence that doubles see, and moved out until the series holds."""
-        log_start = min(start_of(self.arithmetic, self._series, self.settings), self._guess(sigma))
+        flow = self._problem.flow
+        log_start = min(start_of(self.arithmetic, self._series, self.settings), self._guess(sigma), math.log2(flow.rising) - 1)
         while True:
             self._start = self.arithmetic.number(2.0**log_start)
             self._far_pencil = self._scaled_pencil(self._series, self._start, self.settings.far_terms, in_nu=True)
@@ -129,7 +130,7 @@ class ChuteIntegration:
                 break
             log_start += limit - 0.02
         state = [evaluate(self.arithmetic, c, self._start) for c in self._series]
-        self._descent = Descent(self.arithmetic, self.chute, self.settings, state, self._problem.flow.height(2.0**log_start))
+        self._descent = Descent(self.arithmetic, self.chute, self.settings, state, flow.height(2.0**log_start))
 
     def _guess(self, sigma: Any) -> float:
         """log2 of a start: doubles, whose last terms (16th to 19th) lie below 10^−14, see the radius as about 10^(14/18) times theirs."""

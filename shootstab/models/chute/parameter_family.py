@@ -10,7 +10,7 @@ from typing import Any
 from shootstab.analyses.sweep.outcomes import NO_FLOW, NO_WAVE
 from shootstab.core.errors import InputError
 from shootstab.models.chute import registry
-from shootstab.models.chute.family import flows, member, steady_by_flux
+from shootstab.models.chute.branch import continued
 from shootstab.models.chute.parameters import Chute
 from shootstab.models.chute.perturbations import Perturbations
 from shootstab.models.chute.registry import BY_NAME, SWEPT, names
@@ -18,20 +18,21 @@ from shootstab.models.chute.steady_flow import Flow, descend
 
 WAVE = names(registry.WAVE)
 GRAINS = tuple(p.name for p in SWEPT if p.of == registry.CHUTE)
-COMMON = (*WAVE, *names(registry.FLOW))
 NAMES = tuple(p.name for p in SWEPT)
 
 
 @dataclass(frozen=True)
 class ChuteFamily:
-    """A family of chute problems: its grains and its wave, and the flow by far temperature or by mass flux and branch."""
+    """A family of chute problems: its grains and its wave, and the flow by far temperature, or by mass flux and the flow that its members
+    continue (see branch.py).
+    """
 
     chute: Chute
     kx: float
     ky: float
     far_temperature: float | None
     mass_flux: float | None
-    branch: str | None
+    origin: Flow | None = field(compare=False, repr=False)
     member: Callable[[Flow, float, float], Perturbations] = field(compare=False, repr=False)
 
     @property
@@ -45,8 +46,8 @@ class ChuteFamily:
     ) -> ChuteFamily:
         """The family of the problem make(flow, kx, ky) in which these parameters vary.
 
-        A flow that was chosen by its mass flux keeps it, and its branch, where grains or the slope vary. Raises InputError for a
-        parameter that cannot be swept, for one that comes twice, and for far_temperature beside mass_flux.
+        A flow that was chosen by its mass flux keeps it where grains or the slope vary, and all members lie on its branch. Raises
+        InputError for a parameter that cannot be swept, for one that comes twice, and for far_temperature beside mass_flux.
         """
         for name in swept:
             if name not in NAMES:
@@ -58,9 +59,8 @@ class ChuteFamily:
         keeps_flux = flow.asked_flux is not None and bool(set(swept) & set(GRAINS)) and "far_temperature" not in swept
         if not keeps_flux and "mass_flux" not in swept:
             return cls(flow.chute, kx, ky, flow.far_temperature, None, None, make)
-        # the flux may be anything here, but the flow that was asked for says which branch is meant
         flux = flow.asked_flux if flow.asked_flux is not None else flow.mass_flux
-        return cls(flow.chute, kx, ky, None, flux, member(flows(flow.chute, flux), flow), make)
+        return cls(flow.chute, kx, ky, None, flux, flow, make)
 
     def checked(self, values: Mapping[str, float]) -> None:
         """Raise InputError where a value can be no parameter of a chute."""
@@ -72,7 +72,8 @@ class ChuteFamily:
         chute = self._chute(values)
         if self.far_temperature is not None or "far_temperature" in values:
             return _by_temperature(chute, values.get("far_temperature", self.far_temperature or 0.0))
-        return _by_flux(chute, values.get("mass_flux", self.mass_flux or 0.0), self.branch)
+        assert self.origin is not None
+        return _continued(self.origin, chute, values.get("mass_flux", self.mass_flux or 0.0))
 
     def wave(self, values: Mapping[str, float]) -> tuple[float, float]:
         """(k_x, k_y) at these values."""
@@ -94,7 +95,13 @@ class ChuteFamily:
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON: what the members have in common."""
-        return {"chute": asdict(self.chute), **{name: getattr(self, name) for name in COMMON}}
+        common = {name: getattr(self, name) for name in (*WAVE, "far_temperature", "mass_flux")}
+        origin = None if self.origin is None else self.origin.far_temperature
+        return {"chute": asdict(self.chute), **common, "continues_far_temperature": origin}
+
+    def beside(self, values: Mapping[str, float]) -> dict[str, float]:
+        """T_∞ of the member, where the mass flux determines it."""
+        return {"far_temperature": self.flow(values).far_temperature} if self.origin is not None else {}
 
     def _chute(self, values: Mapping[str, float]) -> Chute:
         changed: dict[str, Any] = {name: values[name] for name in GRAINS if name in values}
@@ -107,5 +114,7 @@ def _by_temperature(chute: Chute, far_temperature: float) -> Flow:
 
 
 @lru_cache(maxsize=16)
-def _by_flux(chute: Chute, mass_flux: float, branch: str | None) -> Flow:
-    return steady_by_flux(chute, mass_flux, branch)
+def _continued(origin: Flow, chute: Chute, mass_flux: float) -> Flow:
+    if chute == origin.chute and mass_flux == origin.asked_flux:
+        return origin
+    return continued(origin, chute, mass_flux)

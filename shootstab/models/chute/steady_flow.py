@@ -107,6 +107,20 @@ class Flow:
         raise ConvergenceError(f"no height found at which nu = {nu:g}")
 
     @cached_property
+    def rising(self) -> float:
+        """The ν0 up to which ν0 rises on all the way down from infinity: that of the base, or of the densest place above it.
+
+        Below it ν0 is a coordinate, as the series of the far field take it.
+        """
+        log_nu = self.states[:, 0].real
+        falls = np.flatnonzero(np.diff(log_nu) <= 0.0)
+        return math.exp(log_nu[falls[0]] if falls.size else log_nu[-1])
+
+    def inside(self, nu: float) -> float:
+        """nu, or half of what ν0 rises to if that is less: a place for the far field to end that the flow does have."""
+        return min(nu, self.rising / 2)
+
+    @cached_property
     def base(self) -> dict[str, float]:
         """ν, T, u at the base."""
         y = self.states[-1].real

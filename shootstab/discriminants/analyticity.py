@@ -1,0 +1,46 @@
+"""Whether a pencil is analytic between the real axis and a path that leaves it: without that D along the path is not D."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.core.errors import InputError
+from shootstab.discriminants.deformed_path import DeformedPath
+from shootstab.problems.protocol import ComplexArray, Problem
+
+PANELS, POINTS = 6, 12  # chosen: of Gauss's rule on each leg; features a tenth as wide as the path are integrated to 1e−9
+CLOSED = 1e-5  # of ∫|f||dz|: what the integral around the detour may be; a coefficient that is not analytic misses by some tenths
+
+
+def require_analytic(problem: Problem, path: DeformedPath, nodes: NDArray[np.float64]) -> None:
+    """Raise InputError unless ∮ f dz = 0 (Cauchy) along the detour and back on the real axis, for every entry f of the pencil.
+
+    nodes (N,) are real, from the far end to the wall.
+    """
+    corners = path.corners(nodes)
+    there, along = _rule(corners)
+    back, across = _rule(np.array([corners[0], corners[-1]]))
+    near, far = problem.pencil(back), problem.pencil(there)
+    for name in ("C0", "C1", "D0", "D1"):
+        f, g = getattr(far, name), getattr(near, name)
+        loop = np.tensordot(along, f, 1) - np.tensordot(across, g, 1)
+        size = np.tensordot(np.abs(along), np.abs(f), 1) + np.tensordot(np.abs(across), np.abs(g), 1)
+        off = np.abs(loop) > CLOSED * size
+        if off.any():
+            raise InputError(
+                f"the pencil's {name} is not analytic next to z = {path.centre:.6g}, where the path of integration leaves the real axis to "
+                f"pass the continuous spectrum: allowed there are analytic functions of complex z, without abs, .real, comparisons and "
+                f"interpolation; or a problem without continuum="
+            )
+
+
+def _rule(corners: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+    """Points (m,) and weights (m,) of ∫ f dz along straight legs between the corners, in the order of the path."""
+    t, w = np.polynomial.legendre.leggauss(POINTS)
+    legs = [np.linspace(a, b, PANELS + 1) for a, b in itertools.pairwise(corners)]
+    first, last = (np.concatenate([leg[cut] for leg in legs]) for cut in (slice(None, -1), slice(1, None)))
+    half = 0.5 * (last - first)[:, None]
+    return (first[:, None] + half * (1 + t)).ravel(), (half * w).ravel()

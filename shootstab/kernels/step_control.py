@@ -1,0 +1,27 @@
+"""How large the error of a step is, and how long the next one may be: for every integration by the pair of `tableau`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from shootstab.kernels.tableau import ORDER
+
+FLOOR = 1e-9  # chosen: of the largest row; smaller rows count as so large
+MARGIN = 0.9  # chosen: of the step that would just meet the tolerance; without it every other step is rejected
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def local_error(fifth, third):  # type: ignore[no-untyped-def]
+    """e5/√(e5 + e3/100) of the squares of the estimates of order 5 and 3: Hairer, Nørsett & Wanner, II.10, (10.18). 0 if e5 is 0."""
+    return 0.0 if fifth == 0.0 else fifth / np.sqrt(fifth + 0.01 * third)
+
+
+def factor(error: Any) -> Any:
+    """By what steps may be multiplied whose errors are these, in the tolerance: MARGIN · error^(−1/ORDER)."""
+    return MARGIN * error ** (-1.0 / ORDER)
+
+
+step_factor = njit(cache=True, error_model="numpy", inline="always")(factor)

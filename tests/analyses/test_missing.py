@@ -1,0 +1,100 @@
+"""What a list of eigenvalues lacks: modes among them, never beyond them, and in words where was looked."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import shootstab as st
+from shootstab.analyses.missing import require_missing
+from shootstab.core.division import distance_outside
+from shootstab.core.regions import Rectangle, convex_hull
+
+WALLS = st.Wall(0, np.eye(4)[[0, 2]]), st.Wall(1, np.eye(4)[[0, 2]])
+
+
+def strings(first: complex = 1.0, second: complex = 1.0 + 0.7j) -> object:
+    """Two strings that know nothing of each other: σ = −(kπ)² times one number or the other."""
+    D0, D1 = np.zeros((4, 4), complex), np.zeros((4, 4), complex)
+    D0[0, 1] = D0[2, 3] = 1.0
+    D1[1, 0], D1[3, 2] = 1 / first, 1 / second
+    return st.problem(4, lambda _: (D0, D1), *WALLS)
+
+
+# by falling growth rate
+MODES = sorted((-((k * math.pi) ** 2) * factor for k in range(1, 9) for factor in (1.0, 1.0 + 0.7j)), key=lambda s: (-s.real, s.imag))
+
+
+@pytest.mark.parametrize("count", [2, 3, 5, 6, 9])
+def test_the_first_modes_of_a_right_spectrum_lack_none(count: int) -> None:
+    report = st.verify(strings(), MODES[:count])
+    assert [v.verdict for v in report.verdicts] == ["confirmed"] * count
+    assert report.missing == ()
+    assert report.undecided == ()
+    assert report.claims_inside == count
+    assert report.searched.startswith("among the claims, from ")
+    assert report.searched.endswith(f"where {count} of the {count} claims lie")
+    assert report.region is not None
+    assert all(report.region.contains(s) for s in MODES[:count])
+
+
+def test_the_modes_nearest_to_a_target_lack_none() -> None:
+    nearest = sorted(MODES, key=lambda s: abs(s + 100 + 30j))[:6]
+    assert st.verify(strings(), nearest).missing == ()
+
+
+@pytest.mark.parametrize("lost", [2, 4])
+def test_a_mode_among_the_claims_is_missing(lost: int) -> None:
+    claims = [s for i, s in enumerate(MODES[:8]) if i != lost]
+    report = st.verify(strings(), claims)
+    assert [complex(m.sigma) for m in report.missing] == pytest.approx([MODES[lost]])
+    assert st.verify(strings(), claims, missing="none").missing == ()
+
+
+def test_a_mode_between_claims_on_a_line_is_missing() -> None:
+    real = [-((k * math.pi) ** 2) for k in (1, 3)]
+    assert [m.sigma.real for m in st.verify(strings(), real).missing] == pytest.approx([-((2 * math.pi) ** 2)])
+
+
+def test_the_wish_and_the_region_go_together() -> None:
+    report = st.verify(strings(), MODES[:1], missing="none")
+    assert report.searched == "missing modes were not looked for"
+    assert report.region is None
+    box = Rectangle(-12 - 9j, 1 + 1j)
+    report = st.verify(strings(), MODES[:1], region=box)
+    assert report.region is box
+    assert report.searched == "in the region, from -12-9j to 1+1j, where 1 of the 1 claims lie"
+    assert len(report.missing) == 1
+    assert require_missing(None, None) == "within"
+    for wish, region, why in (
+        ("region", None, "needed is a region"),
+        ("none", box, "needed is no region"),
+        ("all", None, "allowed is none"),
+    ):
+        with pytest.raises(st.InputError, match=why):
+            st.verify(strings(), [1.0], missing=wish, region=region)
+
+
+def test_a_region_that_cannot_be_searched_as_a_whole_is_divided_and_its_unstable_side_kept() -> None:
+    """Pöschl–Teller: the negative real axis is the essential spectrum, and the mode right of it is found nevertheless."""
+
+    def pencil(x: float) -> tuple[np.ndarray, np.ndarray]:
+        return np.array([[0, 1], [-2 / np.cosh(x) ** 2, 0]], complex), np.array([[0, 0], [1, 0]], complex)
+
+    problem = st.problem(2, pencil, st.Infinity(), st.Infinity())
+    report = st.verify(problem, [3.0], region=Rectangle(-2 - 1j, 2 + 1.1j))
+    assert [complex(m.sigma) for m in report.missing] == pytest.approx([1.0])
+    assert report.undecided
+    assert all("the continuous spectrum of an end at infinity" in why for why in report.undecided)
+
+
+def test_distance_outside_a_hull() -> None:
+    square = convex_hull((0j, 1 + 0j, 1 + 1j, 1j, 0.5 + 0.5j))
+    assert len(square) == 4
+    assert distance_outside(square, 0.3 + 0.9j) == 0.0
+    assert distance_outside(square, 1.5 + 0.5j) == pytest.approx(0.5)
+    assert distance_outside(square, 2 + 2j) == pytest.approx(math.sqrt(2))
+    assert distance_outside(convex_hull((0j, 2 + 0j)), 1 + 0.25j) == pytest.approx(0.25)
+    assert distance_outside(convex_hull((1j,)), 0j) == pytest.approx(1.0)
