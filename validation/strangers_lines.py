@@ -197,7 +197,6 @@ STRANGERS = [
         region=st.Rectangle(-0.48 - 0.3j, 0.5 + 0.31j),
         spurious=(0.2 + 0.05j, -0.2),
         scale=0.375,
-        quick=True,
     ),
     Stranger(
         "Nagumo front, a = 0.45, advected",
@@ -283,7 +282,6 @@ STRANGERS = [
         region=st.Rectangle(1e-3 - 0.05j, 0.3 + 0.06j),
         spurious=(0.0387, 0.09),
         on=(-0.04,),
-        quick=True,
     ),
     Stranger(
         "Pöschl–Teller ν = 3.5",
@@ -370,7 +368,6 @@ STRANGERS = [
         lambda: st.problem(2, davies, st.Infinity(start=9.0), st.Infinity(start=9.0)),
         exactly(*davies_modes(0, 1, 2, 3, 4)),
         region=st.Rectangle(0.1 + 0.1j, 7 + 7.1j),
-        quick=True,
     ),
     Stranger(
         "complex Airy, half-line",

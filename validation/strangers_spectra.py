@@ -31,7 +31,7 @@ def tau(M: int) -> Any:
         D[:, k] = np.pad(chebyshev.chebder(np.eye(n)[k]), (0, n))[:n] if k else 0
     one, Y2 = np.eye(n), np.zeros((n, n))
     for k in range(n):
-        Y2[:, k] = chebyshev.chebmul(np.eye(n)[k], chebyshev.poly2cheb([0, 0, 1]))[:n]
+        Y2[:, k] = np.pad(chebyshev.chebmul(np.eye(n)[k], [0.5, 0.0, 0.5]), (0, n))[:n]  # y² = (T₀ + T₂)/2
     U = one - Y2
     a2 = ALPHA**2
     L, B = np.zeros((4 * n, 4 * n), dtype=complex), np.zeros((4 * n, 4 * n), dtype=complex)

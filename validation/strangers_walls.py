@@ -388,7 +388,6 @@ STRANGERS = [
         exactly(0, -(PI**2), -4 * PI**2),
         region=st.Rectangle(-60 - 5j, 5 + 4j),
         scale=PI**2,
-        quick=True,
     ),
     Stranger(
         "beam, free at both ends (double zero)",
@@ -432,7 +431,6 @@ STRANGERS = [
         exactly(-71.910404, -72.046555),
         region=st.Rectangle(-80 - 5j, -60 + 5.1j),
         also=lambda p, modes: assignment(p),
-        quick=True,
     ),
     *(
         Stranger(
@@ -467,7 +465,6 @@ STRANGERS = [
         jordan(2),
         lambda: [(-(PI**2) + 0j, 1e-15)] * 2,
         region=st.Rectangle(-12 - 1j, -8 + 1.1j),
-        quick=True,
     ),
     Stranger(
         "Jordan blocks of 4",
