@@ -152,3 +152,17 @@ def test_what_users_are_told(what: str, changed: dict[str, Any], told: str) -> N
 def test_an_initial_value_operator_has_no_eigenvalues() -> None:
     with pytest.raises(InputError, match=r"all 1 conditions stand at one end: an initial-value problem, .* it has no eigenvalues"):
         st.equations(["u"], ["d(u) - sigma*u"], st.Conditions(0, ["u"]), st.Conditions(1, []))
+
+
+def test_functions_that_are_given_for_real_arrays() -> None:
+    """U = 1 − z² as a table would give it: the same mode, and many digits are refused."""
+
+    def U(z: Any, order: int) -> Any:
+        assert isinstance(z, np.ndarray)
+        return (1 - z**2, -2 * z, np.full_like(z, -2.0))[order] if order < 3 else np.zeros_like(z)
+
+    walls = st.Conditions(-1, ["u", "v"]), st.Conditions(1, ["u", "v"])
+    problem = posed("plane Poiseuille flow", *walls, where={}, given={"U": U})
+    assert abs(st.refine(problem, guess=-1j * (0.2375 + 0.0037j)).sigma - (0.00373967062297941 - 0.23752648882047j)) < 1e-13
+    with pytest.raises(InputError, match="more than 12 digits"):
+        st.refine(problem, guess=-0.2375j, digits=20)
