@@ -13,7 +13,7 @@ from typing import TypeVar
 from shootstab.analyses.error_budget import EPSILON, FLOWS, SAFETY
 from shootstab.analyses.refine_double import tightened
 from shootstab.core.discriminant import Discriminant, Value
-from shootstab.core.errors import ConvergenceError
+from shootstab.core.errors import Inaccurate as Inaccurate
 from shootstab.discriminants.continuation import Continuation
 from shootstab.discriminants.method import MeshedDiscriminant
 from shootstab.problems.protocol import Problem
@@ -26,10 +26,6 @@ STEEPEST = 2  # of them, those with the largest |d ln D/dσ|: an error of the ze
 
 Sample = tuple[MeshedDiscriminant, Value]
 Answer = TypeVar("Answer")
-
-
-class Inaccurate(ConvergenceError):  # noqa: N818 - it is a finding, not a fault
-    """D on its mesh is not accurate enough for a count of so small a region."""
 
 
 def require_accurate(problem: Problem, samples: Sequence[Sample]) -> None:

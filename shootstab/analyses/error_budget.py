@@ -15,13 +15,12 @@ from shootstab.problems.protocol import Problem
 HALVING = 2.0 ** (ORDER / 2) - 1.0  # derived: Richardson's 2^q − 1, for steps that have reached half the order of the pair only
 FLOWS = (4.0, 2.0)  # by which the base flow is computed less accurately, for another one that errs about as much
 PROBE = 1e-7  # relative change of the far frame by which its influence is measured
-SAFETY = 3.0  # on what a random sample of the far frame shows
+SAFETY = 3.0  # chosen: on what a random sample of the far frame shows, and on a separation that is known to some 10 %
 # A sample of rounding is the difference of two draws, the zero's own error and another one. With σ real the own error exceeds 5 times the
 # root mean square of four samples, and 6 times the larger of two, in less than 1 of 100 cases, with σ complex much less often.
 NOISE = 5.0  # on samples of the rounding of the transport
 FLOW_NOISE = 6.0  # on two flows computed anew, with every rounding on the way from the inputs over the flow to the system
 NEGLIGIBLE = 0.1  # part of the integration error that another part may have without being measured further
-CURVATURE = 1e3  # |σ D″/(2 D′)| next to a simple zero
 EPSILON = sys.float_info.epsilon
 
 
@@ -33,16 +32,18 @@ def displacement(variant: Discriminant, value: Value) -> float:
     return abs((other.at_scale(scale) - value.D.at_scale(scale)) / derivative) if derivative != 0.0 else math.inf
 
 
-def budget(problem: Problem, coarse: MeshedDiscriminant, coarse_value: Value, fine: MeshedDiscriminant, fine_value: Value) -> Budget:
+def budget(
+    problem: Problem, coarse: MeshedDiscriminant, coarse_value: Value, fine: MeshedDiscriminant, fine_value: Value, scale: float
+) -> Budget:
     """The parts of the bound on the zero σ − D/D′ of the finer discriminant, with the values of both at one σ next to their zeros.
 
-    What far field and steady flow do to the zero is measured on the coarse mesh: a sensitivity needs few digits.
+    scale is the separation |2D′/D″|, over which D is linear: Newton's step δ leaves δ²/scale. What far field and steady flow do to the
+    zero is measured on the coarse mesh: a sensitivity needs few digits.
     """
     integration = abs(coarse_value.newton_step - fine_value.newton_step) / HALVING
     far = SAFETY * displacement(coarse.with_perturbed_start(1, PROBE), coarse_value) / PROBE * coarse.far_error(coarse_value.sigma)
     far += _approximate_walls(problem, coarse, coarse_value)
-    # what Newton leaves is of second order in its step
-    root = CURVATURE * abs(fine_value.newton_step) ** 2 / abs(fine_value.sigma) if fine_value.sigma != 0.0 else abs(fine_value.newton_step)
+    root = SAFETY * abs(fine_value.newton_step) ** 2 / scale
     flow = _flow(problem, coarse, coarse_value, integration)
     return Budget(integration, far, flow, root, _rounding(problem, coarse, coarse_value, fine, fine_value, integration))
 

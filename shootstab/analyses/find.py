@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from shootstab.analyses.accuracy import Tightening
 from shootstab.analyses.count import counted_twice
 from shootstab.analyses.cut_region import RegionCount, count_in_region, end_discs
-from shootstab.analyses.multiple import multiple
+from shootstab.analyses.multiple import cluster, multiple
 from shootstab.analyses.refine import refine
-from shootstab.analyses.refine_double import tightened
+from shootstab.analyses.refine_double import require_atol, tightened
 from shootstab.analyses.resonances import find_resonances
 from shootstab.analyses.zeros import accurate_count
 from shootstab.core.errors import ConvergenceError
@@ -19,12 +19,13 @@ from shootstab.core.regions import Disc, Region, size
 from shootstab.discriminants.continuation import Continuation, Undecidable
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.method import Method
+from shootstab.discriminants.named import METHODS, method_named
 from shootstab.problems.protocol import Problem
 from shootstab.roots import search as roots
 from shootstab.roots.search import Arrival, Search, Zero, polish
 from shootstab.roots.winding import Winding
 
-SEARCHING = Frame(rtol=1e-9)  # chosen: zeros are polished on its meshes, and refined on others
+SEARCHING = 1e-9  # chosen: local error of the method on whose meshes zeros are polished, to be refined on others
 WITHIN = 1e-2  # chosen: of a region's size, how well its modes are to be known for their number to mean something
 LEAST_RTOL = 1e-14  # derived: what `refine` allows
 WIDER = 4.0  # chosen: from one circle around a multiple zero to the next
@@ -40,7 +41,14 @@ class Found:
     resonances: tuple[complex, ...] | None = None
 
 
-def find(problem: Problem, region: Region, rtol: float = 1e-8, resonances: bool = False, method: Method | None = None) -> Found:
+def find(
+    problem: Problem,
+    region: Region,
+    rtol: float = 1e-8,
+    resonances: bool = False,
+    method: Method | str | None = None,
+    atol: float | None = None,
+) -> Found:
     """All modes in a region, each to rtol, and to WITHIN of the region's size at least.
 
     A multiple one is one mode with its multiplicity, and the multiplicities add up to counted.count.
@@ -48,9 +56,10 @@ def find(problem: Problem, region: Region, rtol: float = 1e-8, resonances: bool 
     What lies within counted.left_out, around ends of the continuous spectrum, is not looked for. Raises Undecidable or ConvergenceError
     where the region as a whole cannot be counted.
     """
-    continuation, zeros, whole = find_modes(Continuation(problem, method or SEARCHING), region)
+    require_atol(atol)
+    continuation, zeros, whole = find_modes(Continuation(problem, method_named(method, SEARCHING) or Frame(rtol=SEARCHING)), region)
     within = max(WITHIN * size(region), LEAST_RTOL * max(map(abs, region.hull)))
-    modes = tuple(mode for zero in zeros for mode in modes_of(continuation, zero, min(rtol, within / max(abs(zero.sigma), within))))
+    modes = tuple(mode for zero in zeros for mode in modes_of(continuation, zero, min(rtol, within / max(abs(zero.sigma), within)), atol))
     return Found(modes, whole, tuple(find_resonances(continuation, region)) if resonances else None)
 
 
@@ -64,16 +73,19 @@ def find_modes(continuation: Continuation, region: Region, known: Sequence[Zero]
     return accurate, roots.find(_everywhere(tightening, accurate), region, known, whole), whole
 
 
-def modes_of(continuation: Continuation, zero: Zero, rtol: float) -> list[Mode]:
+def modes_of(continuation: Continuation, zero: Zero, rtol: float, atol: float | None = None) -> list[Mode]:
     """A zero as a mode with its error bar; a multiple one, or those into which it falls where D is computed more accurately."""
+    method = continuation.method.name if continuation.method.name in METHODS else continuation.method
     if zero.radius == 0.0:
-        return [refine(continuation.problem, zero.sigma, rtol)]
+        return [refine(continuation.problem, zero.sigma, rtol, method=method, atol=atol)]
     tried: Method | None = tightened(continuation.method)
     while tried is not None:
         continuation, tried = Continuation(continuation.problem, tried), tightened(tried)
     parts = _in_a_circle(_everywhere(Tightening(continuation), continuation), zero)
     return [
-        refine(continuation.problem, z.sigma, rtol) if z.radius == 0.0 else multiple(continuation, z.sigma, z.multiplicity, z.radius, rtol)
+        refine(continuation.problem, z.sigma, rtol, method=method, atol=atol)
+        if z.radius == 0.0
+        else multiple(continuation, cluster(continuation, z.sigma, z.radius, z.multiplicity), rtol)
         for z in parts
     ]
 

@@ -8,67 +8,126 @@ inaccurate changes D by less than D itself, and by Rouché's theorem the true D 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 from shootstab.analyses.error_budget import FLOW_NOISE, FLOWS, NOISE, PROBE, SAFETY
+from shootstab.core.discriminant import Discriminant
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.records import CONVERGED, Budget, Mode
 from shootstab.core.regions import Disc
 from shootstab.discriminants.continuation import Continuation
 from shootstab.discriminants.method import MeshedDiscriminant
 from shootstab.problems.protocol import Problem
+from shootstab.roots.iterations import newton
 from shootstab.roots.search import moments
-from shootstab.roots.winding import Winding, wind
+from shootstab.roots.winding import Limited, Winding, wind
 
-AGREEMENT = 0.3  # of the errors of D, relative to D, all along the circle: 1 would do
-GOAL = 0.1  # what the next circle is chosen for
-CIRCLES = 10
-WIDER = 8.0  # from a circle that is too small to be counted to the next
-WIDEST = 1e-2  # of |σ|
-PROBES = 4
+AGREEMENT = 0.3  # chosen: of the errors of D, relative to D, all along the circle; by Rouché's theorem 1 would do
+GOAL = 0.1  # chosen, below AGREEMENT: what the next circle is made for
+CIRCLES = 12  # chosen: circles tried in all; twelve that are WIDER reach over ten powers of ten
+WORTHWHILE = 0.8  # chosen: of a circle, the next one that is still tried
+WIDER = 8.0  # chosen: from a circle that is too small to be counted to the next
+PROBES = 4  # chosen: samples of a circle at which the errors of D are measured
+POLISHED = 1e-12  # chosen: relative step with which zeros inside a circle are told apart
+MOST = 400  # chosen: evaluations along one small circle, ten times those that zeros in its middle need
+THIRD = 1 / 3  # of the distance to the nearest other zero, the circle that is to hold one alone
 
 
-def multiple(continuation: Continuation, centre: complex, multiplicity: int, radius: float, rtol: float) -> Mode:
-    """The mode of this multiplicity around a centre, in a circle about as small as D allows; radius is that of the first.
+def count_in(discriminant: Discriminant, disc: Disc) -> Winding:
+    """The zeros in a small disc. Raises ConvergenceError where one lies on its boundary, or D is noise there."""
+    return wind(Limited(discriminant, discriminant.evaluations + MOST), disc)
 
-    Raises ConvergenceError where so many zeros cannot be counted in any circle.
+
+@dataclass(frozen=True)
+class Cluster:
+    """multiplicity zeros of D inside disc, counted where D is accurate enough for that, about their mean."""
+
+    disc: Disc
+    mean: complex
+    winding: Winding
+
+    @property
+    def multiplicity(self) -> int:
+        return self.winding.count
+
+    @property
+    def error(self) -> float:
+        """How far from the mean each of the zeros may lie."""
+        return self.disc.radius + abs(self.mean - self.disc.centre)
+
+
+def cluster(continuation: Continuation, centre: complex, radius: float, multiplicity: int | None = None, goal: float = 0.0) -> Cluster:
+    """The zeros around a centre, in a circle about as small as D allows, or as the goal; radius is that of the first circle.
+
+    Without a multiplicity it is that of the first circle in which zeros can be counted. Raises ConvergenceError where there is none.
     """
     branch = continuation.at(centre)
-    before = branch.discriminant.evaluations
-    best: tuple[Disc, complex] | None = None
+    best: Cluster | None = None
     for _ in range(CIRCLES):
         disc = Disc(centre, radius)
-        winding = wind(branch.discriminant, disc)
-        off = _inaccuracy(continuation.problem, branch.discriminant, winding) if winding.count == multiplicity else math.inf
-        if off > AGREEMENT:
-            if best is not None or radius > WIDEST * abs(centre):
+        try:
+            winding = count_in(branch.discriminant, disc)
+        except ConvergenceError:  # a zero lies on this circle, or D is noise on it
+            winding = None
+        counted = winding is not None and winding.count > 0 and multiplicity in (None, winding.count)
+        off = _inaccuracy(continuation.problem, branch.discriminant, winding) if counted and winding is not None else math.inf
+        if winding is None or off > AGREEMENT:
+            if best is not None:
                 break
             radius *= WIDER
             continue
-        best = disc, moments(winding)[0]
+        multiplicity = winding.count
+        best = Cluster(disc, moments(winding)[0], winding)
         smaller = radius * max((off / GOAL) ** (1 / multiplicity), 1e-3)
-        if smaller > 0.5 * radius:
+        if smaller > WORTHWHILE * radius or best.error <= goal:
             break
         # the mean must not leave the middle of the next circle
-        centre, radius = best[1], smaller
+        centre, radius = best.mean, smaller
     if best is None:
-        raise ConvergenceError(f"D is not accurate enough to count {multiplicity} modes within {radius:.1e} of {centre:.12g}")
-    disc, mean = best
-    error = disc.radius + abs(mean - disc.centre)
-    asked = rtol * abs(mean)
+        many = "" if multiplicity is None else f"{multiplicity} "
+        raise ConvergenceError(f"D is not accurate enough to count {many}modes within {radius:.1e} of {centre:.12g}")
+    return best
+
+
+def told_apart(continuation: Continuation, found: Cluster) -> list[complex]:
+    """The zeros of a cluster where circles hold each of them alone; empty where D does not tell them apart."""
+    D = continuation.at(found.mean).discriminant
+    zeros: list[complex] = []
+    for start in moments(found.winding)[1]:
+        root = newton(D, start, POLISHED)
+        if not root.converged or not found.disc.contains(root.sigma) or root.sigma in zeros:
+            return []
+        zeros.append(root.sigma)
+    for zero in zeros:
+        gap = min((abs(zero - other) for other in zeros if other != zero), default=found.disc.radius)
+        try:
+            winding = count_in(D, Disc(zero, THIRD * gap))
+        except ConvergenceError:
+            return []
+        if winding.count != 1 or not _inaccuracy(continuation.problem, D, winding) <= AGREEMENT:
+            return []
+    return zeros
+
+
+def multiple(continuation: Continuation, found: Cluster, rtol: float, atol: float = 0.0) -> Mode:
+    """A cluster as one mode: its mean, and as error bound the circle."""
+    branch = continuation.at(found.mean)
+    error, asked = found.error, max(rtol * abs(found.mean), atol)
     status = CONVERGED
     if error > asked:
-        status = f"not converged: {multiplicity} modes lie within {error:.1e} of {mean:.12g}, and {asked:.1e} was asked for"
+        status = f"not converged: {found.multiplicity} modes lie within {error:.1e} of {found.mean:.12g}, and {asked:.1e} was asked for"
     return Mode(
-        mean,
+        found.mean,
         error,
         Budget(0.0, 0.0, 0.0, error, 0.0),
         status,
         continuation.method.name,
-        branch.discriminant.evaluations - before,
+        0,
         0.0,
-        continuation.distance(mean),
+        continuation.distance(found.mean),
         branch.path,
-        multiplicity,
+        found.multiplicity,
+        atol=atol,
     )
 
 

@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
-from shootstab.analyses.refine_double import finite, refine_double
-from shootstab.core.errors import InputError
+from shootstab.analyses.refine_double import finite, refine_double, tolerance_for
+from shootstab.analyses.zeros import zeros_in
+from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.records import Mode
+from shootstab.core.regions import Disc
+from shootstab.discriminants.continuation import Continuation
+from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.method import Method
+from shootstab.discriminants.named import method_named
 from shootstab.problems.protocol import Problem
 
+NEIGHBOURHOOD = 0.5  # chosen: of the larger of the two, how far a mode may lie from the guess that means it
+INSIDE = 0.98  # chosen: of the way to the mode, the radius of the circle around the guess that must leave it out
+LOOSE = 1e-5  # chosen: local error with which other modes are looked for; a count tells whether it is small enough
+FEW = 4  # chosen: modes nearer to the guess that are named
 DOUBLE_DIGITS = 12  # derived: 16 of a double less what conditioning and error bound take; more are computed with many digits
 
 
@@ -19,25 +29,41 @@ def refine(
     guess: Any,
     rtol: float = 1e-10,
     digits: int | None = None,
-    method: Method | None = None,
+    method: Method | str | None = None,
     progress: Callable[[int, int, float], None] | None = None,
+    atol: float | None = None,
 ) -> Mode:
-    """The mode next to guess, with |true − sigma| ≤ error and error ≤ rtol·|sigma| if its status is 'converged'.
+    """The mode next to guess, with |true − sigma| ≤ error ≤ max(rtol·|sigma|, atol) if its status is 'converged'.
 
     digits=N stands for rtol = 10^−N; above 12 everything is computed with many digits (see refine_digits.py), sigma is an mpmath number,
-    and progress(done, total, seconds left) is told how far it is. method defaults to orthonormalized shooting with a tolerance chosen from
-    rtol; where the bound misses rtol, any method is tried again with a smaller one. The iteration finds the mode, the argument principle
-    proves that there is one: a failed search is a Mode whose status says why.
+    and progress(done, total, seconds left) is told how far it is. atol is an accuracy in the units of sigma, for a mode next to 0; by
+    default 1e−12 of the scale over which D is linear (see refine_double.py). method, or its name, defaults to orthonormalized shooting
+    with a tolerance chosen from rtol; where the bound misses rtol, any method is tried again with a smaller one. The iteration finds the
+    mode, the argument principle proves that there is one: a failed search is a Mode whose status says why.
     """
     guess = finite(guess)
     if digits is None:
-        return refine_double(problem, guess, rtol, method)
+        return _placed(problem, guess, refine_double(problem, guess, rtol, method_named(method, tolerance_for(rtol)), atol))
     if digits < 1:
         raise InputError(f"digits = {digits}: allowed is 1 or more")
     if digits <= DOUBLE_DIGITS:
-        return refine_double(problem, guess, 10.0**-digits, method)
+        rtol = 10.0**-digits
+        return _placed(problem, guess, refine_double(problem, guess, rtol, method_named(method, tolerance_for(rtol)), atol))
     if method is not None:
-        raise InputError(f"method {method.name!r}: allowed up to {DOUBLE_DIGITS} digits, more come from Taylor series")
+        raise InputError(f"method {getattr(method, 'name', method)!r}: allowed up to {DOUBLE_DIGITS} digits, more come from Taylor series")
     from shootstab.analyses.refine_digits import refine_digits  # mpmath and flint are imported where they are needed
 
     return refine_digits(problem, guess, digits, progress)
+
+
+def _placed(problem: Problem, guess: complex, mode: Mode) -> Mode:
+    """The mode; where it lies outside the neighbourhood of the guess, with a sentence on those that are nearer."""
+    if not mode.converged or mode.guess_distance <= NEIGHBOURHOOD * max(abs(mode.sigma), abs(guess)):
+        return mode
+    radius = INSIDE * mode.guess_distance
+    try:
+        zeros = zeros_in(Continuation(problem, Frame(rtol=LOOSE)), Disc(guess, radius), FEW).modes
+    except ConvergenceError as error:
+        return replace(mode, nearer=f"whether modes within {radius:.2g} are nearer was not decided: {error}")
+    listed = ", ".join(f"{zero.sigma:.6g}" for zero in sorted(zeros, key=lambda zero: abs(zero.sigma - guess)))
+    return replace(mode, nearer=f"nearer modes are {listed}" if zeros else f"no mode within {radius:.2g} of the guess")

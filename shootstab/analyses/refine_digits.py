@@ -26,7 +26,7 @@ from shootstab.multiprecision.integration import Base, MultiprecisionProblem
 from shootstab.multiprecision.secant import Secant, Values
 from shootstab.multiprecision.settings import Settings
 from shootstab.multiprecision.taylor_shooting import TaylorShooting
-from shootstab.problems.capabilities import CLOSED_FORM, MULTIPRECISION
+from shootstab.problems.capabilities import CLOSED_FORM, MULTIPRECISION, UNSCALED
 from shootstab.problems.protocol import Problem
 
 METHOD = "taylor"
@@ -42,6 +42,7 @@ VARIANTS = 4
 SAFETY = 2.0  # on the changes that make the bound
 WANDER = 100.0  # double-precision error bounds that the mode may move by
 ATTEMPTS = 2
+SHORT = 15  # derived: decimals of so many digits are what a double stands for
 
 
 def refine_digits(problem: Problem, guess: Any, digits: int, progress: Progress | None = None, arithmetic: str | None = None) -> Mode:
@@ -52,6 +53,10 @@ def refine_digits(problem: Problem, guess: Any, digits: int, progress: Progress 
     progress(done, total, seconds left) is told how far it is. Where no mode is near, or the base flow does not determine it, the
     status says so.
     """
+    unscaled = UNSCALED.of(problem)
+    if unscaled is not None:
+        inner, unit = unscaled
+        return _in_other_units(inner, unit, guess, digits, progress, arithmetic)
     began = perf_counter()
     if not 1 <= digits <= 10_000:
         raise InputError(f"digits = {digits}: allowed is 1 to 10000")
@@ -64,7 +69,7 @@ def refine_digits(problem: Problem, guess: Any, digits: int, progress: Progress 
     if abs(seed.sigma - guess) > NEAR * max(abs(seed.sigma), abs(guess)):
         return _failed(
             seed,
-            f"not converged: no mode is near the guess {guess:.6g}; the iteration goes to {seed.sigma:.6g}: start there if that is meant",
+            f"not converged: no mode is near the guess {guess:.6g}; the iteration goes to {seed.sigma:.12g}: start there if that is meant",
             began,
         )
     search = Search(problem_in_digits, ring, seed, Clock(progress))
@@ -78,6 +83,18 @@ def refine_digits(problem: Problem, guess: Any, digits: int, progress: Progress 
     except ConvergenceError as error:
         return _failed(seed, f"not converged: {error}", began)
     return replace(mode, seconds=perf_counter() - began, continuum_distance=seed.continuum_distance)
+
+
+def _in_other_units(problem: Problem, unit: complex, guess: Any, digits: int, progress: Progress | None, arithmetic: str | None) -> Mode:
+    """The mode v = σ/unit of a problem in σ. Raises InputError for a unit that is no short decimal, as 1/3 is none."""
+    if any(len(repr(part).split("e")[0].strip("-0.").replace(".", "")) > SHORT for part in (unit.real, unit.imag)):
+        raise InputError(f"many digits in units of {unit:.17g}: allowed are units that are decimals of at most {SHORT} digits")
+    mode = refine_digits(problem, unit * complex(guess), digits, progress, arithmetic)
+    with mpmath.workdps(digits + SHORT):
+        divisor = mpmath.mpc(*(mpmath.mpf(repr(part)) for part in (unit.real, unit.imag)))
+        size = abs(divisor)
+        parts = Budget(**{name: _plain(part / size) for name, part in mode.budget.as_dict().items()})
+        return replace(mode, sigma=mode.sigma / divisor, error=_plain(mode.error / size), budget=parts)
 
 
 def in_digits(problem: Problem) -> MultiprecisionProblem:

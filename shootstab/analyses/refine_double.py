@@ -9,49 +9,64 @@ from dataclasses import is_dataclass, replace
 from typing import Any
 
 from shootstab.analyses.error_budget import budget
-from shootstab.analyses.multiple import multiple
+from shootstab.analyses.multiple import cluster, multiple, told_apart
 from shootstab.core.discriminant import Discriminant
-from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.errors import ConvergenceError, Inaccurate, InputError
 from shootstab.core.records import CONVERGED, Budget, Mode
 from shootstab.core.regions import Disc
 from shootstab.discriminants.continuation import Continuation
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.method import Method
 from shootstab.problems.protocol import Problem
-from shootstab.roots.iterations import Root, muller, newton
+from shootstab.roots.iterations import ROUNDING, Root, muller, newton
+from shootstab.roots.search import Zero
+from shootstab.roots.separation import Surroundings, separation, surroundings
 from shootstab.roots.winding import wind
 
-TIGHTEST = 1e-13  # the local error below which rounding takes over
-LOOSEST = 1e-5
-ATTEMPTS = 3
-PROOF = 32.0  # the circle of the proof, in error bounds: the noise of D must be small on it
-WIDEST_PROOF = 1e-2  # of |σ|
-SIXTHS = 6  # a zero in its middle turns D by 60° from one sixth of a circle to the next, which is short enough
-NEAR_ENOUGH = 1e-6  # relative step to the zero on the finer mesh, beyond which one step of Newton does not reach it
+TIGHTEST = 1e-13  # measured (validation/calibration.py): the local error below which rounding takes over
+LOOSEST = 1e-5  # chosen: the largest local error with which halving the steps still tells the error
+ATTEMPTS = 3  # chosen: from 1e-5, factors of 100 would need four; tolerance_for begins no mode that far off
+PROOF = 32.0  # chosen: the circle of the proof, in error bounds; the noise of D must be small on it
+WIDEST_PROOF = 1e-2  # chosen: of the larger of |σ| and the scale, so that the circle leaves other modes out
+SIXTHS = 6  # derived: a zero in its middle turns D by 60° from one sixth of a circle to the next, below winding.LONGEST
+LEFT = 1e-3  # chosen: of the accuracy asked for, what iterations may leave
+NEUTRAL = 1e-12  # chosen: the accuracy of a mode at 0 in the scale of D there; four digits above the rounding of a double
+FIGURES = 12  # derived: significant digits that double precision gives a mode, with which a place is told
 UNKNOWN = Budget(math.inf, math.inf, math.inf, math.inf, math.inf)
 
 
-def refine_double(problem: Problem, guess: Any, rtol: float = 1e-10, method: Method | None = None) -> Mode:
-    """The mode next to guess in double precision, with |true − sigma| ≤ error and error ≤ rtol·|sigma| if its status is 'converged'.
+def refine_double(problem: Problem, guess: Any, rtol: float = 1e-10, method: Method | None = None, atol: float | None = None) -> Mode:
+    """The mode next to guess in double precision, with |true − sigma| ≤ error ≤ max(rtol·|sigma|, atol) if its status is 'converged'.
 
     method defaults to orthonormalized shooting with a tolerance chosen from rtol; where the bound misses rtol, any method is tried again
-    with a smaller one. Raises InputError for a guess that is not finite and an rtol outside 1e−14 to 1.
+    with a smaller one. atol defaults to min(rtol, 1e-12)·|2D′/D″|, in the scale over which D is linear at the mode: it is for modes next
+    to 0, and counts only where the tolerance cannot be made smaller or |sigma| is below the error. Raises InputError for a guess that is
+    not finite, an rtol outside 1e−14 to 1, and an atol that is not a finite number ≥ 0.
     """
     began = time.perf_counter()
-    guess = finite(guess)
+    guess = near = finite(guess)
     if not 1e-14 <= rtol < 1.0:
         raise InputError(f"rtol = {rtol!r}: allowed is a number from 1e-14 to 1")
+    require_atol(atol)
     tried: Method = method or Frame(rtol=tolerance_for(rtol))
     evaluations = 0
     for _ in range(ATTEMPTS):
-        mode, count = _attempt(problem, guess, rtol, tried)
+        mode, count, again = _attempt(problem, near, rtol, tried, atol)
         evaluations += count
         tighter = tightened(tried)
-        if mode.converged or tighter is None or not math.isfinite(mode.error):
+        relative = mode.error <= rtol * abs(mode.sigma)
+        enough = mode.converged and (relative or atol is not None or abs(mode.sigma) <= mode.error)
+        if enough or tighter is None or not again:
             break
         tried = tighter
-        guess = complex(mode.sigma)
-    return Mode(**{**vars(mode), "evaluations": evaluations, "seconds": time.perf_counter() - began})
+        near = complex(mode.sigma)
+    return replace(mode, evaluations=evaluations, seconds=time.perf_counter() - began, guess_distance=abs(mode.sigma - guess))
+
+
+def require_atol(atol: float | None) -> None:
+    """Raise InputError for an atol that is no finite number ≥ 0."""
+    if atol is not None and not 0.0 <= atol < math.inf:
+        raise InputError(f"atol = {atol!r}: allowed is a finite number from 0 on, in the units of sigma, or None")
 
 
 def finite(guess: Any) -> complex:
@@ -62,16 +77,20 @@ def finite(guess: Any) -> complex:
     return number
 
 
-def _attempt(problem: Problem, guess: complex, rtol: float, method: Method) -> tuple[Mode, int]:
-    """One search with one tolerance; the number of evaluations is returned beside the mode."""
+def _attempt(problem: Problem, guess: complex, rtol: float, method: Method, atol: float | None) -> tuple[Mode, int, bool]:
+    """One search with one tolerance, the number of evaluations, and whether a smaller tolerance may do better."""
     continuation = Continuation(problem, method)
     discriminant, _ = continuation.along(guess)
     try:
-        root = find_near(discriminant, guess, 1e-3 * rtol)
-        mode, evaluations = examine(continuation, root, rtol)
+        try:
+            root = find_near(discriminant, guess, LEFT * rtol)
+        except ConvergenceError:
+            root = _among_noise(discriminant, guess)
+        mode, evaluations = examine(continuation, root, rtol, atol)
     except ConvergenceError as error:
-        return Mode(guess, math.inf, UNKNOWN, f"not converged: {error}", method.name, 0, 0.0), discriminant.evaluations
-    return mode, evaluations + discriminant.evaluations
+        lost = Mode(guess, math.inf, UNKNOWN, f"not converged: {error}", method.name, 0, 0.0)
+        return lost, discriminant.evaluations, isinstance(error, Inaccurate)
+    return mode, evaluations + discriminant.evaluations, math.isfinite(mode.error)
 
 
 def tolerance_for(rtol: float) -> float:
@@ -99,45 +118,113 @@ def find_near(discriminant: Discriminant, guess: complex, tolerance: float) -> R
     raise ConvergenceError(f"neither Newton nor Muller arrives anywhere from {guess:.6g}; the last step was {root.step:.1e}")
 
 
-def examine(continuation: Continuation, root: Root, rtol: float) -> tuple[Mode, int]:
+def _among_noise(discriminant: Discriminant, guess: complex) -> Root:
+    """Zeros so near to the guess that iterations find noise only: as many as are seen from afar, to be counted.
+
+    Raises ConvergenceError where fewer than two are.
+    """
+    around = surroundings(discriminant, guess)
+    if around.multiplicity < 2:
+        raise ConvergenceError(f"neither Newton nor Muller arrives anywhere from {guess:.6g}, and no multiple zero is there")
+    return Root(guess, max(abs(guess), neutral(around, ROUNDING)), 0, True, around.multiplicity)
+
+
+def examine(continuation: Continuation, root: Root, rtol: float, atol: float | None = None) -> tuple[Mode, int]:
     """What a root is worth: the zero on a finer mesh along the path that suits it, its error bound, and the proof that it is one.
 
-    Returned beside the mode is how often D was evaluated for it.
+    Returned beside the mode is how often D was evaluated for it. Several zeros that D tells apart give the nearest, others one multiple
+    mode. Raises ConvergenceError where the iteration does not settle, Inaccurate where D is too inaccurate to count its zeros.
     """
+    coarse = continuation.at(root.sigma).discriminant
+    before = coarse.evaluations
+    if root.multiplicity > 1:
+        mode, evaluations = _among_several(continuation, root.sigma, max(root.step, LEFT * rtol * abs(root.sigma)), rtol, atol)
+    else:
+        mode, evaluations = _simple(continuation, root, rtol, atol)
+    return replace(mode, system=coarse.system_at(complex(mode.sigma))), coarse.evaluations - before + evaluations
+
+
+def _simple(continuation: Continuation, root: Root, rtol: float, atol: float | None, alone: bool = False) -> tuple[Mode, int]:
+    """`examine` for a root that looks simple, and how often D was evaluated on the finer mesh; alone: it was told apart from others."""
     branch = continuation.at(root.sigma)
     coarse = branch.discriminant
-    before = coarse.evaluations
-    arrived = newton(coarse, root.sigma, 1e-3 * rtol)
-    if not arrived.converged:
-        raise ConvergenceError(f"the iteration does not settle at {root.sigma:.6g} along the path {branch.path}")
+    coarse_value = coarse.with_derivative(root.sigma)
+    if not abs(coarse_value.newton_step) <= LEFT * rtol * abs(root.sigma):
+        arrived = newton(coarse, root.sigma, LEFT * rtol)
+        if not arrived.converged:
+            raise ConvergenceError(f"the iteration does not settle at {root.sigma:.6g} along the path {branch.path}")
+        if arrived.multiplicity > 1 and not alone:
+            return _among_several(continuation, arrived.sigma, max(arrived.step, LEFT * rtol * abs(arrived.sigma)), rtol, atol)
+        coarse_value = coarse.with_derivative(arrived.sigma)
+    scale = separation(coarse, coarse_value)
     fine = coarse.refined()
-    coarse_value, fine_value = coarse.with_derivative(arrived.sigma), fine.with_derivative(arrived.sigma)
-    if abs(fine_value.newton_step) > NEAR_ENOUGH * abs(arrived.sigma):
-        better = newton(fine, arrived.sigma, 1e-3 * rtol)
+    fine_value = fine.with_derivative(coarse_value.sigma)
+    if abs(fine_value.newton_step) ** 2 > LEFT * rtol * abs(coarse_value.sigma) * scale:  # one step leaves too much
+        better = newton(fine, coarse_value.sigma, LEFT * rtol)
         coarse_value, fine_value = coarse.with_derivative(better.sigma), fine.with_derivative(better.sigma)
     sigma = fine_value.sigma + fine_value.newton_step
-    size = abs(sigma)
-    parts = budget(continuation.problem, coarse, coarse_value, fine, fine_value)
+    parts = budget(continuation.problem, coarse, coarse_value, fine, fine_value, scale)
+    size = max(abs(sigma), scale if math.isfinite(scale) else 0.0)
+    neutral = min(rtol, NEUTRAL) * scale if math.isfinite(scale) else 0.0
+    allowed = neutral if atol is None else atol
     # next to a multiple zero the bound means nothing, but there is a circle that tells
-    radius = min(max(PROOF * parts.total, 1e-2 * rtol * size), WIDEST_PROOF * size)
-    count = wind(coarse, Disc(sigma, radius), SIXTHS).count
+    radius = min(max(PROOF * parts.total, 1e-2 * rtol * abs(sigma), 1e-2 * neutral), WIDEST_PROOF * size)
+    if not 0.0 < radius < math.inf:
+        raise ConvergenceError(f"D is flat at {sigma:.6g}: nothing tells how exactly a zero is known there")
+    try:
+        count = wind(coarse, Disc(sigma, radius), SIXTHS).count
+    except ConvergenceError:
+        if alone:
+            raise
+        count = 2  # a zero lies on the circle, where a simple one does not
     if count > 1:
-        mode = multiple(continuation, sigma, count, radius, rtol)
-    else:
-        distance = continuation.distance(sigma)
-        status = _status(count, radius, sigma, parts.total, distance, rtol)
-        mode = Mode(sigma, parts.total, parts, status, continuation.method.name, 0, 0.0, distance, branch.path)
-    return replace(mode, system=coarse.system_at(sigma)), coarse.evaluations - before + fine.evaluations
+        several, evaluations = _among_several(continuation, sigma, radius, rtol, atol, apart=not alone)
+        return several, fine.evaluations + evaluations
+    distance = continuation.distance(sigma)
+    status = _status(count, radius, sigma, parts.total, distance, max(rtol * abs(sigma), allowed))
+    mode = Mode(sigma, parts.total, parts, status, continuation.method.name, 0, 0.0, distance, branch.path, scale=scale, atol=allowed)
+    return mode, fine.evaluations
 
 
-def _status(count: int, radius: float, sigma: complex, error: float, distance: float, rtol: float) -> str:
+def _among_several(
+    continuation: Continuation, sigma: complex, radius: float, rtol: float, atol: float | None, apart: bool = True
+) -> tuple[Mode, int]:
+    """The nearest of several zeros in a circle of about this radius where D tells them apart, and the multiple mode otherwise."""
+    found = cluster(continuation, sigma, radius, goal=max(rtol * abs(sigma), atol or 0.0) if not apart else 0.0)
+    zeros = told_apart(continuation, found) if apart else []
+    if zeros:
+        nearest = min(zeros, key=lambda zero: abs(zero - sigma))
+        return _simple(continuation, Root(nearest, 0.0, 0, True), rtol, atol, alone=True)
+    if atol is None and abs(found.mean) <= found.error:
+        atol = neutral(surroundings(continuation.at(found.mean).discriminant, found.mean), min(rtol, NEUTRAL))
+    return multiple(continuation, found, rtol, atol or 0.0), 0
+
+
+def several(continuation: Continuation, zero: Zero, rtol: float, atol: float | None = None) -> list[Mode]:
+    """All modes that a multiple zero stands for: each by itself where D tells them apart, and otherwise one multiple mode.
+
+    Raises ConvergenceError where they cannot be counted.
+    """
+    found = cluster(continuation, zero.sigma, zero.radius, zero.multiplicity)
+    zeros = told_apart(continuation, found)
+    if not zeros:
+        return [multiple(continuation, found, rtol, atol or 0.0)]
+    return [_simple(continuation, Root(one, 0.0, 0, True), rtol, atol, alone=True)[0] for one in zeros]
+
+
+def neutral(around: Surroundings, accuracy: float) -> float:
+    """The distance accuracy^(1/m)·scale by which a relative error of D of this accuracy moves m zeros next to 0, one if there is none."""
+    return float(accuracy ** (1 / max(1, around.multiplicity)) * around.scale)
+
+
+def _status(count: int, radius: float, sigma: complex, error: float, distance: float, allowed: float) -> str:
     """What is to be said where so many zeros, one at most, were counted within the radius."""
-    if not error < 0.5 * abs(sigma):
+    if not error < 0.5 * abs(sigma) and not error <= allowed:
         return f"not converged: the error bound {error:.1e} is as large as the mode itself"
     if count == 0:
-        return f"not converged: the iteration stopped at {sigma:.6g}, but no zero lies within {radius:.1e}"
+        return f"not converged: the iteration stopped at {sigma:.{FIGURES}g}, but no zero lies within {radius:.1e}"
     if distance <= error:
         return f"not converged: the continuous spectrum passes at {distance:.1e}, inside the error bound {error:.1e}"
-    if error > rtol * abs(sigma):
-        return f"not converged: the error bound {error:.1e} exceeds the {rtol * abs(sigma):.1e} asked for"
+    if error > allowed:
+        return f"not converged: the error bound {error:.1e} exceeds the {allowed:.1e} asked for"
     return CONVERGED

@@ -3,111 +3,272 @@
 from __future__ import annotations
 
 import cmath
-from collections.abc import Callable, Iterable
+import math
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from shootstab.analyses.claims import Verifier
+from shootstab.analyses.assignment import Candidate, assign, shared
+from shootstab.analyses.claims import Circle, spurious, verdict_on
 from shootstab.analyses.find import find_modes
 from shootstab.analyses.missing import NONE, NOT_SEARCHED, Missing, claimed_modes, find_missing, modes_with_bounds, require_missing
+from shootstab.analyses.refine_double import require_atol
 from shootstab.analyses.unstable import HalfDisc, count_unstable
-from shootstab.core.errors import InputError
-from shootstab.core.records import (
-    CONFIRMED,
-    SPURIOUS,
-    Mode,
-    Report,
-    Verdict,
-)
+from shootstab.analyses.verifier import Sighting, Verifier
+from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.records import SPURIOUS, UNRESOLVED, Mode, Report, Verdict
 from shootstab.core.regions import Region
 from shootstab.discriminants.continuation import Continuation
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.method import Method
+from shootstab.discriminants.named import method_named
 from shootstab.problems.protocol import Problem
 from shootstab.roots.search import Zero
+
+TIGHTEST = 1e-13  # measured (validation/calibration.py): the local error below which rounding takes over
+GUARD = 2  # chosen: digits computed beyond those asked for
+NEIGHBOURHOOD = 3.0  # chosen: radii of the circle of the digits within which zeros are told apart together
+WIDER = 2.0  # chosen: a circle around zeros that were confused, in the largest distance from their mean
+SAME = 1e-12  # chosen: relative distance of two modes that are one, beside their error bounds
 
 Progress = Callable[[int, int], None]
 
 
 def verify(
     problem: Problem,
-    eigenvalues: Iterable[Any],
+    eigenvalues: Any,
     digits: int = 6,
     region: Region | None = None,
-    method: Method | None = None,
+    method: Method | str | None = None,
     progress: Progress | None = None,
     unstable: bool = False,
     missing: str | None = None,
+    atol: float | None = None,
 ) -> Report:
     """Verdicts to so many digits, in the order of the claims, and the modes missing from them.
+
+    eigenvalues are numbers (m,), or one. A claim counts as right within atol too, in the units of sigma; by default that is 1e−12 of the
+    scale |2D′/D″| over which D is linear at the mode, which matters next to 0 only, and every verdict says what it was. Claims and modes
+    are assigned to each other as a whole: n claims on n modes inside one circle are confirmed together.
 
     missing says how missing modes are looked for: "region", the default where a region is given, in that; "within", the default else, among
     the claims, so that a list is never told to lack a mode beyond itself; "none". The report carries where, in words and as a region with
     the number of claims in it, and names what could not be searched. With unstable=True the whole half-plane of growing modes is counted
     besides, by a bound on |σ| (see unstable.py), so that "no other unstable mode" is a statement.
 
-    Raises InputError for claims that are not finite numbers, and for a wish that does not go with the region.
+    Raises InputError for claims that are not finite numbers, for digits outside 1 to 12, and for a wish that does not go with the region.
     """
-    claims = [complex(c) for c in eigenvalues]
-    if not claims:
-        raise InputError("no eigenvalues to verify: at least one is needed")
-    for i, c in enumerate(claims):
-        if not cmath.isfinite(c):
-            raise InputError(f"eigenvalue {i + 1} is {c}: allowed is a finite number")
+    claims = _finite(eigenvalues)
     if not 1 <= digits <= 12:
         raise InputError(f"digits = {digits}: allowed is 1 to 12")
     wish = require_missing(missing, region)
-    tolerance = 10.0 ** -(digits + 2)
-    verifier = Verifier(problem, method or Frame(rtol=max(tolerance, 1e-13)), digits)
-    judged: dict[int, Verdict] = {}
+    require_atol(atol)
+    tolerance = max(10.0 ** -(digits + GUARD), TIGHTEST)
+    verifier = Verifier(problem, method_named(method, tolerance) or Frame(rtol=tolerance), digits, atol)
+    seen: dict[int, Sighting] = {}
     # neighbours share meshes, which are not kept for ever
     for i in sorted(range(len(claims)), key=lambda i: abs(claims[i])):
-        judged[i] = verifier.verdict(claims[i])
+        seen[i] = verifier.look(claims[i])
         if progress is not None:
-            progress(len(judged), len(claims))
-    verdicts = _one_claim_a_mode([judged[i] for i in range(len(claims))])
+            progress(len(seen), len(claims))
+    verdicts = Assembly(verifier, [seen[i] for i in range(len(claims))]).verdicts()
     lacking = Missing((), NOT_SEARCHED, ())
     if wish != NONE:
-        lacking = find_missing(verifier.continuation, verdicts, region, verifier.loose, verifier.reach)
+        try:
+            lacking = find_missing(verifier.continuation, verdicts, region, verifier.loose, verifier.reach)
+        except ConvergenceError as error:
+            lacking = lacking._replace(undecided=(f"missing modes: {error}",))
     if unstable:
         found = [Zero(complex(m.sigma), m.multiplicity, m.error) for m in lacking.modes]
-        more, said = _unstable(verifier.continuation, [*claimed_modes(verdicts), *found])
-        lacking = lacking._replace(modes=lacking.modes + more, searched=f"{lacking.searched}; {said}")
+        try:
+            more, said = _unstable(verifier.continuation, [*claimed_modes(verdicts), *found])
+            lacking = lacking._replace(modes=lacking.modes + more, searched=f"{lacking.searched}; {said}")
+        except ConvergenceError as error:
+            lacking = lacking._replace(undecided=(*lacking.undecided, f"the half-plane of growing modes: {error}"))
+    absent = _unanswered(lacking.modes, verdicts)
     return Report(
-        tuple(verdicts),
-        lacking.modes,
+        tuple(_with_nearest(verdicts, absent)),
+        absent,
         digits,
         lacking.searched,
         lacking.undecided,
         region=lacking.region,
         claims_inside=lacking.claims_inside,
+        rests_on=verifier.rests_on,
     )
 
 
-def _one_claim_a_mode(verdicts: list[Verdict]) -> list[Verdict]:
-    """A mode answers as many claims as its multiplicity, the nearest; what else was taken for it is spurious, with the reason."""
-    owners: dict[int, int] = {}  # claims that a mode answers, and how many more of them it may
-    out = list(verdicts)
-    order = sorted((i for i, v in enumerate(verdicts) if v.sigma is not None), key=lambda i: -(verdicts[i].digits_agreed or 0.0))
-    for i in order:
-        v = verdicts[i]
-        owner = next((j for j in owners if _same_mode(v, verdicts[j])), None)
-        if owner is None:
-            owners[i] = v.multiplicity - 1
-        elif owners[owner] > 0:
-            owners[owner] -= 1
-        else:
-            what = "repeats" if v.verdict == CONFIRMED else "is farther from the mode than"
-            how = "simple" if v.multiplicity == 1 else f"of multiplicity {v.multiplicity} only"
-            why = f"{what} claim {owner + 1}, and the mode is {how}"
-            out[i] = replace(v, verdict=SPURIOUS, why=why, sigma=None, error=None, digits_agreed=None, multiplicity=1)
+def _finite(eigenvalues: Any) -> list[complex]:
+    """The claims as complex numbers. Raises InputError where there are none, or one is not a finite number."""
+    given = eigenvalues if isinstance(eigenvalues, Iterable) and not isinstance(eigenvalues, str) else [eigenvalues]
+    claims = []
+    for i, value in enumerate(given, 1):
+        try:
+            claims.append(complex(value))
+        except (TypeError, ValueError):
+            raise InputError(f"eigenvalue {i} is {value!r}: allowed is a finite number") from None
+        if not cmath.isfinite(claims[-1]):
+            raise InputError(f"eigenvalue {i} is {claims[-1]}: allowed is a finite number")
+    if not claims:
+        raise InputError("no eigenvalues to verify: at least one is needed")
+    return claims
+
+
+class Assembly:
+    """The modes around all claims, each with its error bar and computed once, and the claims that they answer."""
+
+    def __init__(self, verifier: Verifier, seen: list[Sighting]) -> None:
+        self._verifier, self._seen = verifier, seen
+        self._modes: list[Mode] = []
+        self._known: list[dict[Zero, tuple[int, ...]]] = [{} for _ in seen]
+        self._lost: dict[int, str] = {}  # claims around which a zero has no error bound, and why
+
+    def verdicts(self) -> list[Verdict]:
+        """The verdicts, in the order of the claims."""
+        for i, seen in enumerate(self._seen):
+            if seen.zeros:
+                nearest = min(seen.zeros, key=lambda zero: abs(zero.sigma - seen.claim))
+                reach = max(NEIGHBOURHOOD * seen.radius, abs(nearest.sigma - seen.claim) + NEIGHBOURHOOD * seen.radius)
+                self._learn_all(i, [z for z in seen.zeros if z is nearest or abs(z.sigma - seen.claim) <= reach + z.radius])
+        given = assign(self._candidates())
+        # who shares a mode with a claim that got none looks further: there may be one for each
+        looked: set[int] = set()
+        while True:
+            candidates = self._candidates()
+            ask = [
+                i
+                for group in shared(candidates)
+                if any(given[i] is None and candidates[i] for i in group)
+                for i in group
+                if i not in looked
+            ]
+            if not ask:
+                break
+            for i in ask:
+                looked.add(i)
+                self._seen[i] = self._verifier.look_further(self._seen[i])
+                self._learn_all(i, self._seen[i].zeros)
+            given = assign(self._candidates())
+        return [self._verdict(i, given) for i in range(len(self._seen))]
+
+    def _learn_all(self, i: int, zeros: Sequence[Zero]) -> None:
+        """The modes that several zeros are; those in one neighbourhood together, as iterations confuse them."""
+        left = list(zeros)
+        while left:
+            near = [z for z in left if abs(z.sigma - left[0].sigma) <= NEIGHBOURHOOD * self._seen[i].radius + z.radius + left[0].radius]
+            left = [z for z in left if z not in near]
+            count = sum(z.multiplicity for z in near)
+            mean = sum(z.multiplicity * z.sigma for z in near) / count
+            spread = max(abs(z.sigma - mean) + z.radius for z in near)
+            self._learn(i, near[0] if len(near) == 1 else Zero(mean, count, WIDER * spread))
+
+    def _learn(self, i: int, zero: Zero) -> None:
+        """The modes that a zero is, as numbers in the list of all."""
+        if zero in self._known[i] or i in self._lost:
+            return
+        try:
+            modes = self._verifier.modes(zero, self._seen[i])
+        except ConvergenceError as error:
+            self._lost[i] = str(error)
+            return
+        self._known[i][zero] = tuple(self._number(mode) for mode in modes)
+
+    def _number(self, mode: Mode) -> int:
+        """Where a mode stands in the list; one that lies within the bounds of one that is listed is the same."""
+        for j, other in enumerate(self._modes):
+            if abs(mode.sigma - other.sigma) <= mode.error + other.error + SAME * abs(other.sigma):
+                if mode.multiplicity == other.multiplicity and mode.error < other.error:
+                    self._modes[j] = mode
+                return j
+        self._modes.append(mode)
+        return len(self._modes) - 1
+
+    def _candidates(self) -> list[list[Candidate]]:
+        """For each claim the modes that it may mean."""
+        out = []
+        for i, seen in enumerate(self._seen):
+            numbers = [] if i in self._lost else sorted({j for some in self._known[i].values() for j in some})
+            out.append([self._candidate(j, seen) for j in numbers])
+        return out
+
+    def _candidate(self, j: int, seen: Sighting) -> Candidate:
+        mode = self._modes[j]
+        off = abs(complex(mode.sigma) - seen.claim)
+        return Candidate(j, mode.multiplicity, off, float(mode.error), abs(complex(mode.sigma)), seen.radius)
+
+    def _verdict(self, i: int, given: Sequence[int | None]) -> Verdict:
+        seen = self._seen[i]
+        if seen.refusal is not None:
+            return self._said(Verdict(seen.claim, *seen.refusal), seen)
+        if i in self._lost:
+            return self._said(Verdict(seen.claim, UNRESOLVED, self._lost[i]), seen)
+        number = given[i]
+        if number is not None:
+            inside = {j for j in range(len(self._modes)) if self._candidate(j, seen).off <= seen.radius}
+            circle = Circle(
+                seen.radius,
+                seen.atol,
+                self._verifier.digits,
+                [self._modes[j] for j in inside],
+                sum(g in inside for g in given),
+                seen.counted <= seen.radius,
+            )
+            return self._said(verdict_on(seen.claim, self._modes[number], circle), seen)
+        rivals = self._candidates()[i]
+        if rivals:
+            best = max(rivals, key=lambda c: c.worth)
+            return self._said(spurious(seen.claim, self._taken(best, given)), seen)
+        if seen.resonance is not None:
+            why = f"the zero at {seen.resonance:.6g} lies beyond the continuous spectrum: a resonance, not a mode"
+            return self._said(spurious(seen.claim, why), seen)
+        return self._said(spurious(seen.claim, f"no zero of D within {seen.counted:.1e}"), seen)
+
+    def _taken(self, mode: Candidate, given: Sequence[int | None]) -> str:
+        """Why a claim gets nothing though a mode is near."""
+        owner = next(i for i, g in enumerate(given) if g == mode.mode)
+        what = "repeats" if mode.off <= mode.radius + mode.error else "is farther from the mode than"
+        how = "simple" if mode.multiplicity == 1 else f"of multiplicity {mode.multiplicity} only"
+        return f"{what} claim {owner + 1}, and the mode is {how}"
+
+    def _said(self, verdict: Verdict, seen: Sighting) -> Verdict:
+        return replace(verdict, continuum_distance=seen.distance, atol=seen.atol)
+
+
+def _unanswered(missing: Sequence[Mode], verdicts: Sequence[Verdict]) -> tuple[Mode, ...]:
+    """The modes found missing, less as many as claims mean them: of several near ones a search may take another than is known."""
+    out: list[Mode] = []
+    spent: dict[complex, int] = {}  # by the mode that claims mean, how many more of it have been given as missing
+    for mode in missing:
+        own = [
+            v for v in verdicts if v.sigma is not None and abs(v.sigma - mode.sigma) <= (v.error or 0.0) + mode.error + SAME * abs(v.sigma)
+        ]
+        if not own or not math.isfinite(mode.error) or own[0].sigma is None:
+            out.append(mode)
+            continue
+        known = own[0].sigma
+        left = max(mode.multiplicity, *(v.multiplicity for v in own)) - len(own) - spent.get(known, 0)
+        if left > 0:
+            given = min(left, mode.multiplicity)
+            spent[known] = spent.get(known, 0) + given
+            out.append(replace(mode, multiplicity=given))
+    return tuple(out)
+
+
+def _with_nearest(verdicts: Sequence[Verdict], missing: Sequence[Mode]) -> list[Verdict]:
+    """To every spurious verdict, where the nearest mode known is and how far the continuous spectrum."""
+    modes = [v.sigma for v in verdicts if v.sigma is not None] + [complex(m.sigma) for m in missing]
+    out = []
+    for v in verdicts:
+        if v.verdict == SPURIOUS:
+            why = v.why
+            if modes:
+                nearest = min(modes, key=lambda sigma: abs(sigma - v.claimed))
+                why += f"; the nearest mode known here is {nearest:.6g}, {abs(nearest - v.claimed):.1e} away"
+            if math.isfinite(v.continuum_distance):
+                why += f"; the continuous spectrum is {v.continuum_distance:.1e} away"
+            v = replace(v, why=why)
+        out.append(v)
     return out
-
-
-def _same_mode(v: Verdict, w: Verdict) -> bool:
-    assert v.sigma is not None
-    assert w.sigma is not None
-    return abs(v.sigma - w.sigma) <= (v.error or 0.0) + (w.error or 0.0) + 1e-12 * abs(w.sigma)
 
 
 def _unstable(continuation: Continuation, known: list[Zero]) -> tuple[tuple[Mode, ...], str]:

@@ -9,8 +9,10 @@ from shootstab.core.errors import ConvergenceError
 from shootstab.core.regions import Disc
 from shootstab.discriminants.continuation import Branch, Continuation
 from shootstab.problems.protocol import Problem
-from shootstab.roots.search import Search, Zero, find, polish
-from shootstab.roots.winding import Winding, wind
+from shootstab.roots.search import Search, Zero, find, moments, polish
+from shootstab.roots.winding import Limited, Winding, wind
+
+MOST = 1000  # chosen: evaluations to tell a few zeros in a disc apart, some ten circles' worth; more are spent in noise only
 
 
 class Crowded(ConvergenceError):  # noqa: N818 - it is a finding, not a fault
@@ -45,9 +47,22 @@ def zeros_in(continuation: Continuation, disc: Disc, most: int | None = None) ->
         require_accurate(continuation.problem, [(branch.discriminant, value) for value in winding.samples])
         if winding.count == 0:
             continue
-        for zero in find(search_on(continuation.problem, branch), disc, counted=winding):
+        for zero in _told_apart(continuation.problem, branch, disc, winding):
             (modes if continuation.own_side(branch, zero.sigma) else resonances).append(zero)
     return Zeros(tuple(modes), tuple(resonances), " and ".join(c.path for c in branches))
+
+
+def _told_apart(problem: Problem, branch: Branch, disc: Disc, counted: Winding) -> list[Zero]:
+    """The zeros counted in a disc; where D is noise around them and does not tell them apart, one multiple zero."""
+    D = branch.discriminant
+    limited = Limited(D, D.evaluations + MOST)
+    search = Search(lambda region: wind(limited, region), lambda part: accurate_count(problem, branch, part), polish(limited))
+    try:
+        return find(search, disc, counted=counted)
+    except ConvergenceError:
+        if counted.count == 1:
+            raise
+        return [Zero(moments(counted)[0], counted.count, disc.radius)]
 
 
 def search_on(problem: Problem, branch: Branch) -> Search:

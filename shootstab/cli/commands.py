@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import sys
 import textwrap
 from argparse import Namespace
@@ -22,12 +21,7 @@ if TYPE_CHECKING:
 
 DONE, BAD_NEWS = 0, 1
 
-# what the command line calls the methods: module and class
-METHODS = {
-    "frame": ("shootstab.discriminants.frame", "Frame"),
-    "compound": ("shootstab.discriminants.compound", "Compound"),
-    "riccati": ("shootstab.discriminants.riccati", "Riccati"),
-}
+METHODS = ("frame", "compound", "riccati")  # the names of discriminants.named, which would load the kernels
 
 
 def verify(options: Namespace) -> int:
@@ -63,7 +57,13 @@ def verify(options: Namespace) -> int:
             if options.missing is None:
                 region = region or (unstable_box(own.problem, claimed) if convention.plain else None)
             given = (claimed / convention.unit).tolist()
-        wishes: Any = {"digits": options.digits, "region": region, "unstable": options.unstable, "missing": options.missing}
+        wishes: Any = {
+            "digits": options.digits,
+            "region": region,
+            "unstable": options.unstable,
+            "missing": options.missing,
+            "atol": options.atol,
+        }
         report = question(scene.problem, given, progress=told, **wishes)
     from shootstab.analyses.hypotheses import hypotheses
     from shootstab.cli.proposals import sentence
@@ -101,7 +101,7 @@ def refine(options: Namespace) -> int:
 
     with progress(f"refining {scene.name}") as told:
         hear = None if told is None else lambda done, total, left: told(done, total)
-        found = question(scene.problem, options.guess, options.rtol, options.digits, _method(options), hear)
+        found = question(scene.problem, options.guess, options.rtol, options.digits, options.method, hear, options.atol)
 
     def tables() -> list[RenderableType]:
         from shootstab.cli import tables
@@ -125,17 +125,6 @@ def _convention(options: Namespace) -> Convention:
         if own is not None:
             given["alpha"] = own * given.get("length", 1.0)  # in the user's units
     return Convention(options.kind or "growth", options.sign, conjugate=options.conjugate, **given)
-
-
-def _method(options: Namespace) -> Any:
-    """The method of that name, with the tolerance for the digits asked for; None leaves the choice to `refine`."""
-    if options.method is None:
-        return None
-    from shootstab.analyses.refine_double import tolerance_for
-
-    module, method = METHODS[options.method]
-    rtol = options.rtol if options.digits is None else 10.0**-options.digits
-    return getattr(importlib.import_module(module), method)(rtol=tolerance_for(rtol))
 
 
 def count(options: Namespace) -> int:
@@ -175,7 +164,7 @@ def find(options: Namespace) -> int:
     scene = scene_files.load(options.scene)
     from shootstab.analyses.find import find as question
 
-    found = question(scene.problem, region, resonances=options.resonances)
+    found = question(scene.problem, region, resonances=options.resonances, atol=options.atol)
 
     def tables() -> list[RenderableType]:
         from shootstab.cli import tables

@@ -138,7 +138,7 @@ def parser() -> argparse.ArgumentParser:
     accuracy = refine.add_mutually_exclusive_group()
     accuracy.add_argument("--rtol", type=_tolerance, default=1e-10, metavar="X", help="relative accuracy asked for (default 1e-10)")
     accuracy.add_argument("--digits", type=_integer(1, 100_000), metavar="N", help="the same in digits")
-    refine.add_argument("--method", choices=tuple(commands.METHODS), help="how the determinant is formed (default: as the program chooses)")
+    refine.add_argument("--method", choices=commands.METHODS, help="how the determinant is formed (default: as the program chooses)")
 
     count = _command(subparsers, commands.count, "how many modes a region of the complex plane holds")
     _add_region(count, "rectangle", "disc", "polygon", "half-plane")
@@ -146,6 +146,9 @@ def parser() -> argparse.ArgumentParser:
 
     find = _command(subparsers, commands.find, "all modes in a region, without a guess")
     _add_region(find, "rectangle", "disc", "polygon", default="rectangle")
+    for command in (verify, refine, find):
+        says = "absolute accuracy that suffices, for modes next to 0 (default 1e-12 of the scale of D there)"
+        command.add_argument("--atol", type=_absolute, metavar="X", help=says)
     find.add_argument("--resonances", action="store_true", help="list zeros beyond the continuous spectrum too")
 
     _command(subparsers, explain_command.explain, "what the reduction of the scene's equations found")
@@ -262,6 +265,13 @@ def _tolerance(text: str) -> float:
     value = _numbers(1)(text)[0]
     if not 1e-14 <= value <= 0.1:
         raise _refused(text, "a number from 1e-14 to 0.1")
+    return value
+
+
+def _absolute(text: str) -> float:
+    value = _numbers(1)(text)[0]
+    if not value >= 0.0:
+        raise _refused(text, "a finite number from 0 on")
     return value
 
 

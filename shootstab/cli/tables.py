@@ -64,7 +64,8 @@ def report(found: Report, scene: Scene, only: str | None = None, sort: str | Non
         for row, claimed, said, mode_text, *others in lines:
             both = claimed if mode_text == ABSENT else mode_text if claimed == ABSENT else f"{claimed}\n{mode_text}"
             table.add_row(row, both, _coloured(said), *others)
-    return [heading(scene), table, *_reasons(found, shown), *_left_out(found), Text(_sentence(found))]
+    rests = [Text(textwrap.fill(f"Rests on {found.rests_on}.", PAGE))] if found.rests_on else []
+    return [heading(scene), table, *_reasons(found, shown), *_left_out(found), Text(_sentence(found)), *rests]
 
 
 def _left_out(found: Report) -> Parts:
@@ -127,6 +128,10 @@ def mode(found: Mode, scene: Scene) -> Parts:
         "status": found.status,
         "method": f"{found.method}, {found.evaluations} evaluations, {found.seconds:.2g} s, {found.path} path in z",
     }
+    if found.atol > 0.0 and found.error > 0.0 and abs(found.sigma) < found.scale:
+        rows["absolute accuracy"] = f"{_two_figures(found.atol)} suffices here, where D is linear over {_two_figures(found.scale)}"
+    if math.isfinite(found.guess_distance):
+        rows["from the guess"] = _two_figures(found.guess_distance) + (f": {found.nearer}" if found.nearer else "")
     if found.system:
         rows["system"] = found.system
     if found.multiplicity > 1:

@@ -33,3 +33,7 @@ def shortened(value: Any, longest: int = 40) -> str:
     """A value as a refusal quotes it: its repr, not longer than a line can bear."""
     text = repr(value)
     return text if len(text) <= longest else text[:longest] + "…"
+
+
+class Inaccurate(ConvergenceError):  # noqa: N818 - it is a finding, not a fault
+    """D on its mesh is not accurate enough for a count of so small a region."""

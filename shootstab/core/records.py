@@ -1,4 +1,4 @@
-"""What the questions answer with. Every result carries its evidence; a failed search is a result with a reason."""
+"""Results of analyses. Every result carries its evidence; a failed search is a result with a reason."""
 
 from __future__ import annotations
 
@@ -44,10 +44,12 @@ class Budget:
 class Mode:
     """One eigenvalue: sigma (complex, or an mpmath number) with |true − sigma| ≤ error (a float, or an mpf where a float underflows).
 
-    status is 'converged' or says in a sentence what went wrong; continuum_distance is the distance of sigma to the continuous
-    spectrum, infinite if the problem has none; path says along which path in z the system was integrated, and
-    system of which orders it was and in which numbers. Of multiplicity m > 1 are m
-    eigenvalues, equal or not told apart, all within error of sigma, their mean.
+    status is 'converged' or says in a sentence what went wrong. continuum_distance is the distance of sigma to the continuous
+    spectrum, infinite if the problem has none. path says along which path in z the system was integrated, system of which orders it
+    was and in which numbers. A multiplicity m > 1 stands for m eigenvalues, equal or not told apart, all within error of sigma, their
+    mean. scale is the distance |2D′/D″| over which D is linear at sigma, about that to the other modes (NaN where it was not measured);
+    atol is the error in the units of sigma that counted as converged whatever |sigma| is. guess_distance is |sigma − guess|, and nearer
+    says which modes are nearer to the guess where sigma lies outside its neighbourhood.
     """
 
     sigma: Any
@@ -61,6 +63,10 @@ class Mode:
     path: str = "real"
     multiplicity: int = 1
     system: str = ""
+    scale: float = math.nan
+    atol: float = 0.0
+    guess_distance: float = math.nan
+    nearer: str = ""
 
     @property
     def digits(self) -> float:
@@ -91,7 +97,8 @@ class Verdict:
     """What is to be said of one claimed eigenvalue, and why.
 
     sigma is the mode that the claim means (None if there is none), error its bound, multiplicity its multiplicity,
-    digits_agreed = −log10(|claimed − σ|/|σ|).
+    digits_agreed = −log10(|claimed − σ|/|σ|), and growth_digits the same of the real parts alone. atol is the absolute accuracy within
+    which the claim counts as right whatever |σ| is.
     """
 
     claimed: complex
@@ -102,6 +109,8 @@ class Verdict:
     digits_agreed: float | None = None
     continuum_distance: float = math.inf
     multiplicity: int = 1
+    growth_digits: float | None = None
+    atol: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -110,7 +119,7 @@ class Report:
 
     region is where missing modes were looked for, None where they were not; claims_inside is how many of the claims lie in it. searched
     says both in words, and undecided names what could not be searched. dropped entries of the spectrum were no numbers that could be
-    eigenvalues, and were left out when it was read.
+    eigenvalues, and were left out when it was read. rests_on says by which method zeros were counted and bounds computed.
     """
 
     verdicts: tuple[Verdict, ...]
@@ -121,6 +130,7 @@ class Report:
     dropped: int = 0
     region: Region | None = None
     claims_inside: int = 0
+    rests_on: str = ""
 
     @property
     def summary(self) -> Mapping[str, int]:

@@ -34,6 +34,10 @@ def mode(found: Mode) -> dict[str, Any]:
         "path": found.path,
         "system": found.system,
         "multiplicity": found.multiplicity,
+        "scale": found.scale,
+        "atol": found.atol,
+        "guess_distance": found.guess_distance,
+        "nearer": found.nearer,
     }
 
 
@@ -49,6 +53,7 @@ def report(found: Report) -> dict[str, Any]:
         "claims_inside": found.claims_inside,
         "undecided": list(found.undecided),
         "dropped": found.dropped,
+        "rests_on": found.rests_on,
     }
 
 
@@ -62,6 +67,8 @@ def _verdict(verdict: Verdict) -> dict[str, Any]:
         "why": verdict.why,
         "continuum_distance": verdict.continuum_distance,
         "multiplicity": verdict.multiplicity,
+        "growth_digits": verdict.growth_digits,
+        "atol": verdict.atol,
     }
 
 

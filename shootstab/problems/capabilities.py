@@ -86,6 +86,7 @@ CROSSINGS = Capability("crossings", (), "this problem has no continuous spectrum
 FARTHER_WALLS = Capability("farther_walls", None, "this problem has no wall that approximates a singular point")
 PSEUDOSPECTRAL = Capability("pseudospectral", None, "this problem has no bundled pseudospectral reference: give a file of eigenvalues")
 MULTIPRECISION = Capability("multiprecision", None, "this problem has no formulation of its own for many digits")
+UNSCALED = Capability("unscaled", None, "this problem is stated in its own eigenvalue")
 CLOSED_FORM = Capability(
     "closed_form", None, "more than 12 digits ask for a problem in closed form: exact_ends, exact_pencil, exact_far and exact_wall"
 )

@@ -64,6 +64,11 @@ class Rescaled:
         return np.asarray(self.problem.continuum_at(z) / self.unit)
 
     @property
+    def unscaled(self) -> tuple[Problem, complex]:
+        """The problem in σ, and σ/v."""
+        return self.problem, self.unit
+
+    @property
     def generic_sigma(self) -> complex:
         return complex(GENERIC.of(self.problem)) / self.unit
 

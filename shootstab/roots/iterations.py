@@ -13,6 +13,7 @@ from shootstab.core.scaled import Scaled
 SHRINKS = 0.1  # chosen: steps that shrink by so much are near enough to a simple zero for the curvature of σ(D) to be used
 FORESIGHT = 0.1  # chosen: of the tolerance, what the step foreseen may be
 NOISE = 1e-6  # chosen, far above the 1e-13 of D and D′: see `_run`
+ROUNDING = 1e-14  # chosen: the least error of D against D one step away; by its m-th root an m-fold zero is off
 ALIKE = 0.1  # chosen: two estimates of a multiplicity that differ by less are the same
 MOST_FOLD = 8  # chosen: the largest multiplicity that an iteration suspects; 1/(1 − q) of the next ones differ too little
 
@@ -70,7 +71,7 @@ def _run(steps: Iterator[Step], tolerance: float, most: int) -> Root:
         sigma, step, ahead, change, multiplicity = next(steps)
         length = abs(step)
         if multiplicity == fold > 1 and not length < 0.5 * best:
-            return Root(before, best, count, True, multiplicity)
+            return Root(before, max(best, ROUNDING ** (1 / multiplicity) * farthest), count, True, multiplicity)
         if not cmath.isfinite(sigma):
             return Root(sigma, float("inf"), count, False)
         short = best <= NOISE * max(abs(sigma), farthest) or change <= NOISE

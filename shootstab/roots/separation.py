@@ -6,7 +6,11 @@ to digits of itself; it can to digits of |2D′/D″|.
 
 from __future__ import annotations
 
+import cmath
+from dataclasses import dataclass
+
 from shootstab.core.discriminant import Discriminant, Value
+from shootstab.core.errors import ConvergenceError
 from shootstab.roots.iterations import slope_change
 
 FIRST = 1e-3  # chosen: of |σ|, the first distance at which D′ is looked at again
@@ -14,6 +18,10 @@ SMALLEST = 1e-24  # chosen: that distance where σ is 0, below any σ of interes
 FURTHER = 1e3  # from one distance to the next: a change of SEEN becomes one of a tenth, still nearly linear
 SEEN = 1e-4  # chosen: a relative change of D′ so far above its noise, which is 1e-12 or so, that it shows two digits
 MOST = 12  # distances: from the smallest to 1e9
+TENFOLD = 10.0  # chosen: from one distance to the next where the zeros near a point are counted
+MISSES = 8  # chosen: distances in all at which it is none, before nothing more is to be seen
+BEYOND = 1e3  # chosen: times the distance to the nearest zero, how far others are looked for that would make it a near one
+WHOLE = 0.1  # chosen: how near (σ − c) D′/D must come to a whole number to be one
 
 
 def separation(discriminant: Discriminant, at_zero: Value) -> float:
@@ -26,3 +34,39 @@ def separation(discriminant: Discriminant, at_zero: Value) -> float:
             break
         distance *= FURTHER
     return 2.0 * distance / change if change > 0.0 else float("inf")
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """About how many zeros lie at a point, as seen from afar, and over which distance D is like that power of the distance."""
+
+    multiplicity: int
+    scale: float
+
+
+def surroundings(discriminant: Discriminant, centre: complex) -> Surroundings:
+    """What h D′/D says at c + h while h grows: m + h/scale, m the number of zeros much nearer than h to c.
+
+    That is a whole number above 0 at two distances in turn where m zeros lie near c and no others by a factor of 1000; the larger of them
+    tells the scale, as there neither rounding nor the places of the m zeros matter. Otherwise m is 0 and the scale |D/D′|, about the
+    distance to the nearest zero. It suggests, and proves nothing.
+    """
+    distance, before = max(TENFOLD * abs(centre), SMALLEST), -1
+    empty, found, misses = 0.0, Surroundings(0, 0.0), 0
+    while misses < MISSES:
+        try:
+            turns = distance * discriminant.with_derivative(centre + distance).logarithmic_derivative
+        except ConvergenceError:
+            break  # D cannot be computed so far off
+        whole = max(0, round(turns.real)) if cmath.isfinite(turns) else -1
+        off = abs(turns - whole)
+        if whole < 0 or off > WHOLE:
+            if found.multiplicity > 0 or (empty > 0.0 and distance > BEYOND * empty):
+                break
+            whole, misses = -1, misses + 1
+        elif whole == 0:
+            empty = distance / max(off, SEEN)
+        elif whole == before:
+            found = Surroundings(whole, distance / max(off, SEEN))
+        before, distance = whole, TENFOLD * distance
+    return found if found.multiplicity > 0 else Surroundings(0, empty)

@@ -19,9 +19,11 @@ from numpy.typing import NDArray
 from shootstab.core.discriminant import Discriminant, Value
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.regions import Region
+from shootstab.core.scaled import Scaled
 
 LONGEST = 1.2  # |Δ ln D| over one piece
 MISMATCH = 0.3  # between its two values
+FLAT = 1e-2  # chosen: |Δ ln D| by the slopes at both ends: a zero that the slopes do not see would be a hundred pieces away
 DEEPEST = 40  # halvings of one piece
 FIRST_PIECES = 4
 
@@ -45,6 +47,27 @@ class Winding:
     def pieces(self) -> Pieces:
         """The closed curve as one piece."""
         return ((1, (*self.samples, self.samples[0])),)
+
+
+@dataclass(frozen=True)
+class Limited:
+    """A discriminant that may be asked so often and no more: on a circle where it is all noise a contour would never be fine enough."""
+
+    discriminant: Discriminant
+    last: int
+
+    @property
+    def evaluations(self) -> int:
+        return self.discriminant.evaluations
+
+    def __call__(self, sigma: complex) -> Scaled:
+        return self.with_derivative(sigma).D
+
+    def with_derivative(self, sigma: complex) -> Value:
+        """Raises ConvergenceError beyond the limit."""
+        if self.discriminant.evaluations > self.last:
+            raise ConvergenceError("D is noise along the contour")
+        return self.discriminant.with_derivative(sigma)
 
 
 def wind(discriminant: Discriminant, region: Region, pieces: int = FIRST_PIECES) -> Winding:
@@ -117,6 +140,8 @@ def _follow(evaluate: Callable[[float], Value], followed: list[tuple[float, Valu
         return
     if depth == DEEPEST or value.D.mantissa == 0.0 or ahead[1].D.mantissa == 0.0:
         raise ConvergenceError(f"a zero of D lies on the boundary, or too near to it, at sigma = {value.sigma:.12g}")
+    if _noisy(value, ahead[1]):
+        raise ConvergenceError(f"D is rounding noise along the boundary, near sigma = {value.sigma:.12g}")
     middle = (t + ahead[0]) / 2
     between = (middle, evaluate(middle))
     _follow(evaluate, followed, between, depth + 1)
@@ -128,6 +153,12 @@ def _settled(a: Value, b: Value) -> bool:
     chord = abs(b.sigma - a.sigma)
     steep = max(abs(a.logarithmic_derivative), abs(b.logarithmic_derivative)) * chord
     return steep < 2 * LONGEST and abs(predicted) < LONGEST and abs(predicted - change(a, b)) < MISMATCH
+
+
+def _noisy(a: Value, b: Value) -> bool:
+    """Whether D changes by MISMATCH where its slopes say that it is FLAT: halving a piece of that would never end."""
+    steep = max(abs(a.logarithmic_derivative), abs(b.logarithmic_derivative)) * abs(b.sigma - a.sigma)
+    return steep < FLAT and not abs(change(a, b)) < MISMATCH
 
 
 def _predicted(a: Value, b: Value) -> complex:

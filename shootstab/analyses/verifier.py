@@ -1,0 +1,281 @@
+"""What lies around one claimed eigenvalue: zeros of D by counting in circles, along meshes of rising accuracy of the method named.
+
+A verdict rests on a count of zeros in a circle, never on an iteration that stopped.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, is_dataclass, replace
+
+from shootstab.analyses.accuracy import Inaccurate
+from shootstab.analyses.claims import radius_of
+from shootstab.analyses.refine import refine
+from shootstab.analyses.refine_double import NEUTRAL, examine, neutral, several
+from shootstab.analyses.zeros import Crowded, Zeros, zeros_in
+from shootstab.core.discriminant import Discriminant
+from shootstab.core.errors import ConvergenceError
+from shootstab.core.records import CONTINUUM, UNRESOLVED, Mode
+from shootstab.core.regions import Disc
+from shootstab.discriminants.continuation import Continuation, Undecidable
+from shootstab.discriminants.method import Method
+from shootstab.problems.protocol import Problem
+from shootstab.roots.iterations import Root, slope_change
+from shootstab.roots.search import Zero
+from shootstab.roots.separation import surroundings
+
+NEAR_DIGITS = 2  # chosen: a claim that shares fewer digits with a mode does not mean it
+SHRINK = 3.0  # chosen: from one circle to the next smaller one, where D cannot be continued over it
+STEEPEST = 2.5  # chosen: change of ln D over the radius of the first circle around a claim, a few samples' worth
+FEW = 3  # chosen: modes in a circle that are told apart
+NEWTON_STEPS = 8  # chosen: quadratic convergence from two digits to all takes three or four
+ARRIVED = 1e-8  # chosen: relative step of Newton's iteration that ends it
+LOOSE = 1e-5  # chosen: local error with which zeros are looked for; whether it is small enough, a mesh with every step halved tells
+TIGHTER = (1e-10, 1e-13)  # chosen: local errors to which D is computed where a circle is too small for the method as it is
+FAR_OFF = 10.0  # chosen: radii of the circle of the digits, beyond which a mode need not be known better than to these digits
+REACH, FURTHER = 100.0, 16.0  # chosen: |σ| of the first mesh on the way to a large claim, and the factor to the next
+MOST_STEPS = 800  # chosen: of the loose mesh for one claim; where D must be more accurate it is some times as long
+NUDGE = 1e-3  # chosen: of a claim, how far from it the slope of D is looked at again
+FLAT = 1e-6  # chosen: a change of D′ over NUDGE below which the scale of D may be a thousand times the claim
+ROUGH = 0.1  # chosen: such a change above which it is noise, or a zero of D′ is near
+NEAR = 100.0  # chosen: |σD′/D| above which a zero lies within two digits of σ, which is then no noise around 0
+WHOLE = 0.05  # chosen: how near σD′/D comes to a whole number next to zeros at 0
+
+
+@dataclass(frozen=True)
+class Sighting:
+    """What was seen around a claim.
+
+    radius is that of the circle that the digits mean, and at least atol; near how far off a mode next to 0 is meant; counted that of
+    the largest circle whose zeros were counted, zeros are the modes in it. resonance is a zero beyond the continuous spectrum inside
+    radius. Where nothing could be counted, refusal is the verdict and the reason.
+    """
+
+    claim: complex
+    radius: float
+    atol: float
+    distance: float
+    near: float = 0.0
+    counted: float = 0.0
+    zeros: tuple[Zero, ...] = ()
+    resonance: complex | None = None
+    refusal: tuple[str, str] | None = None
+
+
+class Verifier:
+    """Continuations of discriminants of rising accuracy, for many claims. What is seen around a claim does not depend on those before.
+
+    All are of the method given: a loose one in which zeros are looked for, the one that error bounds rest on, and tighter ones.
+    """
+
+    def __init__(self, problem: Problem, method: Method, digits: int, atol: float | None = None) -> None:
+        self.problem, self.method, self.digits, self._atol = problem, method, digits, atol
+        self.continuation = Continuation(problem, method)
+        looser = [LOOSE] if method.rtol < LOOSE else []
+        tighter = [rtol for rtol in TIGHTER if rtol < method.rtol]
+        variable = is_dataclass(method) and not isinstance(method, type)
+
+        def at(rtol: float) -> Continuation:
+            return Continuation(problem, replace(method, rtol=rtol))  # type: ignore[type-var]
+
+        self._continuations = [self.continuation]
+        if variable:
+            self._continuations = [*map(at, looser), self.continuation, *map(at, tighter)]
+        self._too_far = math.inf
+
+    @property
+    def rests_on(self) -> str:
+        """Which method zeros were counted and bounds computed with, and the local errors, in words."""
+        errors = ", ".join(f"{continuation.method.rtol:.0e}" for continuation in self._continuations)
+        return f"counts of zeros and error bounds by {self.method.name}, with local errors of {errors}, the first that is accurate enough"
+
+    @property
+    def loose(self) -> Continuation:
+        """The continuation in which zeros are looked for first."""
+        return self._continuations[0]
+
+    @property
+    def reach(self) -> float:
+        """The largest |σ| that can be judged, as far as that is known; infinite as long as no claim was too large."""
+        return self._too_far * FURTHER
+
+    def look(self, claim: complex) -> Sighting:
+        """The zeros around a claim, in a circle that grows from that of the digits to that of two digits until it holds any."""
+        distance = self.continuation.distance(claim)
+        radius = radius_of(claim, self.digits) if claim != 0.0 else 0.0
+        seen = Sighting(claim, radius, self._atol or 0.0, distance)
+        try:
+            self.loose.branches(claim, max(radius, seen.atol))
+            self._require_reach(claim)
+            if self._atol is None:
+                atol, near = self._accuracy_next_to_zero(claim, radius)
+                seen = replace(seen, atol=atol, near=near)
+            seen = replace(seen, radius=max(radius, seen.atol))
+            return self._seen(seen)
+        except Undecidable as error:
+            return replace(seen, refusal=(CONTINUUM, str(error)))
+        except ConvergenceError as error:
+            return replace(seen, refusal=(UNRESOLVED, str(error)))
+
+    def _seen(self, seen: Sighting) -> Sighting:
+        counted, zeros = self._around(seen)
+        if zeros.modes:
+            return replace(seen, counted=counted, zeros=zeros.modes)
+        if zeros.resonances and abs(zeros.resonances[0].sigma - seen.claim) <= seen.radius:
+            return replace(seen, counted=counted, resonance=zeros.resonances[0].sigma)
+        neighbour = self._neighbour(seen, counted)
+        return replace(seen, counted=counted, zeros=() if neighbour is None else (Zero(neighbour),))
+
+    def look_further(self, seen: Sighting) -> Sighting:
+        """The same in a larger circle, up to that of two digits, where that can be counted: for a claim whose mode is another's too."""
+        larger = min(self._near(seen), 2 * max(seen.counted, *(abs(z.sigma - seen.claim) for z in seen.zeros)))
+        if larger <= seen.counted:
+            return seen
+        try:
+            zeros = self._zeros(Disc(seen.claim, larger), None)
+        except ConvergenceError:
+            return replace(seen, counted=self._near(seen))  # that is all that can be known
+        return (
+            self.look_further(replace(seen, counted=larger))
+            if len(zeros.modes) <= len(seen.zeros)
+            else replace(seen, counted=larger, zeros=zeros.modes)
+        )
+
+    def _accuracy_next_to_zero(self, claim: complex, radius: float) -> tuple[float, float]:
+        """The accuracy that double precision gives zeros next to the claim where they have no size of their own, and 0 elsewhere.
+
+        That is NEUTRAL^(1/m) times the scale over which D is like σ^m; with m = 0 no zero is near, and it is about the distance to the
+        nearest. It is 0 where the circle of the digits is larger. A claim means a mode there up to the geometric mean of that and the
+        scale, half the digits.
+        """
+        at = self._continuations[-1].at(claim).discriminant
+        if claim != 0.0 and _has_a_size(at, claim):
+            return 0.0, 0.0
+        around = surroundings(at, claim)
+        atol = neutral(around, NEUTRAL)
+        return (atol, math.sqrt(atol * around.scale)) if radius < atol < math.inf else (0.0, 0.0)
+
+    def _require_reach(self, claim: complex) -> None:
+        """Raise ConvergenceError where so large a |σ| needs a mesh that is too long.
+
+        Solutions vary over σ^(−1/2): 16 times |σ| are 4 times the steps. So the claim is approached from smaller σ of its direction.
+        """
+        size, reached = abs(claim), REACH
+        while size > reached * FURTHER:
+            probe = claim * (reached / size)
+            if self.loose.at(probe).discriminant.steps * math.sqrt(FURTHER) > MOST_STEPS:
+                self._too_far = min(self._too_far, reached)
+                raise ConvergenceError(f"solutions for |sigma| = {size:.1e} are so steep that the mesh would need over {MOST_STEPS} steps")
+            reached *= FURTHER
+
+    def _around(self, seen: Sighting) -> tuple[float, Zeros]:
+        """The radius of the largest circle, up to that of two digits, that was counted, and the zeros in it; it grows until there are any.
+
+        A circle along which ln D changes much holds many zeros or needs many samples: the first is chosen by the slope of ln D.
+        Raises what the circle of the digits asked for raises, if no larger one can be counted and that cannot either.
+        """
+        claim, radius, wide = seen.claim, seen.radius, self._near(seen)
+        tried = self._first_circle(claim, radius, wide)
+        while tried > radius:
+            try:
+                zeros = self._zeros(Disc(claim, tried), FEW)
+            except Crowded as crowded:
+                tried /= max(SHRINK, crowded.count)
+            except ConvergenceError:
+                tried /= SHRINK
+            else:
+                return self._grown(claim, tried, zeros, wide)
+        return radius, self._zeros(Disc(claim, radius), None)
+
+    def _near(self, seen: Sighting) -> float:
+        """The radius of the circle in which a mode may be meant: that of two digits, and the one next to 0, which shares no digits."""
+        shared = radius_of(seen.claim, min(NEAR_DIGITS, self.digits)) if seen.claim != 0.0 else 0.0
+        return max(seen.radius, shared, seen.near)
+
+    def _first_circle(self, claim: complex, radius: float, wide: float) -> float:
+        if wide == radius:
+            return radius
+        # between two zeros of a row ln D is flat, but beside the row it is as steep as they are dense
+        places = (claim, claim + 1j * wide * (claim / abs(claim) if claim != 0.0 else 1.0))
+        slope = max(abs(self.loose.at(s).discriminant.with_derivative(s).logarithmic_derivative) for s in places)
+        return max(radius, min(wide, STEEPEST / slope))
+
+    def _grown(self, claim: complex, radius: float, zeros: Zeros, wide: float) -> tuple[float, Zeros]:
+        """Larger circles, up to the wide one, as long as there is no zero in them and they can be counted."""
+        while radius < wide and not zeros.modes:
+            larger = min(wide, 2 * radius)
+            try:
+                zeros = self._zeros(Disc(claim, larger), FEW)
+            except ConvergenceError:
+                break
+            radius = larger
+        return radius, zeros
+
+    def _zeros(self, disc: Disc, most: int | None) -> Zeros:
+        """By the first continuation that is accurate enough."""
+        for continuation in self._continuations[:-1]:
+            try:
+                return zeros_in(continuation, disc, most)
+            except Inaccurate:
+                continue
+        return zeros_in(self._continuations[-1], disc, most)
+
+    def _neighbour(self, seen: Sighting, empty: float) -> complex | None:
+        """The mode that Newton finds between the circle that is empty and that of two digits, which could not be counted."""
+        wide = self._near(seen)
+        claim = sigma = seen.claim
+        if empty >= wide:
+            return None
+        try:
+            for _ in range(NEWTON_STEPS):
+                step = self.continuation.at(sigma).discriminant.with_derivative(sigma).newton_step
+                sigma += step
+                if not abs(sigma - claim) < wide:
+                    return None
+                if abs(step) < ARRIVED * abs(sigma):
+                    return sigma
+        except ConvergenceError:
+            pass  # it leads where D cannot be computed
+        return None
+
+    def modes(self, zero: Zero, seen: Sighting) -> list[Mode]:
+        """A zero as a mode with its error bar, or those into which a multiple one falls.
+
+        It is known to two digits more than asked for; if the claim is far off anyway, to those asked for, and the loose mesh may do.
+        Raises ConvergenceError where it has no finite error bound.
+        """
+        tight = 10.0 ** -(self.digits + 2)
+        far_off = abs(zero.sigma - seen.claim) > FAR_OFF * seen.radius
+        if zero.multiplicity > 1:
+            modes = several(self._continuations[-1], zero, tight, seen.atol)
+        else:
+            modes = [self._simple(zero.sigma, tight, far_off, seen.atol)]
+        for mode in modes:
+            if not math.isfinite(mode.error):
+                raise ConvergenceError(mode.status)
+        return modes
+
+    def _simple(self, sigma: complex, tight: float, far_off: bool, atol: float) -> Mode:
+        root = Root(sigma, 0.0, 0, True)
+        if far_off and self.loose is not self.continuation:
+            mode, _ = examine(self.loose, root, 10.0**-self.digits, atol)
+            if mode.converged:
+                return mode
+        mode, _ = examine(self.continuation, root, tight, atol)
+        return mode if mode.converged else refine(self.problem, sigma, tight, method=self.method, atol=atol)
+
+
+def _has_a_size(discriminant: Discriminant, claim: complex) -> bool:
+    """Whether D around a claim changes over distances of about |claim|, as it does not next to zeros that lie at 0 against other scales.
+
+    There D′ is constant (one zero), D like a power of σ, flat, or noise.
+    """
+    here = discriminant.with_derivative(claim)
+    change = slope_change(here, discriminant.with_derivative(claim * (1 + NUDGE)))
+    zeros = claim * here.logarithmic_derivative
+    whole = round(zeros.real) if math.isfinite(abs(zeros)) else 0
+    near_zero = whole >= 1 and abs(zeros - whole) < WHOLE and abs(change - (whole - 1) * NUDGE) < ROUGH * NUDGE
+    noise = change > ROUGH and not abs(zeros) > NEAR
+    if noise:  # a smooth function would change a thousand times less over so much less
+        noise = slope_change(here, discriminant.with_derivative(claim * (1 + NUDGE * NUDGE))) > ROUGH
+    return change > FLAT and abs(zeros) > NUDGE and not noise and not near_zero
