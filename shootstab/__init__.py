@@ -85,7 +85,7 @@ _HOMES = {
 
 _MODULES = ("chute", "gallery", "testing")
 _INSIDE = {"scene": "load"}  # called otherwise in its module
-_ASKED = ("count", "count_unstable", "find", "refine", "trade", "verify")
+_ASKED = ("count", "count_unstable", "find", "prove", "refine", "trade", "verify")
 
 __all__ = [
     "Axis",

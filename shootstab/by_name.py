@@ -6,15 +6,14 @@ st.refine("low", 0.0073 - 0.0119j, method="riccati")
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from dataclasses import replace
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from shootstab.cli.commands import METHODS
 from shootstab.core.errors import InputError
+from shootstab.discriminants.named import METHODS
 
 if TYPE_CHECKING:
     from shootstab.core.discriminant import Discriminant
@@ -37,8 +36,7 @@ def method_of(named: Any) -> Any:
         from shootstab.io.notation import nearest
 
         raise InputError(f"method = {named!r}{nearest(named, METHODS)}: allowed is {', '.join(METHODS)} or st.Frame(...)")
-    module, name = METHODS[named]
-    return getattr(importlib.import_module(module), name)()
+    return METHODS[named]()
 
 
 def by_name(analysis: Callable[..., Any]) -> Callable[..., Any]:

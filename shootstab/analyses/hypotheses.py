@@ -13,10 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from shootstab.analyses import reference
-from shootstab.analyses.claims import Verifier
+from shootstab.analyses.verify import verify
 from shootstab.core.errors import ShootstabError
 from shootstab.core.records import CONFIRMED, INACCURATE, SPURIOUS, Report
-from shootstab.discriminants.frame import Frame
 from shootstab.problems.capabilities import PSEUDOSPECTRAL
 from shootstab.problems.protocol import Problem
 
@@ -46,15 +45,14 @@ def hypotheses(problem: Problem, report: Report, digits: int) -> tuple[Hypothesi
     if len(claims) < LEAST or any(v.verdict != SPURIOUS for v in report.verdicts):
         return ()
     claims = sorted(claims, key=abs)[:TRIED]
-    verifier = Verifier(problem, Frame(rtol=max(10.0 ** -(digits + 2), 1e-13)), digits)
     for factors in (lambda conjugate: UNITS, lambda conjugate: _factors(problem, claims, digits, conjugate)):
-        found = [h for h in _holding(verifier, claims, factors) if h is not None]
+        found = [h for h in _holding(problem, digits, claims, factors) if h is not None]
         if found:
             return tuple(found)
     return ()
 
 
-def _holding(verifier: Verifier, claims: Sequence[complex], factors: Callable[[bool], Sequence[complex]]) -> list[Hypothesis]:
+def _holding(problem: Problem, digits: int, claims: Sequence[complex], factors: Callable[[bool], Sequence[complex]]) -> list[Hypothesis]:
     """The hypotheses under which every claim is a mode; the first of those that map the claims to the same numbers."""
     found: list[Hypothesis] = []
     for conjugate in (False, True):
@@ -63,17 +61,17 @@ def _holding(verifier: Verifier, claims: Sequence[complex], factors: Callable[[b
             meant = [wanted.applied(c) for c in claims]
             if (factor == 1.0 and not conjugate) or any(np.allclose(meant, [h.applied(c) for c in claims]) for h in found):
                 continue
-            agreed = _agreed(verifier, meant)
+            agreed = _agreed(problem, digits, meant)
             if agreed is not None:
                 found.append(Hypothesis(factor, conjugate, len(claims), agreed))
     return found
 
 
-def _agreed(verifier: Verifier, claims: Sequence[complex]) -> float | None:
+def _agreed(problem: Problem, digits: int, claims: Sequence[complex]) -> float | None:
     """The fewest digits that a claim shares with its mode; None as soon as one is no mode."""
     fewest = 99.0
     for claim in claims:
-        verdict = verifier.verdict(claim)
+        (verdict,) = verify(problem, [claim], digits, missing="none").verdicts
         if verdict.verdict not in (CONFIRMED, INACCURATE) or (verdict.digits_agreed or 0.0) < AGREE:
             return None
         fewest = min(fewest, verdict.digits_agreed or 0.0)
