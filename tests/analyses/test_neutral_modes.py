@@ -97,4 +97,4 @@ def test_a_code_that_is_asked_for_one_number() -> None:
     (verdict,) = st.verify(neumann(), -9.8696044).verdicts
     assert verdict.verdict == "confirmed"
     with pytest.raises(st.InputError, match="eigenvalue 1"):
-        st.verify(neumann(), "abc")
+        st.verify(neumann(), [object()])
