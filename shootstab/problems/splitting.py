@@ -79,7 +79,8 @@ class AsymptoticPencil:
             return SpectralSplitting(
                 A, slope, X, X2, X.T, np.zeros((k, n - k), dtype=np.complex128), np.zeros((n - k, k), dtype=np.complex128), X2.T, 0.0
             )
-        balanced, (scales, _) = scipy.linalg.matrix_balance(A, permute=False, separate=True)
+        with np.errstate(invalid="ignore"):  # SciPy casts scales to integers, for a permutation that is not asked for
+            balanced, (scales, _) = scipy.linalg.matrix_balance(A, permute=False, separate=True)
         rates = np.sort(np.linalg.eigvals(balanced).real)
         gap = rates[k] - rates[k - 1]
         if not gap > CLOSE * np.abs(rates).max():

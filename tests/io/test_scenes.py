@@ -64,7 +64,7 @@ def test_every_built_in_scene_says_what_it_is() -> None:
         assert listed.scene.description
         assert scene.description == listed.scene.description
         assert scene.details == listed.details
-        equations: Any = getattr(scene.problem, "matrices", scene.problem)  # of a whole line, before it is folded
+        equations: Any = getattr(scene.problem, "function", scene.problem)  # of a whole line, before it is folded
         assert scene.details.order == equations.size
         assert all(vars(scene.details).values())
         assert scene.heading.startswith(f"{name}: {scene.description} (")

@@ -289,7 +289,9 @@ ALLOWED = {
     "shootstab.models.chute.steady_flow",
     "shootstab.models.chute.parameters",
     "shootstab.models.chute.family",
+    "shootstab.models.chute.registry",
     "shootstab.kernels.tableau",
+    "shootstab.kernels.step_control",
 }
 OUTSIDE = {"numpy", "scipy", "__future__", "ast", "collections", "dataclasses", "functools", "itertools", "math", "pathlib", "typing"}
 
