@@ -25,7 +25,6 @@ EXAMPLES = {
     "scenes": "shootstab scenes",
     "guide": "shootstab guide verdicts",
     "explain": "shootstab explain scene.toml",
-    "baseline": "shootstab baseline check modes.json",
 }
 
 DOORS = """shootstab: an independent second opinion on eigenvalues of linear stability problems
