@@ -104,11 +104,22 @@ def single() -> Iterator[Line]:
     yield at_most("high: count of the rectangle 1e-5 - 0.5i to 1 + 0.5i, in memory", again, 50e-3, f"with meshes made {duration(scratch)}")
 
 
+def own_problem() -> Iterator[Line]:
+    """A problem of one's own of order 4 to 1e-10, error bar included, against the built-in one: as a plain function, and compiled."""
+    import gallery
+
+    _, built_in = gallery.timed(st.gallery.PlanePoiseuille(), gallery.GUESS, 1e-10)
+    for compiled in (False, True):
+        _, seconds = gallery.own(compiled)
+        name = f"order 4 of one's own, {'numba' if compiled else 'plain Python'}: time of the built-in problem over its own"
+        yield at_least(name, built_in / seconds, 0.75 if compiled else 0.2, f"{duration(seconds)}; built in {duration(built_in)}")
+
+
 def main() -> int:
-    """Both scenes, and single evaluations."""
+    """Both scenes, single evaluations, and a problem of one's own."""
     mpmath.mp.dps = 30
     np.seterr(all="ignore")
-    held = show("One mode to 1e-8", "python validation/bench_one_mode.py", [*lines("high"), *lines("low"), *single()])
+    held = show("One mode to 1e-8", "python validation/bench_one_mode.py", [*lines("high"), *lines("low"), *single(), *own_problem()])
     return 0 if held else 1
 
 

@@ -74,8 +74,15 @@ def alone(scene: str, digits: int, arithmetic: str, factor: float) -> Run:
     seconds = time.process_time() - began
     with mpmath.workdps(PLAIN):
         re, im, error = (mpmath.nstr(mpmath.mpf(x), PLAIN) for x in (mode.sigma.real, mode.sigma.imag, mode.error))
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
-    return Run(scene, digits, arithmetic, re, im, error, mode.status, seconds, memory)
+    return Run(scene, digits, arithmetic, re, im, error, mode.status, seconds, peak_memory())
+
+
+def peak_memory() -> float:
+    """The largest resident memory of this process, in MiB: VmHWM on Linux, since ru_maxrss is inherited through fork and exec."""
+    status = Path("/proc/self/status")
+    if status.exists():
+        return next(int(line.split()[1]) for line in status.read_text().splitlines() if line.startswith("VmHWM")) / 1024.0
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
 
 
 def run(scene: str, digits: int, arithmetic: str = "flint", factor: float = 1.0) -> Run:

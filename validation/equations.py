@@ -214,11 +214,11 @@ WRITTEN = (
 
 
 def found(case: Written, quick: bool = False) -> tuple[EquationProblem, Mode, float, Mode | None]:
-    """The problem, its mode, the seconds of reading and reduction, and the mode in many digits."""
+    """The problem, its mode, the processor seconds of reading and reduction, and the mode in many digits."""
     case.problem()
-    began = time.perf_counter()
+    began = time.process_time()
     problem = case.problem()
-    seconds = time.perf_counter() - began
+    seconds = time.process_time() - began
     guess = case.value * (1 + 1e-4)
     st.refine(problem, guess)
     mode = st.refine(problem, guess)
