@@ -30,7 +30,7 @@ def assert_eigenvalue(problem: Problem, claimed: complex, digits: int = 8) -> No
         raise AssertionError(_failure(problem, verdict, digits))
 
 
-MISSING = ("none", "region")
+MISSING_IN_TESTS = ("none", "region")
 
 
 def assert_spectrum(
@@ -53,7 +53,7 @@ def assert_spectrum(
     from shootstab.io.readers import read
     from shootstab.io.scenes import Scene, load
 
-    if missing not in MISSING or (missing == "region") != (region is not None):
+    if missing not in MISSING_IN_TESTS or (missing == "region") != (region is not None):
         raise InputError(f"missing = {missing!r}: allowed is none, or region together with a region")
     seen = convention or Convention()
     spectrum = read(claimed) if isinstance(claimed, str | Path) else list(claimed)

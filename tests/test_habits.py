@@ -1,7 +1,9 @@
-"""What a release rests on: one version, files that name it, bounds that a script can pin, a program that runs as a module."""
+"""What a release rests on: one version, files that name it, bounds that a script can pin, a program that runs as a module; and how the
+sources are written: numbers that say where they come from, one name for one thing."""
 
 from __future__ import annotations
 
+import ast
 import re
 import subprocess
 import sys
@@ -14,6 +16,7 @@ import versions
 import shootstab
 
 ROOT = Path(__file__).parent.parent
+SOURCES = sorted((ROOT / "shootstab").rglob("*.py"))
 
 
 def test_the_version_stands_once_and_the_files_beside_the_licence_name_it() -> None:
@@ -35,3 +38,61 @@ def test_every_dependency_has_a_lower_bound_that_can_be_pinned() -> None:
     assert len(pins) > 10
     assert all(re.fullmatch(r"[A-Za-z0-9_-]+==\d+(\.\d+)*", pin) for pin in pins), pins
     assert "python-flint==0.9" in pins  # below, Arb's series of order zero end the process
+
+
+def _constants(path: Path) -> list[tuple[str, ast.expr, str]]:
+    """The constants of a module: name, value, and what comments beside and above say of it."""
+    lines = path.read_text().splitlines()
+    found = []
+    for node in ast.parse("\n".join(lines)).body:
+        if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
+            continue
+        targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+        first = node.lineno - 1
+        while first and lines[first - 1].startswith("#"):
+            first -= 1
+        said = " ".join(line.partition("#")[2] for line in lines[first : node.end_lineno])
+        names = [n.id for target in targets for n in ast.walk(target) if isinstance(n, ast.Name)]
+        found += [(name, node.value, said) for name in names if re.fullmatch(r"_?[A-Z][A-Z0-9_]+", name)]
+    return found
+
+
+def _is_number(value: ast.expr) -> bool:
+    """Whether a value is made of numbers alone, however it is computed: no words, no table, not the 0 or 1 of some arithmetic."""
+    nodes = list(ast.walk(value))
+    literals = [n.value for n in nodes if isinstance(n, ast.Constant)]
+    if any(isinstance(n, ast.Dict) for n in nodes) or any(isinstance(c, str | bytes) for c in literals):
+        return False
+    unit = any(isinstance(n, ast.Call) for n in nodes) and set(map(repr, literals)) <= {"0", "1"}
+    return any(isinstance(c, int | float | complex) for c in literals) and not unit
+
+
+ORIGIN = re.compile(r"\b(chosen\b|derived\b|exact\b|published\b|defined by the \w+|measured \(validation/\w+\.py\))")
+
+
+def test_every_number_says_where_it_comes_from() -> None:
+    """Chosen, derived, measured (by which script), exact, published, or defined by a format or by the contract with users."""
+    silent = [
+        f"{path.relative_to(ROOT)}: {name}"
+        for path in SOURCES
+        for name, value, said in _constants(path)
+        if _is_number(value) and not ORIGIN.search(said)
+    ]
+    assert not silent, silent
+
+
+def test_a_measured_number_names_a_script_that_exists() -> None:
+    named = {script for path in SOURCES for _, _, said in _constants(path) for script in re.findall(r"validation/\w+\.py", said)}
+    assert named
+    assert [script for script in named if not (ROOT / script).exists()] == []
+
+
+def test_a_constant_has_one_name_and_one_value() -> None:
+    """Two modules may not give one name: whoever needs the number of another imports it. Only what a registry reads of each of its
+    modules is called the same in all of them: ENTRIES of the catalogue, MODEL of a model's scenes, and the names that a package loads late.
+    """
+    homes: dict[str, list[Path]] = {}
+    for path in SOURCES:
+        for name in {name for name, _, _ in _constants(path)} - {"ENTRIES", "MODEL", "_HOMES"}:
+            homes.setdefault(name, []).append(path.relative_to(ROOT))
+    assert {name: paths for name, paths in homes.items() if len(paths) > 1} == {}

@@ -29,7 +29,7 @@ from claims import Case, Claim
 
 import shootstab as st
 from shootstab.analyses.reference import claims
-from shootstab.models.chute.registry import RADIAL, WALLS
+from shootstab.models.chute.registry import RADIAL, WALL_FORMS
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)
 METHODS = (st.Frame, st.Compound, st.Riccati)
@@ -71,7 +71,7 @@ def draw(rng: np.random.Generator) -> tuple[dict[str, Any], float, float, float]
         "tan_theta": slope,
         "nu_max": rng.uniform(0.55, 0.65),
         "radial": str(rng.choice(RADIAL)),
-        "wall": str(rng.choice(WALLS)),
+        "wall": str(rng.choice(WALL_FORMS)),
     }
     kx, ky = (0.0 if rng.random() < 1 / 6 else 10 ** rng.uniform(-8.0, 0.0) for _ in range(2))
     return {k: float(f"{v:.5g}") if isinstance(v, float) else v for k, v in chute.items()}, *(

@@ -10,38 +10,39 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
-from shootstab.analyses.error_budget import EPSILON, FLOWS, SAFETY
+from shootstab.analyses.error_budget import FLOWS, SAFETY
 from shootstab.analyses.refine_double import tightened
 from shootstab.core.discriminant import Discriminant, Value
 from shootstab.core.errors import Inaccurate as Inaccurate
+from shootstab.core.scaled import EPSILON
 from shootstab.discriminants.continuation import Continuation
 from shootstab.discriminants.method import MeshedDiscriminant
 from shootstab.problems.protocol import Problem
 
-AGREEMENT = 0.1  # chosen: of D, what may change; 1 would do if the change were the error and not one draw of it
-CLEAR = 1e-2  # chosen: a draw of rounding is a hundred times smaller than usual in 1 of 100 cases or less
+TOLERATED_CHANGE = 0.1  # chosen: of D, what may change; 1 would do if the change were the error and not one draw of it
+LUCKY_DRAW = 1e-2  # chosen: a draw of rounding is a hundred times smaller than usual in 1 of 100 cases or less
 DRAWS = 3  # chosen
-PROBES = 6  # chosen: samples of a contour at which D is computed otherwise
-STEEPEST = 2  # of them, those with the largest |d ln D/dσ|: an error of the zeros weighs most there
+CONTOUR_PROBES = 6  # chosen: samples of a contour at which D is computed otherwise
+STEEPEST_PROBES = 2  # chosen: of them, those with the largest |d ln D/dσ|: an error of the zeros weighs most there
 
 Sample = tuple[MeshedDiscriminant, Value]
 Answer = TypeVar("Answer")
 
 
 def require_accurate(problem: Problem, samples: Sequence[Sample]) -> None:
-    """Raise Inaccurate unless D, computed otherwise, is the same to AGREEMENT at some of a contour's samples.
+    """Raise Inaccurate unless D, computed otherwise, is the same to TOLERATED_CHANGE at some of a contour's samples.
 
-    One draw of the errors may be small by accident: where it is not CLEAR of the limit, there are several.
+    One draw of the errors may be small by accident: where it is not LUCKY_DRAW of the limit, there are several.
     """
     probes = _probes(samples)
     for seed in range(1, DRAWS + 1):
         worst, sigma = _largest_change(problem, probes, seed)
-        if not worst < AGREEMENT:
+        if not worst < TOLERATED_CHANGE:
             raise Inaccurate(
                 f"D is not known well enough for a count: at sigma = {sigma:.12g} on the contour, "
                 f"another mesh, start and base flow change it by {worst:.1e} of itself"
             )
-        if worst < CLEAR * AGREEMENT:
+        if worst < LUCKY_DRAW * TOLERATED_CHANGE:
             return
 
 
@@ -69,10 +70,10 @@ def otherwise(problem: Problem, discriminant: MeshedDiscriminant, sigma: complex
 
 def _probes(samples: Sequence[Sample]) -> list[Sample]:
     """Some that are spread over the contour, and the steepest."""
-    spread = min(PROBES - STEEPEST, len(samples))
+    spread = min(CONTOUR_PROBES - STEEPEST_PROBES, len(samples))
     chosen = [i * len(samples) // spread for i in range(spread)]
     steep = sorted(range(len(samples)), key=lambda i: -abs(samples[i][1].logarithmic_derivative))
-    return [samples[i] for i in dict.fromkeys(chosen + steep[:STEEPEST])]
+    return [samples[i] for i in dict.fromkeys(chosen + steep[:STEEPEST_PROBES])]
 
 
 class Tightening:

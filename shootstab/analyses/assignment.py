@@ -16,7 +16,7 @@ import scipy.sparse
 
 from shootstab.core.records import digits_between
 
-INSIDE = 1e3  # chosen: worth of a match inside the circle, above the 99 digits that any number of claims up to ten could sum to
+INSIDE_WORTH = 1e3  # chosen: worth of a match inside the circle, above the 99 digits that any number of claims up to ten could sum to
 NEARER = 0.1  # chosen: the most that nearness decides where digits do not, next to 0
 
 
@@ -37,7 +37,7 @@ class Candidate:
     @property
     def worth(self) -> float:
         """What the match counts for; above 0."""
-        inside = INSIDE if self.off <= self.radius + self.error else 0.0
+        inside = INSIDE_WORTH if self.off <= self.radius + self.error else 0.0
         return 1.0 + inside + digits_between(max(self.off, self.error), self.size) + NEARER / (1.0 + self.off / self.radius)
 
 

@@ -15,17 +15,17 @@ from typing import Any
 
 from flint import acb
 
-from shootstab.analyses.prove import Proof
+from shootstab.analyses.prove import OUTER, Proof
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.multiprecision.enclosure import Enclosure, at_bits, decimal
 from shootstab.problems.capabilities import CERTIFIED, CLOSED_FORM
 from shootstab.problems.protocol import Problem
 
 CHECKERS: Mapping[str, str] = {"plane Poiseuille": "shootstab.checkers.plane_poiseuille"}
-LARGEST = 2**20  # bytes of a certificate
-OUTER = 0.5  # of |σ|: the circle on which the checker bounds |D|
-SPARE_POINTS, SPARE_BITS = 2, 24
-ATTEMPTS = 3  # with more points and bits each, before a proof is said to have no certificate
+LARGEST_CERTIFICATE = 2**20  # chosen: bytes of a certificate
+# chosen: values of D and bits that the checker has beyond what was needed here; where they are too few there are more attempts
+CHECKER_POINTS, CHECKER_BITS = 2, 24
+CERTIFICATE_ATTEMPTS = 3  # chosen: with more points and bits each, before a proof is said to have no certificate
 
 
 def certify(problem: Problem, proof: Proof) -> dict[str, Any]:
@@ -40,9 +40,9 @@ def certify(problem: Problem, proof: Proof) -> dict[str, Any]:
     centre, radius = proof.region["centre"], proof.region["radius"]
     size = max(math.hypot(float(centre["re"]), float(centre["im"])), 8.0 * float(radius))
     settings = checker.settings(named, {**centre, "radius": radius}, repr(OUTER * size), _log_size(problem, proof))
-    for attempt in range(ATTEMPTS):
-        points = math.ceil(settings["points"] * 1.3**attempt) + SPARE_POINTS
-        bits = math.ceil(settings["bits"] * 1.3**attempt) + SPARE_BITS
+    for attempt in range(CERTIFICATE_ATTEMPTS):
+        points = math.ceil(settings["points"] * 1.3**attempt) + CHECKER_POINTS
+        bits = math.ceil(settings["bits"] * 1.3**attempt) + CHECKER_BITS
         found = {"format": 1, "problem": named, "count": proof.count, "disc": {**centre, "radius": radius}, **settings}
         found |= {"points": points, "bits": bits}
         reason = checker.check(found)
@@ -65,8 +65,8 @@ def read(path: Path) -> Any:
     """The JSON of a certificate. Raises InputError for a file that cannot be read, is too large or is no JSON."""
     try:
         with path.open("rb") as file:
-            data = file.read(LARGEST + 1)
-        if len(data) > LARGEST:
+            data = file.read(LARGEST_CERTIFICATE + 1)
+        if len(data) > LARGEST_CERTIFICATE:
             raise InputError(f"{path}: larger than 1 MB: allowed is a certificate of some kilobytes")
         return json.loads(data.decode("utf-8"))
     except OSError as error:

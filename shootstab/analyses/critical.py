@@ -17,12 +17,12 @@ from shootstab.analyses.refine import refine
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.problems.protocol import Problem
 
-POINTS = 12
-CIRCLE = 0.05  # its radius, in α: what is left out of σ′ is of the order 0.05^12
-SHIFT = 1e-3  # relative change of R for the second circle
-STEPS = 12
-ROUGH = 1e-9  # relative accuracy of the modes on the way
-RTOL = 1e-12  # of the modes
+ALPHA_POINTS = 12  # chosen: points on a circle in α, whose Fourier coefficients are σ and its first two α-derivatives
+ALPHA_RADIUS = 0.05  # chosen: radius of that circle; what the points leave out of σ′ is of the order 0.05^12
+SHIFT = 1e-3  # chosen: relative change of R for the second circle
+CRITICAL_STEPS = 12  # chosen: of Newton in (α, R); from a guess of two digits it takes some 5
+ROUGH_RTOL = 1e-9  # chosen: relative accuracy of the modes on the way
+CRITICAL_RTOL = 1e-12  # chosen: of the modes
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,9 @@ class Critical:
     alpha_error: float
 
 
-def critical(family: Callable[[float, complex], Problem], reynolds: float, alpha: float, guess: complex, rtol: float = RTOL) -> Critical:
+def critical(
+    family: Callable[[float, complex], Problem], reynolds: float, alpha: float, guess: complex, rtol: float = CRITICAL_RTOL
+) -> Critical:
     """The critical point next to (reynolds, alpha), following the mode next to guess.
 
     family(R, α) makes the problem; α comes complex, and R may be any parameter that growth rises with. Raises ConvergenceError where
@@ -46,8 +48,8 @@ def critical(family: Callable[[float, complex], Problem], reynolds: float, alpha
         raise InputError(f"reynolds = {reynolds!r}, alpha = {alpha!r}: allowed are numbers above 0, near the critical point")
     sigma = complex(guess)
     step, change_R = math.inf, np.zeros(2)
-    for turn in range(STEPS):
-        rough = max(rtol, ROUGH) if step > 1e3 * rtol else rtol
+    for turn in range(CRITICAL_STEPS):
+        rough = max(rtol, ROUGH_RTOL) if step > 1e3 * rtol else rtol
         series, error = _circle(family, reynolds, alpha, sigma, rough)
         sigma, g = complex(series[0]), series.real
         if turn < 2:  # a chord does from then on
@@ -58,7 +60,7 @@ def critical(family: Callable[[float, complex], Problem], reynolds: float, alpha
         reynolds, alpha = reynolds + float(move[0]), alpha + float(move[1])
         step = abs(float(move[0])) / reynolds + abs(float(move[1])) / alpha
         if rough == rtol and step < 1e2 * rtol:
-            wrong = np.abs(np.linalg.inv(jacobian)) @ np.array([error, error / (CIRCLE * alpha)]) + np.abs(move)
+            wrong = np.abs(np.linalg.inv(jacobian)) @ np.array([error, error / (ALPHA_RADIUS * alpha)]) + np.abs(move)
             return Critical(reynolds, alpha, sigma, float(wrong[0]), float(wrong[1]))
     raise ConvergenceError(f"no critical point found near {reynolds:.6g}, {alpha:.6g}: the last step was {step:.1e}")
 
@@ -67,8 +69,8 @@ def _circle(
     family: Callable[[float, complex], Problem], reynolds: float, alpha: float, guess: complex, rtol: float
 ) -> tuple[np.ndarray, float]:
     """σ^(m)/m! for m = 0, 1, 2 at a real α, and the largest error of the modes around it."""
-    radius = CIRCLE * alpha
-    turns = np.exp(2j * np.pi * np.arange(POINTS) / POINTS)
+    radius = ALPHA_RADIUS * alpha
+    turns = np.exp(2j * np.pi * np.arange(ALPHA_POINTS) / ALPHA_POINTS)
     sigmas, error, sigma = [], 0.0, guess
     for turn in turns.tolist():
         mode = refine(family(reynolds, alpha + radius * turn), sigma, rtol)
@@ -77,4 +79,4 @@ def _circle(
         sigma, error = complex(mode.sigma), max(error, float(mode.error))
         sigmas.append(sigma)
     m = np.arange(3)
-    return np.fft.fft(sigmas)[:3] / POINTS / radius**m, error
+    return np.fft.fft(sigmas)[:3] / ALPHA_POINTS / radius**m, error

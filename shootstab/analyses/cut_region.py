@@ -25,9 +25,9 @@ from shootstab.discriminants.continuation import Branch, Continuation, Undecidab
 from shootstab.essential_spectrum.interior import Continuum
 from shootstab.roots.winding import Pieces, change, follow, whole_turns
 
-END = 1e-5  # chosen: radius of the circles around the ends, in the extent of the curve
+END_RADIUS = 1e-5  # chosen: radius of the circles around the ends, in the extent of the curve
 OFF = 1e-9  # chosen: how far from a crossing, in t or in z, the two sides are told apart
-SLACK = 1e-2  # chosen, of a turn: the legs of the contour meet to OFF only
+CLOSURE_SLACK = 1e-2  # chosen, of a turn: the legs of the contour meet to OFF only
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class _Contour:
     def counted(self, left_out: tuple[Disc, ...], cut: bool) -> RegionCount:
         """The turns of D's phase as a number of modes. Raises Inaccurate where D is not known well enough for it."""
         phase = sum(sign * sum(change(a, b).imag for a, b in pairwise(values)) for sign, values in self.legs)
-        count = whole_turns(phase, SLACK)
+        count = whole_turns(phase, CLOSURE_SLACK)
         require_accurate(self.continuation.problem, self.asked)
         closure = abs(phase / (2 * math.pi) - count)
         return RegionCount(count, closure, left_out, sum(len(values) for _, values in self.legs), tuple(self.legs), cut)
@@ -163,7 +163,7 @@ def ends_inside(curve: Continuum, region: Region) -> list[tuple[Disc, complex]]:
 
 def end_discs(curve: Continuum) -> tuple[Disc, Disc]:
     """The circles around the ends at the wall and at infinity, inside of which nothing is counted."""
-    radius = END * float(np.abs(curve.sigma - curve.sigma[-1]).max())
+    radius = END_RADIUS * float(np.abs(curve.sigma - curve.sigma[-1]).max())
     return Disc(complex(curve.sigma[0]), radius), Disc(complex(curve.sigma[-1]), radius)
 
 

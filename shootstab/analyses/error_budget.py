@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 import math
-import sys
 
 from shootstab.core.discriminant import Discriminant, Value
 from shootstab.core.records import Budget
+from shootstab.core.scaled import EPSILON
 from shootstab.discriminants.method import MeshedDiscriminant
 from shootstab.kernels.tableau import ORDER
 from shootstab.problems.capabilities import FARTHER_WALLS
 from shootstab.problems.protocol import Problem
 
 HALVING = 2.0 ** (ORDER / 2) - 1.0  # derived: Richardson's 2^q − 1, for steps that have reached half the order of the pair only
-FLOWS = (4.0, 2.0)  # by which the base flow is computed less accurately, for another one that errs about as much
-PROBE = 1e-7  # relative change of the far frame by which its influence is measured
+FLOWS = (4.0, 2.0)  # chosen: by which the base flow is computed less accurately, for another one that errs about as much
+FAR_PROBE = 1e-7  # chosen: relative change of the far frame by which its influence is measured
 SAFETY = 3.0  # chosen: on what a random sample of the far frame shows, and on a separation that is known to some 10 %
 # A sample of rounding is the difference of two draws, the zero's own error and another one. With σ real the own error exceeds 5 times the
 # root mean square of four samples, and 6 times the larger of two, in less than 1 of 100 cases, with σ complex much less often.
-NOISE = 5.0  # on samples of the rounding of the transport
-FLOW_NOISE = 6.0  # on two flows computed anew, with every rounding on the way from the inputs over the flow to the system
-NEGLIGIBLE = 0.1  # part of the integration error that another part may have without being measured further
-EPSILON = sys.float_info.epsilon
+NOISE = 5.0  # chosen: on samples of the rounding of the transport; validation/calibration.py measures that no error passes its bound
+FLOW_NOISE = 6.0  # chosen: on two flows computed anew, with every rounding on the way from the inputs over the flow to the system
+NEGLIGIBLE_SHARE = 0.1  # chosen: part of the integration error that another part may have without being measured further
 
 
 def displacement(variant: Discriminant, value: Value) -> float:
@@ -41,7 +40,7 @@ def budget(
     zero is measured on the coarse mesh: a sensitivity needs few digits.
     """
     integration = abs(coarse_value.newton_step - fine_value.newton_step) / HALVING
-    far = SAFETY * displacement(coarse.with_perturbed_start(1, PROBE), coarse_value) / PROBE * coarse.far_error(coarse_value.sigma)
+    far = SAFETY * displacement(coarse.with_perturbed_start(1, FAR_PROBE), coarse_value) / FAR_PROBE * coarse.far_error(coarse_value.sigma)
     far += _approximate_walls(problem, coarse, coarse_value)
     root = SAFETY * abs(fine_value.newton_step) ** 2 / scale
     flow = _flow(problem, coarse, coarse_value, integration)
@@ -66,7 +65,7 @@ def _flow(problem: Problem, coarse: MeshedDiscriminant, value: Value, integratio
         other = problem.with_base_flow_error(factor)
         if other is not problem:
             seen = max(seen, displacement(coarse.on_same_mesh(other), value))
-        if FLOW_NOISE * seen < NEGLIGIBLE * integration:
+        if FLOW_NOISE * seen < NEGLIGIBLE_SHARE * integration:
             break
     return FLOW_NOISE * seen
 
@@ -79,7 +78,7 @@ def _rounding(
     A problem without a flow of its own has its system computed anew at other points.
     """
     seen = [displacement(coarse.with_rotated_basis(seed), coarse_value) for seed in (1, 2)]
-    if NOISE * _rms(seen) > NEGLIGIBLE * integration:
+    if NOISE * _rms(seen) > NEGLIGIBLE_SHARE * integration:
         seen += [displacement(fine.with_rotated_basis(seed), fine_value) for seed in (1, 2)]
         if problem.with_base_flow_error(FLOWS[0]) is problem:
             seen.append(displacement(coarse.refined(seed=1), fine_value))

@@ -26,10 +26,10 @@ from shootstab.roots.search import Arrival, Search, Zero, polish
 from shootstab.roots.winding import Winding
 
 SEARCHING = 1e-9  # chosen: local error of the method on whose meshes zeros are polished, to be refined on others
-WITHIN = 1e-2  # chosen: of a region's size, how well its modes are to be known for their number to mean something
-LEAST_RTOL = 1e-14  # derived: what `refine` allows
-WIDER = 4.0  # chosen: from one circle around a multiple zero to the next
-LARGEST = 1e3  # chosen: the last of them, in the first: beyond, the zero was not multiple to any purpose
+KNOWN_WITHIN = 1e-2  # chosen: of a region's size, how well its modes are to be known for their number to mean something
+LEAST_MODE_RTOL = 1e-14  # derived: what `refine` allows
+WIDER_AROUND = 4.0  # chosen: from one circle around a multiple zero to the next
+LARGEST_CIRCLE = 1e3  # chosen: the last of them, in the first: beyond, the zero was not multiple to any purpose
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ def find(
     method: Method | str | None = None,
     atol: float | None = None,
 ) -> Found:
-    """All modes in a region, each to rtol, and to WITHIN of the region's size at least.
+    """All modes in a region, each to rtol, and to KNOWN_WITHIN of the region's size at least.
 
     A multiple one is one mode with its multiplicity, and the multiplicities add up to counted.count.
 
@@ -58,7 +58,7 @@ def find(
     """
     require_atol(atol)
     continuation, zeros, whole = find_modes(Continuation(problem, method_named(method, SEARCHING) or Frame(rtol=SEARCHING)), region)
-    within = max(WITHIN * size(region), LEAST_RTOL * max(map(abs, region.hull)))
+    within = max(KNOWN_WITHIN * size(region), LEAST_MODE_RTOL * max(map(abs, region.hull)))
     modes = tuple(mode for zero in zeros for mode in modes_of(continuation, zero, min(rtol, within / max(abs(zero.sigma), within)), atol))
     return Found(modes, whole, tuple(find_resonances(continuation, region)) if resonances else None)
 
@@ -96,7 +96,7 @@ def _in_a_circle(search: Search, zero: Zero) -> list[Zero]:
     Raises ConvergenceError where no circle about it holds as many.
     """
     radius = zero.radius
-    while radius <= LARGEST * zero.radius:
+    while radius <= LARGEST_CIRCLE * zero.radius:
         disc = Disc(zero.sigma, radius)
         try:
             counted = search.closely(disc)
@@ -104,7 +104,7 @@ def _in_a_circle(search: Search, zero: Zero) -> list[Zero]:
             counted = None  # a zero lies on the circle, or D is not accurate enough for so small a one
         if counted is not None and counted.count >= zero.multiplicity:  # some of them may be known
             return roots.find(search, disc, counted=counted)
-        radius *= WIDER
+        radius *= WIDER_AROUND
     raise ConvergenceError(f"{zero.multiplicity} zeros were counted at {zero.sigma:.12g}, but no circle is found in which they stay")
 
 

@@ -27,14 +27,14 @@ from shootstab.roots.search import Zero
 NONE, WITHIN, REGION = "none", "within", "region"
 MISSING = (NONE, WITHIN, REGION)
 NOT_SEARCHED = "missing modes were not looked for"
-MARGIN = 0.05  # chosen: of the hull's extent, how far around it the contour runs, clear of the claims at its corners
-THINNEST = 0.1  # chosen: of the largest |claim|, what the extent of claims counts as at least
+HULL_MARGIN = 0.05  # chosen: of the hull's extent, how far around it the contour runs, clear of the claims at its corners
+THINNEST_HULL = 0.1  # chosen: of the largest |claim|, what the extent of claims counts as at least
 ON_HULL = 1e-6  # chosen: of the extent, how far outside a mode still lies among claims on a line, or that are a little wrong
-CLEAR = 1e-4  # chosen: of the region, how far right of the continuous spectrum it is cut where it cannot be counted as a whole
+CLEAR_OF_CONTINUUM = 1e-4  # chosen: of the region, how far right of the continuous spectrum it is cut where it cannot be counted as a whole
 MOST_TURNS = 200.0  # chosen: of D's phase along the hull; beyond, a search takes minutes
 FEWER = 0.7  # chosen: of the claims, those that stay where the contour around all is too long
-POINTS = 6  # chosen: on the length of the hull, at which D is asked what a contour costs
-DEEPEST = 4  # chosen: cuts of a region that cannot be counted as a whole
+HULL_POINTS = 6  # chosen: on the length of the hull, at which D is asked what a contour costs
+DEEPEST_CUT = 4  # chosen: cuts of a region that cannot be counted as a whole
 MOST_PARTS = 16  # chosen: of it that are tried
 MISSING_RTOL = 1e-10  # chosen: to which missing modes are refined
 
@@ -146,7 +146,7 @@ def _parts(continuation: Continuation, region: Region, known: list[Zero]) -> tup
         except ConvergenceError as error:
             why = f"from {low:.6g} to {high:.6g}: {error}"
         halves = None
-        if depth < DEEPEST and tried + len(waiting) < MOST_PARTS:
+        if depth < DEEPEST_CUT and tried + len(waiting) < MOST_PARTS:
             halves = _right_of_the_spectrum(continuation, part) or next(divisions(part), None)
         if halves is None:
             left.append(why)
@@ -158,8 +158,8 @@ def _parts(continuation: Continuation, region: Region, known: list[Zero]) -> tup
 def _right_of_the_spectrum(continuation: Continuation, region: Region) -> tuple[Region, Region] | None:
     """The region cut a little right of the continuous spectrum; None if that does not pass to the left of its right side."""
     low, high = _extremes(region)
-    edge = continuation.rightmost + CLEAR * size(region)
-    return divided(region, 1.0 + 0j, edge) if low.real < edge - 2 * CLEAR * size(region) and edge < high.real else None
+    edge = continuation.rightmost + CLEAR_OF_CONTINUUM * size(region)
+    return divided(region, 1.0 + 0j, edge) if low.real < edge - 2 * CLEAR_OF_CONTINUUM * size(region) and edge < high.real else None
 
 
 def _chosen(continuation: Continuation, verdicts: Sequence[Verdict], reach: float) -> tuple[list[complex], Polygon | None]:
@@ -178,7 +178,7 @@ def _chosen(continuation: Continuation, verdicts: Sequence[Verdict], reach: floa
 
 def _around(claims: Sequence[complex]) -> Polygon | None:
     """The convex hull with a margin, so that no claim lies on its boundary; None if all claims are 0."""
-    margin = MARGIN * _extent(claims)
+    margin = HULL_MARGIN * _extent(claims)
     if margin == 0.0:
         return None
     corners = tuple(c + margin * complex(a, b) for c in claims for a in (-1, 1) for b in (-1, 1))
@@ -187,14 +187,14 @@ def _around(claims: Sequence[complex]) -> Polygon | None:
 
 def _extent(claims: Sequence[complex]) -> float:
     re, im = [c.real for c in claims], [c.imag for c in claims]
-    return max(max(re) - min(re), max(im) - min(im), THINNEST * max(map(abs, claims)))
+    return max(max(re) - min(re), max(im) - min(im), THINNEST_HULL * max(map(abs, claims)))
 
 
 def _turns(continuation: Continuation, polygon: Polygon) -> float:
     """About how often the phase of D turns along the boundary, or ln |D| changes by 2π: a measure of its cost."""
     turns = 0.0
     for a, b in pairwise((*polygon.vertices, polygon.vertices[0])):
-        pieces = max(1, round(POINTS * abs(b - a) / size(polygon)))
+        pieces = max(1, round(HULL_POINTS * abs(b - a) / size(polygon)))
         for k in range(pieces):
             sigma = a + (k + 0.5) / pieces * (b - a)
             try:

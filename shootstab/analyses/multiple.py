@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from shootstab.analyses.error_budget import FLOW_NOISE, FLOWS, NOISE, PROBE, SAFETY
+from shootstab.analyses.error_budget import FAR_PROBE, FLOW_NOISE, FLOWS, NOISE, SAFETY
 from shootstab.core.discriminant import Discriminant
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.records import CONVERGED, Budget, Mode
@@ -22,20 +22,20 @@ from shootstab.roots.iterations import newton
 from shootstab.roots.search import moments
 from shootstab.roots.winding import Limited, Winding, wind
 
-AGREEMENT = 0.3  # chosen: of the errors of D, relative to D, all along the circle; by Rouché's theorem 1 would do
-GOAL = 0.1  # chosen, below AGREEMENT: what the next circle is made for
-CIRCLES = 12  # chosen: circles tried in all; twelve that are WIDER reach over ten powers of ten
+ROUCHE_RATIO = 0.3  # chosen: of the errors of D, relative to D, all along the circle; by Rouché's theorem 1 would do
+GOAL = 0.1  # chosen, below ROUCHE_RATIO: what the next circle is made for
+CIRCLES = 12  # chosen: circles tried in all; twelve that are NEXT_CIRCLE reach over ten powers of ten
 WORTHWHILE = 0.8  # chosen: of a circle, the next one that is still tried
-WIDER = 8.0  # chosen: from a circle that is too small to be counted to the next
-PROBES = 4  # chosen: samples of a circle at which the errors of D are measured
-POLISHED = 1e-12  # chosen: relative step with which zeros inside a circle are told apart
-MOST = 400  # chosen: evaluations along one small circle, ten times those that zeros in its middle need
-THIRD = 1 / 3  # of the distance to the nearest other zero, the circle that is to hold one alone
+NEXT_CIRCLE = 8.0  # chosen: from a circle that is too small to be counted to the next
+CIRCLE_PROBES = 4  # chosen: samples of a circle at which the errors of D are measured
+POLISHED_STEP = 1e-12  # chosen: relative step with which zeros inside a circle are told apart
+MOST_ON_CIRCLE = 400  # chosen: evaluations along one small circle, ten times those that zeros in its middle need
+THIRD = 1 / 3  # chosen: of the distance to the nearest other zero, the circle that is to hold one alone
 
 
 def count_in(discriminant: Discriminant, disc: Disc) -> Winding:
     """The zeros in a small disc. Raises ConvergenceError where one lies on its boundary, or D is noise there."""
-    return wind(Limited(discriminant, discriminant.evaluations + MOST), disc)
+    return wind(Limited(discriminant, discriminant.evaluations + MOST_ON_CIRCLE), disc)
 
 
 @dataclass(frozen=True)
@@ -71,10 +71,10 @@ def cluster(continuation: Continuation, centre: complex, radius: float, multipli
             winding = None
         counted = winding is not None and winding.count > 0 and multiplicity in (None, winding.count)
         off = _inaccuracy(continuation.problem, branch.discriminant, winding) if counted and winding is not None else math.inf
-        if winding is None or off > AGREEMENT:
+        if winding is None or off > ROUCHE_RATIO:
             if best is not None:
                 break
-            radius *= WIDER
+            radius *= NEXT_CIRCLE
             continue
         multiplicity = winding.count
         best = Cluster(disc, moments(winding)[0], winding)
@@ -94,7 +94,7 @@ def told_apart(continuation: Continuation, found: Cluster) -> list[complex]:
     D = continuation.at(found.mean).discriminant
     zeros: list[complex] = []
     for start in moments(found.winding)[1]:
-        root = newton(D, start, POLISHED)
+        root = newton(D, start, POLISHED_STEP)
         if not root.converged or not found.disc.contains(root.sigma) or root.sigma in zeros:
             return []
         zeros.append(root.sigma)
@@ -104,7 +104,7 @@ def told_apart(continuation: Continuation, found: Cluster) -> list[complex]:
             winding = count_in(D, Disc(zero, THIRD * gap))
         except ConvergenceError:
             return []
-        if winding.count != 1 or not _inaccuracy(continuation.problem, D, winding) <= AGREEMENT:
+        if winding.count != 1 or not _inaccuracy(continuation.problem, D, winding) <= ROUCHE_RATIO:
             return []
     return zeros
 
@@ -135,10 +135,10 @@ def _inaccuracy(problem: Problem, D: MeshedDiscriminant, winding: Winding) -> fl
     """The largest sum of the relative errors of D at some samples: of the mesh, of rounding, the far field and the steady flow."""
     crude = problem.with_base_flow_error(FLOWS[0])
     worst = 0.0
-    for value in winding.samples[:: max(1, len(winding.samples) // PROBES)]:
+    for value in winding.samples[:: max(1, len(winding.samples) // CIRCLE_PROBES)]:
         off = abs(D.refined()(value.sigma).over(value.D) - 1)
         off += NOISE * abs(D.with_rotated_basis(1)(value.sigma).over(value.D) - 1)
-        off += SAFETY * abs(D.with_perturbed_start(1, PROBE)(value.sigma).over(value.D) - 1) / PROBE * D.far_error(value.sigma)
+        off += SAFETY * abs(D.with_perturbed_start(1, FAR_PROBE)(value.sigma).over(value.D) - 1) / FAR_PROBE * D.far_error(value.sigma)
         if crude is not problem:
             off += FLOW_NOISE * abs(D.on_same_mesh(crude)(value.sigma).over(value.D) - 1)
         worst = max(worst, off)

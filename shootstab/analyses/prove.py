@@ -26,17 +26,19 @@ from shootstab.problems.protocol import Problem
 from shootstab.roots.pellet import TaylorModel, points_for, polynomial_model, taylor_model
 
 LEMMAS = ("E1", "E2", "E3", "E4", "E5", "E6", "E7")  # of the guide's page on proofs: E7 is what "with multiplicity" rests on
-SPARE_BITS = 96  # beyond the digits asked for; more are taken where the enclosure of D is too wide
-MORE_BITS, MOST_BITS = 1.6, 4096
-KNOWN_BITS = 40  # of D on the circle: an inequality that fails with so many fails for another reason than too few bits
-MOST_POINTS = 96  # values of D on a circle
+SPARE_BITS = 96  # chosen: beyond the digits asked for; more are taken where the enclosure of D is too wide
+MORE_BITS, MOST_BITS = 1.6, 4096  # chosen: the factor of bits from one attempt to the next, and a budget of some minutes
+KNOWN_BITS = 40  # chosen: of D on the circle: an inequality that fails with so many fails for another reason than too few bits
+MOST_POINTS = 96  # chosen: values of D on a circle
 OUTER = 0.5  # chosen: the circle on which |D| is bounded, in |σ|; nearer circles need more points, wider ones more bits
-WIDEST, NARROWER = 0.125, 4.0  # of |σ|, the first disc in the search for the largest in which a mode is alone, and the factor to the next
-SPARE_DIGITS = 6  # of the mode beyond the digits of the disc around it
-CONTOUR_SAMPLES_BITS = 192  # of the values of D that tell how many bits and points a contour needs
-CONTOUR_BITS, CONTOUR_ATTEMPTS = 24, 3  # spare bits of D on a contour, for a zero 2^−12 of the contour away; how often they are raised
-RIM = 12  # values of D on a circle, and on a side of a contour, by which its size is judged
-SLACK = 1.0625  # chosen: the disc on which D is one polynomial, over the half diagonal of the rectangle
+# chosen: of |σ|, the first disc in the search for the largest in which a mode is alone, and the factor to the next
+WIDEST, NARROWER = 0.125, 4.0
+SPARE_DIGITS = 6  # chosen: of the mode beyond the digits of the disc around it
+CONTOUR_SAMPLES_BITS = 192  # chosen: of the values of D that tell how many bits and points a contour needs
+# chosen: spare bits of D on a contour, for a zero 2^−12 of the contour away; how often they are raised
+CONTOUR_BITS, CONTOUR_ATTEMPTS = 24, 3
+RIM = 12  # chosen: values of D on a circle, and on a side of a contour, by which its size is judged
+RECTANGLE_SLACK = 1.0625  # chosen: the disc on which D is one polynomial, over the half diagonal of the rectangle
 
 Progress = Callable[[int, int], None]
 Decimals = tuple[str, str]  # real and imaginary part
@@ -116,11 +118,11 @@ def prove_rectangle(problem: Problem, region: Rectangle, progress: Progress | No
     began = perf_counter()
     corners = [(repr(v.real), repr(v.imag)) for v in region.vertices]
     middle, half = (region.vertices[0] + region.vertices[2]) / 2, abs(region.vertices[2] - region.vertices[0]) / 2
-    bits, points = _contour_settings(form, region.vertices, middle, half * SLACK)
+    bits, points = _contour_settings(form, region.vertices, middle, half * RECTANGLE_SLACK)
     failure = ""
     for attempt in range(CONTOUR_ATTEMPTS):
         with at_bits(bits):
-            enclosure, centre, radius = Enclosure(form, bits), acb(middle.real, middle.imag), arb(half * SLACK)
+            enclosure, centre, radius = Enclosure(form, bits), acb(middle.real, middle.imag), arb(half * RECTANGLE_SLACK)
             log_bound = enclosure.growth(_disc(centre, 2 * radius))
             model = polynomial_model(enclosure, log_bound, centre, radius, 2 * radius, points, progress)
             try:

@@ -17,10 +17,10 @@ from shootstab.discriminants.method import Method
 from shootstab.discriminants.named import method_named
 from shootstab.problems.protocol import Problem
 
-NEIGHBOURHOOD = 0.5  # chosen: of the larger of the two, how far a mode may lie from the guess that means it
-INSIDE = 0.98  # chosen: of the way to the mode, the radius of the circle around the guess that must leave it out
-LOOSE = 1e-5  # chosen: local error with which other modes are looked for; a count tells whether it is small enough
-FEW = 4  # chosen: modes nearer to the guess that are named
+GUESS_NEIGHBOURHOOD = 0.5  # chosen: of the larger of the two, how far a mode may lie from the guess that means it
+LEFT_OUT = 0.98  # chosen: of the way to the mode, the radius of the circle around the guess that must leave it out
+OTHER_MODES_RTOL = 1e-5  # chosen: local error with which other modes are looked for; a count tells whether it is small enough
+MODES_NAMED = 4  # chosen: modes nearer to the guess that are named
 DOUBLE_DIGITS = 12  # derived: 16 of a double less what conditioning and error bound take; more are computed with many digits
 
 
@@ -58,11 +58,11 @@ def refine(
 
 def _placed(problem: Problem, guess: complex, mode: Mode) -> Mode:
     """The mode; where it lies outside the neighbourhood of the guess, with a sentence on those that are nearer."""
-    if not mode.converged or mode.guess_distance <= NEIGHBOURHOOD * max(abs(mode.sigma), abs(guess)):
+    if not mode.converged or mode.guess_distance <= GUESS_NEIGHBOURHOOD * max(abs(mode.sigma), abs(guess)):
         return mode
-    radius = INSIDE * mode.guess_distance
+    radius = LEFT_OUT * mode.guess_distance
     try:
-        zeros = zeros_in(Continuation(problem, Frame(rtol=LOOSE)), Disc(guess, radius), FEW).modes
+        zeros = zeros_in(Continuation(problem, Frame(rtol=OTHER_MODES_RTOL)), Disc(guess, radius), MODES_NAMED).modes
     except ConvergenceError as error:
         return replace(mode, nearer=f"whether modes within {radius:.2g} are nearer was not decided: {error}")
     listed = ", ".join(f"{zero.sigma:.6g}" for zero in sorted(zeros, key=lambda zero: abs(zero.sigma - guess)))

@@ -30,18 +30,18 @@ from shootstab.problems.capabilities import CLOSED_FORM, MULTIPRECISION, UNSCALE
 from shootstab.problems.protocol import Problem
 
 METHOD = "taylor"
-START = 1e-11  # relative accuracy of the double-precision mode
-NEAR = 0.5  # of the larger of the two, how far a mode may lie from the guess that means it
-DOUBLE = 12.5  # digits that it has
-LOWEST = 20.0  # digits of the first rung
-RISE = 2.3  # of digits from rung to rung: two secants double them and add those of the slope
-REACH = 2.7  # times the digits known are reached by three
-SPARE = 2  # digits computed beyond those asked for
-STAGE = 1.7  # time of a rung over that of a integration
-VARIANTS = 4
-SAFETY = 2.0  # on the changes that make the bound
-WANDER = 100.0  # double-precision error bounds that the mode may move by
-ATTEMPTS = 2
+START = 1e-11  # chosen: relative accuracy of the double-precision mode
+GUESS_RADIUS = 0.5  # chosen: of the larger of the two, how far a mode may lie from the guess that means it
+DOUBLE = 12.5  # chosen: digits that it is taken to have
+LOWEST = 20.0  # chosen: digits of the first rung
+RISE = 2.3  # chosen: of digits from rung to rung; two secants double them and add those of the slope
+BY_THREE = 2.7  # chosen: times the digits known are reached by three secants
+SPARE_TO_DIGITS = 2  # chosen: digits computed beyond those asked for
+STAGE = 1.7  # chosen: time of a rung over that of an integration; the progress shown rests on it, and nothing else
+VARIANTS = 4  # derived: integrations at the last precision that make the bound, for the share of work done that is shown
+CHANGE_SAFETY = 2.0  # chosen: on the changes that make the bound
+MODE_WANDER = 100.0  # chosen: double-precision error bounds that the mode may move by
+DIGIT_ATTEMPTS = 2  # chosen: a second one begins from the mode that the first found, with more digits
 SHORT = 15  # derived: decimals of so many digits are what a double stands for
 
 
@@ -66,7 +66,7 @@ def refine_digits(problem: Problem, guess: Any, digits: int, progress: Progress 
         return _failed(
             seed, f"not converged: double precision finds no mode to start from ({seed.status.removeprefix('not converged: ')})", began
         )
-    if abs(seed.sigma - guess) > NEAR * max(abs(seed.sigma), abs(guess)):
+    if abs(seed.sigma - guess) > GUESS_RADIUS * max(abs(seed.sigma), abs(guess)):
         return _failed(
             seed,
             f"not converged: no mode is near the guess {guess:.6g}; the iteration goes to {seed.sigma:.12g}: start there if that is meant",
@@ -75,7 +75,7 @@ def refine_digits(problem: Problem, guess: Any, digits: int, progress: Progress 
     search = Search(problem_in_digits, ring, seed, Clock(progress))
     wanted = digits
     try:
-        for _ in range(ATTEMPTS):
+        for _ in range(DIGIT_ATTEMPTS):
             mode = search.mode(wanted, 10 ** -mpmath.mpf(digits))
             if mode.converged or not mode.digits > 0.0:
                 break
@@ -117,7 +117,7 @@ class Search:
 
     def mode(self, digits: int, rtol: Any) -> Mode:
         """The mode to about so many digits, with its error bound."""
-        precisions = _precisions(max(digits + SPARE, LOWEST), self._known)
+        precisions = _precisions(max(digits + SPARE_TO_DIGITS, LOWEST), self._known)
         self._clock.plan([STAGE * _cost(d) for d in precisions] + [_cost(precisions[-1])] * VARIANTS)
         for d in precisions:
             settings = Settings.of(d)
@@ -142,7 +142,7 @@ class Search:
     def _require_near(self, sigma: Any) -> None:
         seed = self._seed
         moved = abs(sigma - mpmath.mpmathify(seed.sigma))
-        if not moved <= WANDER * seed.error + 1e-10 * abs(seed.sigma):
+        if not moved <= MODE_WANDER * seed.error + 1e-10 * abs(seed.sigma):
             raise ConvergenceError(
                 f"in high precision the iteration leaves the mode that double precision found, by {float(moved):.1e} with a bound of "
                 f"{float(seed.error):.1e}"
@@ -161,13 +161,13 @@ class Search:
                 changed = self._shooting(better, other)
                 change = abs((self._values(changed, sigma)[0] - here) / secant.slope)
                 self._clock.done()
-                return _plain(SAFETY * change), changed.corrected_base()
+                return _plain(CHANGE_SAFETY * change), changed.corrected_base()
 
         varied = [moved(better, base) for better in (settings.finer(), settings.farther(), settings.more_precise())]
         integration, far, rounding = (part for part, _ in varied)
         with ring.working(settings.digits), mpmath.workdps(settings.digits):
             other = _off(base, [shooting.corrected_base(), *(asked for _, asked in varied)])
-            root, epsilon = SAFETY * secant.error, abs(secant.x) * mpmath.mpf(10) ** -settings.digits
+            root, epsilon = CHANGE_SAFETY * secant.error, abs(secant.x) * mpmath.mpf(10) ** -settings.digits
         steady = 0.0
         if other == base:  # there is none, or nothing found it to be off
             self._clock.done()
@@ -186,7 +186,7 @@ class Search:
 def _precisions(top: float, known: float) -> list[float]:
     """From top down in steps of RISE to where the digits known lead up in a few secants."""
     precisions = [float(top)]
-    while precisions[0] > REACH * known:
+    while precisions[0] > BY_THREE * known:
         precisions.insert(0, max(precisions[0] / RISE, LOWEST))
     return precisions
 

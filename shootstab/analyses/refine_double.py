@@ -18,17 +18,17 @@ from shootstab.discriminants.continuation import Continuation
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.method import Method
 from shootstab.problems.protocol import Problem
-from shootstab.roots.iterations import ROUNDING, Root, muller, newton
+from shootstab.roots.iterations import LEAST_D_ERROR, Root, muller, newton
 from shootstab.roots.search import Zero
 from shootstab.roots.separation import Surroundings, separation, surroundings
 from shootstab.roots.winding import wind
 
 TIGHTEST = 1e-13  # measured (validation/calibration.py): the local error below which rounding takes over
 LOOSEST = 1e-5  # chosen: the largest local error with which halving the steps still tells the error
-ATTEMPTS = 3  # chosen: from 1e-5, factors of 100 would need four; tolerance_for begins no mode that far off
+DOUBLE_ATTEMPTS = 3  # chosen: from 1e-5, factors of 100 would need four; tolerance_for begins no mode that far off
 PROOF = 32.0  # chosen: the circle of the proof, in error bounds; the noise of D must be small on it
 WIDEST_PROOF = 1e-2  # chosen: of the larger of |σ| and the scale, so that the circle leaves other modes out
-SIXTHS = 6  # derived: a zero in its middle turns D by 60° from one sixth of a circle to the next, below winding.LONGEST
+SIXTHS = 6  # derived: a zero in its middle turns D by 60° from one sixth of a circle to the next, below winding.LONGEST_TURN
 LEFT = 1e-3  # chosen: of the accuracy asked for, what iterations may leave
 NEUTRAL = 1e-12  # chosen: the accuracy of a mode at 0 in the scale of D there; four digits above the rounding of a double
 FIGURES = 12  # derived: significant digits that double precision gives a mode, with which a place is told
@@ -50,7 +50,7 @@ def refine_double(problem: Problem, guess: Any, rtol: float = 1e-10, method: Met
     require_atol(atol)
     tried: Method = method or Frame(rtol=tolerance_for(rtol))
     evaluations = 0
-    for _ in range(ATTEMPTS):
+    for _ in range(DOUBLE_ATTEMPTS):
         mode, count, again = _attempt(problem, near, rtol, tried, atol)
         evaluations += count
         tighter = tightened(tried)
@@ -126,7 +126,7 @@ def _among_noise(discriminant: Discriminant, guess: complex) -> Root:
     around = surroundings(discriminant, guess)
     if around.multiplicity < 2:
         raise ConvergenceError(f"neither Newton nor Muller arrives anywhere from {guess:.6g}, and no multiple zero is there")
-    return Root(guess, max(abs(guess), neutral(around, ROUNDING)), 0, True, around.multiplicity)
+    return Root(guess, max(abs(guess), neutral(around, LEAST_D_ERROR)), 0, True, around.multiplicity)
 
 
 def examine(continuation: Continuation, root: Root, rtol: float, atol: float | None = None) -> tuple[Mode, int]:

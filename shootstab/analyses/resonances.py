@@ -14,7 +14,7 @@ from shootstab.roots.search import find
 DEPTH = 0.2  # chosen: how far beyond the real z-axis singular points are followed, in the scale of the curve
 STRIDE = 0.3  # chosen: from one strip of the curve to the next, in the same scale
 ONE_ZERO = 1e-7  # chosen: of a strip's size, the distance below which zeros found on two branches are one
-ARRIVED = 1e-10  # chosen, below ONE_ZERO of a strip: relative length of the last step to a zero of D itself
+RESONANCE_STEP = 1e-10  # chosen, below ONE_ZERO of a strip: relative length of the last step to a zero of D itself
 EDGE = 6  # chosen: points along a side of a strip
 
 
@@ -40,7 +40,7 @@ def find_resonances(continuation: Continuation, region: Region) -> list[complex]
                 branch = continuation.beside(z + width / 2, middle, side, max(abs(v - middle) for v in strip.vertices))
                 for zero in find(search_on(continuation.problem, branch), strip):
                     # a subsystem that is not singular has its modes on both sides: they are modes, not resonances
-                    own = newton(continuation.at(zero.sigma).discriminant, zero.sigma, ARRIVED)
+                    own = newton(continuation.at(zero.sigma).discriminant, zero.sigma, RESONANCE_STEP)
                     same = ONE_ZERO * size(strip)
                     if all(abs(zero.sigma - other) > same for other in [own.sigma, *found]):
                         found.append(zero.sigma)

@@ -25,10 +25,11 @@ from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.method import AdaptiveDiscriminant, Method
 from shootstab.problems.protocol import Problem
 
+# chosen: of a half circle in Re σ > 0, nine directions in which the law of D at large |σ| is looked at
 ANGLES = np.linspace(-0.5, 0.5, 9) * math.pi
 LAW = 0.05  # chosen: relative departure of q from its law that is allowed on every arc
 OUTWARDS = (1.0, 4.0, 16.0, 64.0)  # chosen: radii, in that of the bound, on which the law is checked
-SMALLEST, LARGEST = 1e-2, 1e6  # chosen: radii between which a bound is looked for
+SMALLEST_RADIUS, LARGEST_RADIUS = 1e-2, 1e6  # chosen: radii between which a bound is looked for
 MOST_WORK = 20_000  # chosen: steps of all meshes on which a bound is looked for, which take some seconds
 
 
@@ -89,8 +90,8 @@ def count_unstable(problem: Problem, floor: float = 1e-8, method: Method | None 
     Raises Undecidable where the essential spectrum reaches beyond the floor, ConvergenceError where no radius is found beyond which D
     follows its law of growth.
     """
-    if not 0.0 < floor < SMALLEST:
-        raise InputError(f"floor = {floor!r}: allowed is a number above 0 and below {SMALLEST:g}")
+    if not 0.0 < floor < SMALLEST_RADIUS:
+        raise InputError(f"floor = {floor!r}: allowed is a number above 0 and below {SMALLEST_RADIUS:g}")
     used = method or Frame(rtol=1e-8)
     continuation = Continuation(problem, used)
     if continuation.rightmost > floor:
@@ -108,8 +109,8 @@ def bound(discriminant: AdaptiveDiscriminant) -> tuple[float, float]:
 
     Raises ConvergenceError, before long, where none is found.
     """
-    radius, work = SMALLEST, 0
-    while radius <= LARGEST:
+    radius, work = SMALLEST_RADIUS, 0
+    while radius <= LARGEST_RADIUS:
         departures = []
         for factor in OUTWARDS:
             departures.append(departure_from_law(discriminant, radius * factor))

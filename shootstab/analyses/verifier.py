@@ -25,21 +25,21 @@ from shootstab.roots.search import Zero
 from shootstab.roots.separation import surroundings
 
 NEAR_DIGITS = 2  # chosen: a claim that shares fewer digits with a mode does not mean it
-SHRINK = 3.0  # chosen: from one circle to the next smaller one, where D cannot be continued over it
-STEEPEST = 2.5  # chosen: change of ln D over the radius of the first circle around a claim, a few samples' worth
-FEW = 3  # chosen: modes in a circle that are told apart
-NEWTON_STEPS = 8  # chosen: quadratic convergence from two digits to all takes three or four
-ARRIVED = 1e-8  # chosen: relative step of Newton's iteration that ends it
-LOOSE = 1e-5  # chosen: local error with which zeros are looked for; whether it is small enough, a mesh with every step halved tells
+SMALLER_CIRCLE = 3.0  # chosen: from one circle to the next smaller one, where D cannot be continued over it
+FIRST_CHANGE = 2.5  # chosen: change of ln D over the radius of the first circle around a claim, a few samples' worth
+MODES_TOLD_APART = 3  # chosen: modes in a circle that are told apart
+CLAIM_NEWTON_STEPS = 8  # chosen: quadratic convergence from two digits to all takes three or four
+CLAIM_STEP = 1e-8  # chosen: relative step of Newton's iteration that ends it
+ZEROS_RTOL = 1e-5  # chosen: local error with which zeros are looked for; whether it is small enough, a mesh with every step halved tells
 TIGHTER = (1e-10, 1e-13)  # chosen: local errors to which D is computed where a circle is too small for the method as it is
 FAR_OFF = 10.0  # chosen: radii of the circle of the digits, beyond which a mode need not be known better than to these digits
-REACH, FURTHER = 100.0, 16.0  # chosen: |σ| of the first mesh on the way to a large claim, and the factor to the next
-MOST_STEPS = 800  # chosen: of the loose mesh for one claim; where D must be more accurate it is some times as long
+FIRST_REACH, NEXT_REACH = 100.0, 16.0  # chosen: |σ| of the first mesh on the way to a large claim, and the factor to the next
+MOST_LOOSE_STEPS = 800  # chosen: of the loose mesh for one claim; where D must be more accurate it is some times as long
 NUDGE = 1e-3  # chosen: of a claim, how far from it the slope of D is looked at again
-FLAT = 1e-6  # chosen: a change of D′ over NUDGE below which the scale of D may be a thousand times the claim
-ROUGH = 0.1  # chosen: such a change above which it is noise, or a zero of D′ is near
-NEAR = 100.0  # chosen: |σD′/D| above which a zero lies within two digits of σ, which is then no noise around 0
-WHOLE = 0.05  # chosen: how near σD′/D comes to a whole number next to zeros at 0
+FLAT_CHANGE = 1e-6  # chosen: a change of D′ over NUDGE below which the scale of D may be a thousand times the claim
+NOISY_CHANGE = 0.1  # chosen: such a change above which it is noise, or a zero of D′ is near
+NEAR_ZERO = 100.0  # chosen: |σD′/D| above which a zero lies within two digits of σ, which is then no noise around 0
+WHOLE_AT_ZERO = 0.05  # chosen: how near σD′/D comes to a whole number next to zeros at 0
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Verifier:
     def __init__(self, problem: Problem, method: Method, digits: int, atol: float | None = None) -> None:
         self.problem, self.method, self.digits, self._atol = problem, method, digits, atol
         self.continuation = Continuation(problem, method)
-        looser = [LOOSE] if method.rtol < LOOSE else []
+        looser = [ZEROS_RTOL] if method.rtol < ZEROS_RTOL else []
         tighter = [rtol for rtol in TIGHTER if rtol < method.rtol]
         variable = is_dataclass(method) and not isinstance(method, type)
 
@@ -97,7 +97,7 @@ class Verifier:
     @property
     def reach(self) -> float:
         """The largest |σ| that can be judged, as far as that is known; infinite as long as no claim was too large."""
-        return self._too_far * FURTHER
+        return self._too_far * NEXT_REACH
 
     def look(self, claim: complex) -> Sighting:
         """The zeros around a claim, in a circle that grows from that of the digits to that of two digits until it holds any."""
@@ -160,13 +160,14 @@ class Verifier:
 
         Solutions vary over σ^(−1/2): 16 times |σ| are 4 times the steps. So the claim is approached from smaller σ of its direction.
         """
-        size, reached = abs(claim), REACH
-        while size > reached * FURTHER:
+        size, reached = abs(claim), FIRST_REACH
+        while size > reached * NEXT_REACH:
             probe = claim * (reached / size)
-            if self.loose.at(probe).discriminant.steps * math.sqrt(FURTHER) > MOST_STEPS:
+            if self.loose.at(probe).discriminant.steps * math.sqrt(NEXT_REACH) > MOST_LOOSE_STEPS:
                 self._too_far = min(self._too_far, reached)
-                raise ConvergenceError(f"solutions for |sigma| = {size:.1e} are so steep that the mesh would need over {MOST_STEPS} steps")
-            reached *= FURTHER
+                why = f"solutions for |sigma| = {size:.1e} are so steep that the mesh would need over {MOST_LOOSE_STEPS} steps"
+                raise ConvergenceError(why)
+            reached *= NEXT_REACH
 
     def _around(self, seen: Sighting) -> tuple[float, Zeros]:
         """The radius of the largest circle, up to that of two digits, that was counted, and the zeros in it; it grows until there are any.
@@ -178,11 +179,11 @@ class Verifier:
         tried = self._first_circle(claim, radius, wide)
         while tried > radius:
             try:
-                zeros = self._zeros(Disc(claim, tried), FEW)
+                zeros = self._zeros(Disc(claim, tried), MODES_TOLD_APART)
             except Crowded as crowded:
-                tried /= max(SHRINK, crowded.count)
+                tried /= max(SMALLER_CIRCLE, crowded.count)
             except ConvergenceError:
-                tried /= SHRINK
+                tried /= SMALLER_CIRCLE
             else:
                 return self._grown(claim, tried, zeros, wide)
         return radius, self._zeros(Disc(claim, radius), None)
@@ -198,14 +199,14 @@ class Verifier:
         # between two zeros of a row ln D is flat, but beside the row it is as steep as they are dense
         places = (claim, claim + 1j * wide * (claim / abs(claim) if claim != 0.0 else 1.0))
         slope = max(abs(self.loose.at(s).discriminant.with_derivative(s).logarithmic_derivative) for s in places)
-        return max(radius, min(wide, STEEPEST / slope))
+        return max(radius, min(wide, FIRST_CHANGE / slope))
 
     def _grown(self, claim: complex, radius: float, zeros: Zeros, wide: float) -> tuple[float, Zeros]:
         """Larger circles, up to the wide one, as long as there is no zero in them and they can be counted."""
         while radius < wide and not zeros.modes:
             larger = min(wide, 2 * radius)
             try:
-                zeros = self._zeros(Disc(claim, larger), FEW)
+                zeros = self._zeros(Disc(claim, larger), MODES_TOLD_APART)
             except ConvergenceError:
                 break
             radius = larger
@@ -227,12 +228,12 @@ class Verifier:
         if empty >= wide:
             return None
         try:
-            for _ in range(NEWTON_STEPS):
+            for _ in range(CLAIM_NEWTON_STEPS):
                 step = self.continuation.at(sigma).discriminant.with_derivative(sigma).newton_step
                 sigma += step
                 if not abs(sigma - claim) < wide:
                     return None
-                if abs(step) < ARRIVED * abs(sigma):
+                if abs(step) < CLAIM_STEP * abs(sigma):
                     return sigma
         except ConvergenceError:
             pass  # it leads where D cannot be computed
@@ -274,8 +275,8 @@ def _has_a_size(discriminant: Discriminant, claim: complex) -> bool:
     change = slope_change(here, discriminant.with_derivative(claim * (1 + NUDGE)))
     zeros = claim * here.logarithmic_derivative
     whole = round(zeros.real) if math.isfinite(abs(zeros)) else 0
-    near_zero = whole >= 1 and abs(zeros - whole) < WHOLE and abs(change - (whole - 1) * NUDGE) < ROUGH * NUDGE
-    noise = change > ROUGH and not abs(zeros) > NEAR
+    near_zero = whole >= 1 and abs(zeros - whole) < WHOLE_AT_ZERO and abs(change - (whole - 1) * NUDGE) < NOISY_CHANGE * NUDGE
+    noise = change > NOISY_CHANGE and not abs(zeros) > NEAR_ZERO
     if noise:  # a smooth function would change a thousand times less over so much less
-        noise = slope_change(here, discriminant.with_derivative(claim * (1 + NUDGE * NUDGE))) > ROUGH
-    return change > FLAT and abs(zeros) > NUDGE and not noise and not near_zero
+        noise = slope_change(here, discriminant.with_derivative(claim * (1 + NUDGE * NUDGE))) > NOISY_CHANGE
+    return change > FLAT_CHANGE and abs(zeros) > NUDGE and not noise and not near_zero

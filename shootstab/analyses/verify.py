@@ -12,7 +12,7 @@ from shootstab.analyses.assignment import Candidate, assign, shared
 from shootstab.analyses.claims import Circle, spurious, verdict_on
 from shootstab.analyses.find import find_modes
 from shootstab.analyses.missing import NONE, NOT_SEARCHED, Missing, claimed_modes, find_missing, modes_with_bounds, require_missing
-from shootstab.analyses.refine_double import require_atol
+from shootstab.analyses.refine_double import TIGHTEST, require_atol
 from shootstab.analyses.unstable import HalfDisc, count_unstable
 from shootstab.analyses.verifier import Sighting, Verifier
 from shootstab.core.errors import ConvergenceError, InputError
@@ -25,11 +25,10 @@ from shootstab.discriminants.named import method_named
 from shootstab.problems.protocol import Problem
 from shootstab.roots.search import Zero
 
-TIGHTEST = 1e-13  # measured (validation/calibration.py): the local error below which rounding takes over
-GUARD = 2  # chosen: digits computed beyond those asked for
-NEIGHBOURHOOD = 3.0  # chosen: radii of the circle of the digits within which zeros are told apart together
-WIDER = 2.0  # chosen: a circle around zeros that were confused, in the largest distance from their mean
-SAME = 1e-12  # chosen: relative distance of two modes that are one, beside their error bounds
+EXTRA_DIGITS = 2  # chosen: digits computed beyond those asked for
+CONFUSED_WITHIN = 3.0  # chosen: radii of the circle of the digits within which zeros are told apart together
+WIDER_THAN_CONFUSED = 2.0  # chosen: a circle around zeros that were confused, in the largest distance from their mean
+SAME_AS = 1e-12  # chosen: relative distance of two modes that are one, beside their error bounds
 
 Progress = Callable[[int, int], None]
 
@@ -63,7 +62,7 @@ def verify(
         raise InputError(f"digits = {digits}: allowed is 1 to 12")
     wish = require_missing(missing, region)
     require_atol(atol)
-    tolerance = max(10.0 ** -(digits + GUARD), TIGHTEST)
+    tolerance = max(10.0 ** -(digits + EXTRA_DIGITS), TIGHTEST)
     verifier = Verifier(problem, method_named(method, tolerance) or Frame(rtol=tolerance), digits, atol)
     seen: dict[int, Sighting] = {}
     # neighbours share meshes, which are not kept for ever
@@ -128,7 +127,7 @@ class Assembly:
         for i, seen in enumerate(self._seen):
             if seen.zeros:
                 nearest = min(seen.zeros, key=lambda zero: abs(zero.sigma - seen.claim))
-                reach = max(NEIGHBOURHOOD * seen.radius, abs(nearest.sigma - seen.claim) + NEIGHBOURHOOD * seen.radius)
+                reach = max(CONFUSED_WITHIN * seen.radius, abs(nearest.sigma - seen.claim) + CONFUSED_WITHIN * seen.radius)
                 self._learn_all(i, [z for z in seen.zeros if z is nearest or abs(z.sigma - seen.claim) <= reach + z.radius])
         given = assign(self._candidates())
         # who shares a mode with a claim that got none looks further: there may be one for each
@@ -155,12 +154,12 @@ class Assembly:
         """The modes that several zeros are; those in one neighbourhood together, as iterations confuse them."""
         left = list(zeros)
         while left:
-            near = [z for z in left if abs(z.sigma - left[0].sigma) <= NEIGHBOURHOOD * self._seen[i].radius + z.radius + left[0].radius]
+            near = [z for z in left if abs(z.sigma - left[0].sigma) <= CONFUSED_WITHIN * self._seen[i].radius + z.radius + left[0].radius]
             left = [z for z in left if z not in near]
             count = sum(z.multiplicity for z in near)
             mean = sum(z.multiplicity * z.sigma for z in near) / count
             spread = max(abs(z.sigma - mean) + z.radius for z in near)
-            self._learn(i, near[0] if len(near) == 1 else Zero(mean, count, WIDER * spread))
+            self._learn(i, near[0] if len(near) == 1 else Zero(mean, count, WIDER_THAN_CONFUSED * spread))
 
     def _learn(self, i: int, zero: Zero) -> None:
         """The modes that a zero is, as numbers in the list of all."""
@@ -176,7 +175,7 @@ class Assembly:
     def _number(self, mode: Mode) -> int:
         """Where a mode stands in the list; one that lies within the bounds of one that is listed is the same."""
         for j, other in enumerate(self._modes):
-            if abs(mode.sigma - other.sigma) <= mode.error + other.error + SAME * abs(other.sigma):
+            if abs(mode.sigma - other.sigma) <= mode.error + other.error + SAME_AS * abs(other.sigma):
                 if mode.multiplicity == other.multiplicity and mode.error < other.error:
                     self._modes[j] = mode
                 return j
@@ -240,7 +239,9 @@ def _unanswered(missing: Sequence[Mode], verdicts: Sequence[Verdict]) -> tuple[M
     spent: dict[complex, int] = {}  # by the mode that claims mean, how many more of it have been given as missing
     for mode in missing:
         own = [
-            v for v in verdicts if v.sigma is not None and abs(v.sigma - mode.sigma) <= (v.error or 0.0) + mode.error + SAME * abs(v.sigma)
+            v
+            for v in verdicts
+            if v.sigma is not None and abs(v.sigma - mode.sigma) <= (v.error or 0.0) + mode.error + SAME_AS * abs(v.sigma)
         ]
         if not own or not math.isfinite(mode.error) or own[0].sigma is None:
             out.append(mode)

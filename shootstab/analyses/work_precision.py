@@ -29,15 +29,15 @@ from shootstab.discriminants.riccati import Riccati
 from shootstab.problems.capabilities import PSEUDOSPECTRAL, Pseudospectral
 from shootstab.problems.protocol import Problem
 
-TRUNCATIONS = (12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)
-TOLERANCES = tuple(10.0**-k for k in range(2, 14))
-DIGITS = (15, 20, 25)  # the last one is what all others are measured against
-SLOWEST = 5.0  # seconds that a rung may take; the next one is not climbed
-ENOUGH = 0.3  # seconds over which a rung is repeated
-MOST_RUNS = 20
-STALLED = 3  # measurements without a gain of a factor 2 that end a ladder
-FOUND = 1e-2  # a value with a larger relative error is another number
-TARGETS = (4, 8, 11)  # digits that the recommendation speaks of
+TRUNCATIONS = (12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)  # chosen: of pseudospectral runs, in steps of a half octave
+TOLERANCES = tuple(10.0**-k for k in range(2, 14))  # chosen: of shooting, decade by decade
+REFERENCE_DIGITS = (15, 20, 25)  # chosen: the last one is what all others are measured against
+SLOWEST = 5.0  # chosen: seconds that a rung may take; the next one is not climbed
+ENOUGH = 0.3  # chosen: seconds over which a rung is repeated
+MOST_RUNS = 20  # chosen: repetitions of something quick, of which the least time counts
+STALLED = 3  # chosen: measurements without a gain of a factor 2 that end a ladder
+FOUND = 1e-2  # chosen: a value with a larger relative error is another number
+TARGETS = (4, 8, 11)  # chosen: digits that the recommendation speaks of
 Progress = Callable[[int, int], None]
 Run = Callable[[Problem, complex], tuple[Any, int]]  # the mode, and how often D was evaluated or a matrix factorized
 
@@ -112,21 +112,21 @@ def trade(problem: Problem, guess: complex | None = None, progress: Progress | N
     start = _three_digits(complex(reference.claims(problem, 6)[0]) if guess is None else guess)
     ladders = [*_spectral(problem), *_shooting()]
     told = progress or (lambda done, total: None)
-    told(0, len(ladders) + len(DIGITS))
+    told(0, len(ladders) + len(REFERENCE_DIGITS))
     began = perf_counter()
-    truth = refine(problem, start, digits=DIGITS[-1])
+    truth = refine(problem, start, digits=REFERENCE_DIGITS[-1])
     if not truth.converged:
-        raise ConvergenceError(f"no value of {DIGITS[-1]} digits next to {start:.6g}: {truth.status}")
-    measurements = [_series(truth, perf_counter() - began, DIGITS[-1], truth)]
-    for i, digits in enumerate(DIGITS[:-1]):
-        told(i + 1, len(ladders) + len(DIGITS))
+        raise ConvergenceError(f"no value of {REFERENCE_DIGITS[-1]} digits next to {start:.6g}: {truth.status}")
+    measurements = [_series(truth, perf_counter() - began, REFERENCE_DIGITS[-1], truth)]
+    for i, digits in enumerate(REFERENCE_DIGITS[:-1]):
+        told(i + 1, len(ladders) + len(REFERENCE_DIGITS))
         began = perf_counter()
         mode = refine(problem, start, digits=digits)
         measurements.insert(i, _series(mode, perf_counter() - began, digits, truth))
     for i, ladder in enumerate(ladders):
-        told(len(DIGITS) + i, len(ladders) + len(DIGITS))
+        told(len(REFERENCE_DIGITS) + i, len(ladders) + len(REFERENCE_DIGITS))
         measurements += _climb(ladder, problem, start, truth.sigma)
-    told(len(ladders) + len(DIGITS), len(ladders) + len(DIGITS))
+    told(len(ladders) + len(REFERENCE_DIGITS), len(ladders) + len(REFERENCE_DIGITS))
     return WorkPrecision(tuple(measurements), truth.sigma, float(truth.error), start)
 
 
@@ -234,7 +234,7 @@ def _series(mode: Any, seconds: float, digits: int, truth: Any) -> Measurement:
 
 
 def _distance(sigma: Any, truth: Any) -> float:
-    with mpmath.workdps(2 * DIGITS[-1]):
+    with mpmath.workdps(2 * REFERENCE_DIGITS[-1]):
         return float(abs(mpmath.mpmathify(sigma) - truth))
 
 

@@ -12,7 +12,7 @@ from shootstab.problems.protocol import Problem
 from shootstab.roots.search import Search, Zero, find, moments, polish
 from shootstab.roots.winding import Limited, Winding, wind
 
-MOST = 1000  # chosen: evaluations to tell a few zeros in a disc apart, some ten circles' worth; more are spent in noise only
+MOST_TO_SEPARATE = 1000  # chosen: evaluations to tell a few zeros in a disc apart, some ten circles' worth; more are spent in noise only
 
 
 class Crowded(ConvergenceError):  # noqa: N818 - it is a finding, not a fault
@@ -55,7 +55,7 @@ def zeros_in(continuation: Continuation, disc: Disc, most: int | None = None) ->
 def _told_apart(problem: Problem, branch: Branch, disc: Disc, counted: Winding) -> list[Zero]:
     """The zeros counted in a disc; where D is noise around them and does not tell them apart, one multiple zero."""
     D = branch.discriminant
-    limited = Limited(D, D.evaluations + MOST)
+    limited = Limited(D, D.evaluations + MOST_TO_SEPARATE)
     search = Search(lambda region: wind(limited, region), lambda part: accurate_count(problem, branch, part), polish(limited))
     try:
         return find(search, disc, counted=counted)

@@ -37,7 +37,7 @@ from mpmath import iv
 
 KEYS = {"format", "problem", "count", "disc", "outer", "weight", "points", "bits", "order", "steps"}
 DECIMAL = re.compile(r"-?\d{1,2000}(\.\d{1,2000})?(e-?\d{1,4})?")
-ZERO = iv.mpc(0)
+ORIGIN = iv.mpc(0)
 
 
 def check(certificate: Any) -> str | None:
@@ -99,7 +99,7 @@ def _check(certificate: Any, problem: Any, disc: Any) -> str | None:
     q = radius / outer
     sizes = []
     for m in range(K):
-        d = abs(sum((v * roots[-j * m % K] for j, v in enumerate(values)), ZERO)) / K
+        d = abs(sum((v * roots[-j * m % K] for j, v in enumerate(values)), ORIGIN)) / K
         off = M * q ** (m + K) / (1 - q**K)
         sizes.append(iv.mpf([max(0, (d - off).a), (d + off).b]))
     if n >= K:
@@ -137,7 +137,7 @@ def _step(state: Any, h: Any, p: Any, q: Any, N: int) -> Any:
     """(φ, φ′, φ″, φ‴) at the end of a step."""
     f = [state[0], state[1] * h, state[2] * h**2 / 2, state[3] * h**3 / 6]
     for m in range(N - 4):
-        total = ZERO
+        total = ORIGIN
         for j in range(min(m, 2) + 1):  # where j > m the factors vanish
             total += p[j] * f[m - j + 2] * ((m - j + 2) * (m - j + 1)) + q[j] * f[m - j]
         f.append(total / ((m + 4) * (m + 3) * (m + 2) * (m + 1)))
@@ -145,7 +145,7 @@ def _step(state: Any, h: Any, p: Any, q: Any, N: int) -> Any:
     lack = (52 * iv.mpf(A) * N**3 / iv.mpf(2) ** N).b
     wide = iv.mpf([-lack, lack])
     weights = (lambda m: 1, lambda m: m, lambda m: m * (m - 1), lambda m: m * (m - 1) * (m - 2))
-    ends = [sum((f[m] * w(m) for m in range(N - 1, -1, -1)), ZERO) + iv.mpc(wide, wide) for w in weights]
+    ends = [sum((f[m] * w(m) for m in range(N - 1, -1, -1)), ORIGIN) + iv.mpc(wide, wide) for w in weights]
     return [x / h**i for i, x in enumerate(ends)]
 
 

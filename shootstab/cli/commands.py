@@ -19,9 +19,9 @@ from shootstab.io.files import require_writable, write_whole
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-DONE, BAD_NEWS = 0, 1
+DONE, BAD_NEWS = 0, 1  # defined by the contract: exit statuses of a command that did its work
 
-METHODS = ("frame", "compound", "riccati")  # the names of discriminants.named, which would load the kernels
+METHOD_NAMES = ("frame", "compound", "riccati")  # the names of discriminants.named, which would load the kernels
 
 
 def verify(options: Namespace) -> int:

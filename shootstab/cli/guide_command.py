@@ -8,13 +8,13 @@ from importlib.resources import files
 from shootstab.core.errors import InputError
 from shootstab.io.notation import nearest
 
-FIRST = ("first-minutes", "verdicts", "error-bars", "your-own-spectrum", "your-own-equations")  # the others follow by name
+FIRST_TOPICS = ("first-minutes", "verdicts", "error-bars", "your-own-spectrum", "your-own-equations")  # the others follow by name
 
 
 def topics() -> dict[str, str]:
     """Every topic with the title of its page, those for newcomers first."""
     pages = {p.name.removesuffix(".md"): p.read_text(encoding="utf-8") for p in files("shootstab").joinpath("guide").iterdir()}
-    order = [*FIRST, *sorted(pages.keys() - set(FIRST))]
+    order = [*FIRST_TOPICS, *sorted(pages.keys() - set(FIRST_TOPICS))]
     return {name: pages[name].splitlines()[0].removeprefix("# ") for name in order}
 
 

@@ -25,6 +25,7 @@ from shootstab.core.errors import InputError, OutputError, ShootstabError
 from shootstab.core.records import VERDICTS
 from shootstab.io.notation import complex_from, floats_from
 
+# defined by the contract: exit statuses of a command that did not; the last two are 128 plus the signal
 BAD_INPUT, INTERNAL, NOT_WRITTEN, INTERRUPTED, BROKEN_PIPE = 2, 3, 4, 130, 141
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # what a stream says that takes no more
 SCENE_HELP = "a built-in name (see `shootstab scenes`), a TOML file, or module:object"
@@ -138,7 +139,7 @@ def parser() -> argparse.ArgumentParser:
     accuracy = refine.add_mutually_exclusive_group()
     accuracy.add_argument("--rtol", type=_tolerance, default=1e-10, metavar="X", help="relative accuracy asked for (default 1e-10)")
     accuracy.add_argument("--digits", type=_integer(1, 100_000), metavar="N", help="the same in digits")
-    refine.add_argument("--method", choices=commands.METHODS, help="how the determinant is formed (default: as the program chooses)")
+    refine.add_argument("--method", choices=commands.METHOD_NAMES, help="how the determinant is formed (default: as the program chooses)")
 
     count = _command(subparsers, commands.count, "how many modes a region of the complex plane holds")
     _add_region(count, "rectangle", "disc", "polygon", "half-plane")

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shootstab.analyses.sweep.outcomes import NO_FLOW, UNRESOLVED
+from shootstab.analyses.sweep.outcomes import NO_FLOW
 from shootstab.cli import plots
 from shootstab.core.errors import InputError
+from shootstab.core.records import UNRESOLVED
 from shootstab.io.files import write_whole
 from shootstab.models.chute.registry import BY_NAME
 
@@ -19,9 +20,9 @@ if TYPE_CHECKING:
     from shootstab.analyses.sweep.grid import Axis
     from shootstab.io.scenes import Scene
 
-LEVELS = 14
+MAP_LEVELS = 14  # chosen: contours of a map, at most
 BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "0.55"
-MARKS_ON_A_MAP = 400  # proved points that are marked on a map; more would hide it
+MARKS_ON_A_MAP = 400  # chosen: proved points that are marked on a map; more would hide it
 
 
 def require(path: Path, axes: Mapping[str, Sequence[float]]) -> None:
@@ -105,7 +106,7 @@ def _map(figure: Any, found: Swept, varied: Sequence[Axis], unit: str) -> None:
     panel = figure.subplots()
     if np.isfinite(growth).any():
         filled = np.where(np.isnan(growth), 0.0, growth)
-        ticks = MaxNLocator(LEVELS).tick_values(0.0, float(np.nanmax(growth)))
+        ticks = MaxNLocator(MAP_LEVELS).tick_values(0.0, float(np.nanmax(growth)))
         levels = np.concatenate(([1e-9 * ticks[-1]], ticks[1:]))  # nothing is drawn where nothing grows
         drawn = panel.contourf(x, y, filled, levels=levels, cmap="viridis")
         panel.contour(x, y, filled, levels=levels[1:], colors="white", linewidths=0.5)

@@ -30,10 +30,10 @@ MARKS = {
     CONTINUUM: ("+", "#0072B2", 7),
     UNRESOLVED: ("D", "#CC79A7", 5),
 }
-CONTINUUM_POINTS = 2000
-NEAREST = 2  # so many modes at least are to be seen in the magnified panel
-BALLOON = 10.0  # the balloon is shown up to this many times the distance of the nearest mode
-DECADES = 5.0  # claims that reach this many times further than the magnified part are worth a second panel
+CONTINUUM_POINTS = 2000  # chosen: points of a line of the continuous spectrum, finer than a pixel
+LEAST_MAGNIFIED = 2  # chosen: so many modes at least are to be seen in the magnified panel
+BALLOON = 10.0  # chosen: the balloon is shown up to this many times the distance of the nearest mode
+SECOND_PANEL = 5.0  # chosen: claims that reach this many times further than the magnified part are worth a second panel
 
 Points = NDArray[np.complex128]
 Box = tuple[complex, float, float]  # centre, half of the width, half of the height
@@ -119,7 +119,7 @@ def _magnified(line: Points | None, modes: Points, report: Report) -> Box:
     distances = np.sort(np.abs(shown - tip))
     distances = distances[distances > 0.0]
     balloon = np.abs(_claims(report, CONTINUUM) - tip)
-    radius = max(distances[:NEAREST], default=0.0)
+    radius = max(distances[:LEAST_MAGNIFIED], default=0.0)
     if distances.size and balloon.size:
         radius = max(radius, min(balloon.max(), BALLOON * distances[0]))
     radius = float(radius) or 0.1 * abs(tip) or 1.0
@@ -144,7 +144,8 @@ def _spreads(points: Points, near: Box) -> bool:
     if not points.size:
         return False
     centre, width, height = near
-    return bool((np.abs(points.real - centre.real) > DECADES * width).any() or (np.abs(points.imag - centre.imag) > DECADES * height).any())
+    off = np.abs(points.real - centre.real) / width, np.abs(points.imag - centre.imag) / height
+    return bool((np.maximum(*off) > SECOND_PANEL).any())
 
 
 def _look_at(panel: Any, near: Box) -> None:

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from shootstab.analyses.sweep.outcomes import Outcome
     from shootstab.io.scenes import Scene
 
-COLUMNS = ("re", "im", "error", "status", "proved", "floor", "evaluations")
-MOST_LISTED = 70  # points that the table lists; more are summed up
-MOST_VALUES = 1_000_000
+CSV_COLUMNS = ("re", "im", "error", "status", "proved", "floor", "evaluations")
+MOST_LISTED = 70  # chosen: points that the table lists; more are summed up
+MOST_VALUES = 1_000_000  # chosen: values along one axis of a sweep; more are a slip of the pen
 
 
 def options(parser: argparse.ArgumentParser, integer: Callable[[int, int], Any], plot_path: Callable[[str], Path]) -> None:
@@ -153,7 +153,7 @@ def tables(found: Swept, scene: Scene) -> list[RenderableType]:
 def _csv(found: Swept, path: Path) -> None:
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow((*found.grid.names, *COLUMNS, *found.columns))
+        writer.writerow((*found.grid.names, *CSV_COLUMNS, *found.columns))
         for point, o in found.rows():
             re_, im = ("", "") if o.sigma is None else (repr(o.sigma.real), repr(o.sigma.imag))
             rest = (o.error, o.status, int(o.proved), o.floor, o.evaluations)

@@ -35,9 +35,9 @@ if TYPE_CHECKING:
 
 COLOURS = {CONFIRMED: "green", INACCURATE: "yellow", SPURIOUS: "red", CONTINUUM: "cyan", UNRESOLVED: "magenta", "missing": "bold red"}
 ABSENT = "–"
-PAGE = 80  # columns that a table may have
-GAP = 2  # between two columns
-FLOW_DIGITS = 1e-12  # the relative accuracy of a steady flow
+PAGE = 80  # chosen: columns that a table may have
+GAP = 2  # chosen: between two columns
+FLOW_DIGITS = 1e-12  # chosen: the relative accuracy of a steady flow
 
 Parts = list[RenderableType]
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 Progress = Callable[[int, int], None]
 
-WIDE = 10_000
+WIDE = 10_000  # chosen: columns of a console that breaks no line
 HEARTBEAT = 10.0  # seconds: chosen, as a job of CI that is silent for minutes is taken for dead
 
 

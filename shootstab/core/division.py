@@ -12,7 +12,7 @@ from shootstab.core.regions import Region
 
 CUTS = (0.5, 0.47, 0.55, 0.41, 0.62, 0.36)  # chosen: where a region is cut, as a fraction of its length; the next where one will not do
 TIPS = (0.2, 0.8, 0.07, 0.93, 0.02, 0.98)  # chosen: of a region that is not convex, for which every cut in the middle may cross it often
-SAMPLES = 8  # chosen: points between two corners of a boundary at which the side of the cut is looked at
+CUT_SAMPLES = 8  # chosen: points between two corners of a boundary at which the side of the cut is looked at
 BISECTIONS = 60  # derived: 2^−60 is below the rounding of t
 
 
@@ -106,7 +106,7 @@ def _crossings(region: Region, turn: complex, at: float) -> list[float]:
     def beyond(t: float) -> bool:
         return (turn * region.boundary(t % 1.0)).real > at
 
-    ts = [a + (b - a) * i / SAMPLES for a, b in pairwise(region.corners) for i in range(SAMPLES)] + [1.0]
+    ts = [a + (b - a) * i / CUT_SAMPLES for a, b in pairwise(region.corners) for i in range(CUT_SAMPLES)] + [1.0]
     found = []
     for low, high in pairwise(ts):
         side = beyond(low)

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from time import perf_counter
 
 Progress = Callable[[int, int, float], None]  # done, total, seconds left
-TOTAL = 1000
-USUAL = 40  # ticks of a stage
+TOTAL = 1000  # chosen: what a finished command reports, in thousandths
+USUAL = 40  # chosen: ticks of a stage; after so many, 1 − 1/e of it counts as done
 
 
 class Clock:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import cmath
 import math
+import sys
 from dataclasses import dataclass
+
+EPSILON = sys.float_info.epsilon  # exact: the distance of 1 to the next double, 2^−52
 
 
 @dataclass(frozen=True)

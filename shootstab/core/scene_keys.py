@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 from shootstab.core.errors import InputError, shortened
 
-LARGEST = 1e300  # chosen: whatever is not below it, NaN too, is no number of physics
+LARGEST_NUMBER = 1e300  # chosen: whatever is not below it, NaN too, is no number of physics
 
 Tables = Mapping[str, Any]  # of a scene file, by name
 
@@ -104,7 +104,7 @@ class Keys:
     def _typed(self, key: str, value: Any) -> Any:
         wanted = self.keys[key]
         if wanted is float and isinstance(value, int | float) and not isinstance(value, bool):
-            if abs(value) < LARGEST:
+            if abs(value) < LARGEST_NUMBER:
                 return float(value)
         elif wanted is not float and isinstance(value, wanted):
             return value

@@ -19,9 +19,9 @@ from shootstab.discriminants.shooting import Shooting
 from shootstab.discriminants.subsystems import decouple
 from shootstab.problems.protocol import ComplexArray, Problem
 
-LEVELS = 4  # of cells: what a cell of 2.6 % in |σ| and 1.5° does not serve has a mesh of its own
-AROUND = 4  # points of a circle at which its mesh must hold: those at which a count samples it first
-MOST_MESHES = 64  # kept at a time; those that were asked for longest ago are made again if they are needed
+CELL_LEVELS = 4  # chosen: of cells: what a cell of 2.6 % in |σ| and 1.5° does not serve has a mesh of its own
+CIRCLE_POINTS = 4  # chosen: points of a circle at which its mesh must hold: those at which a count samples it first
+MOST_MESHES = 64  # chosen: kept at a time; those that were asked for longest ago are made again if they are needed
 
 
 Key = Cell | None | complex  # of a mesh: the cell that it serves, what a path is meant for, or a σ of its own
@@ -58,7 +58,7 @@ class SubsystemMeshes:
 
     def around(self, disc: Disc) -> Shooting:
         """On the mesh that serves the middle of a disc, cut further where a point of its rim asks for it."""
-        rim = [disc.boundary(k / AROUND) for k in range(AROUND)]
+        rim = [disc.boundary(k / CIRCLE_POINTS) for k in range(CIRCLE_POINTS)]
         return cut_for(self.at(disc.centre, True), rim)
 
     @property
@@ -73,10 +73,10 @@ class SubsystemMeshes:
 
     def _cells(self, sigma: complex) -> list[Cell | None]:
         """From the largest cell to the smallest; along a path, what it is meant for in place of the largest ones."""
-        cells = [Cell.of(sigma, LEVELS - 1)]
+        cells = [Cell.of(sigma, CELL_LEVELS - 1)]
         while cells[-1].level > 0:
             cells.append(cells[-1].larger)
-        return [*reversed(cells)] if self._centre is None else [None, *reversed(cells[: LEVELS // 2])]
+        return [*reversed(cells)] if self._centre is None else [None, *reversed(cells[: CELL_LEVELS // 2])]
 
     def _made(self, key: Key, coarser: Shooting | None) -> Shooting | ConvergenceError:
         """The mesh of a cell, cut from that of the cell that it lies in; what stood in the way where none can be made for the cell's σ."""

@@ -11,8 +11,8 @@ from shootstab.core.errors import InputError
 from shootstab.discriminants.deformed_path import DeformedPath
 from shootstab.problems.protocol import ComplexArray, Problem
 
-PANELS, POINTS = 6, 12  # chosen: of Gauss's rule on each leg; features a tenth as wide as the path are integrated to 1e−9
-CLOSED = 1e-5  # of ∫|f||dz|: what the integral around the detour may be; a coefficient that is not analytic misses by some tenths
+PANELS, GAUSS_POINTS = 6, 12  # chosen: of Gauss's rule on each leg; features a tenth as wide as the path are integrated to 1e−9
+CLOSED = 1e-5  # chosen: of ∫|f||dz|: what the integral around the detour may be; a coefficient that is not analytic misses by some tenths
 
 
 def require_analytic(problem: Problem, path: DeformedPath, nodes: NDArray[np.float64]) -> None:
@@ -39,7 +39,7 @@ def require_analytic(problem: Problem, path: DeformedPath, nodes: NDArray[np.flo
 
 def _rule(corners: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
     """Points (m,) and weights (m,) of ∫ f dz along straight legs between the corners, in the order of the path."""
-    t, w = np.polynomial.legendre.leggauss(POINTS)
+    t, w = np.polynomial.legendre.leggauss(GAUSS_POINTS)
     legs = [np.linspace(a, b, PANELS + 1) for a, b in itertools.pairwise(corners)]
     first, last = (np.concatenate([leg[cut] for leg in legs]) for cut in (slice(None, -1), slice(1, None)))
     half = 0.5 * (last - first)[:, None]

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 OCTAVE = 1.0371  # chosen: the cells of level 0 end at |σ| = OCTAVE·2^i, numbers that no mode is likely to be
 SECTOR = math.radians(40.0)  # chosen: sector 0 holds the positive real axis in its middle, and no sector has ±i in its own
-PARTS = 3  # along |σ| and along arg σ; odd, so that the middle of a cell is the middle of one of its parts
-SMALLEST = -80  # |σ| below 2^−80 counts as so large: σ = 0 lies in a cell too
+CELL_PARTS = 3  # chosen: along |σ| and along arg σ; odd, so that the middle of a cell is the middle of one of its parts
+SMALLEST_POWER = -80  # chosen: |σ| below 2^−80 counts as so large: σ = 0 lies in a cell too
 
 
 @dataclass(frozen=True)
@@ -27,19 +27,19 @@ class Cell:
     @classmethod
     def of(cls, sigma: complex, level: int) -> Cell:
         """The cell of this level that σ lies in."""
-        fine = PARTS**level
+        fine = CELL_PARTS**level
         octaves = math.log2(abs(sigma) / OCTAVE) if sigma != 0 else -math.inf
-        size = max(math.floor(octaves * fine) if math.isfinite(octaves) else SMALLEST * fine, SMALLEST * fine)
+        size = max(math.floor(octaves * fine) if math.isfinite(octaves) else SMALLEST_POWER * fine, SMALLEST_POWER * fine)
         return cls(level, size, math.ceil(cmath.phase(sigma) * fine / SECTOR - 0.5))
 
     @property
     def larger(self) -> Cell:
         """The cell of the level above that it lies in."""
-        return Cell(self.level - 1, self.size // PARTS, (self.sector + PARTS // 2) // PARTS)
+        return Cell(self.level - 1, self.size // CELL_PARTS, (self.sector + CELL_PARTS // 2) // CELL_PARTS)
 
     @property
     def anchor(self) -> complex:
         """The σ that the mesh is made for: the largest of the cell, in the middle of its sector. Large σ need short steps."""
-        fine = PARTS**self.level
+        fine = CELL_PARTS**self.level
         size = OCTAVE * 2.0 ** ((self.size + 1) / fine)
         return cmath.rect(size, self.sector * SECTOR / fine) if self.sector else complex(size)

@@ -16,12 +16,12 @@ from shootstab.essential_spectrum.barrier import barrier_of
 from shootstab.essential_spectrum.interior import continuum_of
 from shootstab.problems.protocol import Problem
 
-NEAR = 0.35  # singular points nearer to the real axis than this, in the scale of the curve, are passed in the complex plane
-HEIGHT, HALF_WIDTH = 0.55, 0.7  # of a path, in the same scale
-REACH = 0.3  # the singular points of a disc must stay within this part of the scale around the path's centre
-SCALES = math.sqrt(2.0)  # ratio of the scales that paths have
+NEAR_AXIS = 0.35  # chosen: singular points nearer to the real axis than this, in the scale of the curve, are passed in the complex plane
+HEIGHT, HALF_WIDTH = 0.55, 0.7  # chosen: of a path, in the same scale
+DISC_REACH = 0.3  # chosen: the singular points of a disc must stay within this part of the scale around the path's centre
+SCALES = math.sqrt(2.0)  # chosen: ratio of the scales that paths have
 REAL = "real"
-SPACING = 0.25  # of its half width, the distance of the centres that paths of one scale have
+SPACING = 0.25  # chosen: of its half width, the distance of the centres that paths of one scale have
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ class Continuation:
         if distance > self.continuum.scale(place) * abs(self.continuum.slope(place)):
             return self.on_the_axis, REAL
         z = self.continuum.singular_point(sigma)
-        if z is None or abs(z.imag) > NEAR * self.continuum.scale(z.real) or self._beyond(z.real):
+        if z is None or abs(z.imag) > NEAR_AXIS * self.continuum.scale(z.real) or self._beyond(z.real):
             return self.on_the_axis, REAL
         return self._beside(z.real, 1 if z.imag > 0.0 else -1)
 
@@ -119,7 +119,7 @@ class Continuation:
         if len(passes) > 1:
             raise Undecidable(f"the continuous spectrum passes {len(passes)} times through the circle of {radius:.1e}")
         z = passes[0]
-        if radius > REACH * curve.scale(z) * abs(curve.slope(z)):
+        if radius > DISC_REACH * curve.scale(z) * abs(curve.slope(z)):
             raise Undecidable(f"the circle of {radius:.1e} is too large for one path around the continuous spectrum")
 
     def _beyond(self, z: float) -> bool:

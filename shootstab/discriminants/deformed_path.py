@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from shootstab.problems.protocol import ComplexArray
 
-PIECES = 3  # first steps on each leg
+FIRST_STEPS = 3  # chosen: first steps on each leg
 
 
 @dataclass(frozen=True)
@@ -34,8 +34,8 @@ class DeformedPath:
         leave, apex, back = self.corners(nodes)
         before = nodes[along * nodes < along * leave.real - 1e-9 * self.half_width]
         behind = nodes[along * nodes > along * back.real + 1e-9 * self.half_width]
-        out = np.linspace(leave, apex, PIECES + 1)
-        inward = np.linspace(apex, back, PIECES + 1)[1:]
+        out = np.linspace(leave, apex, FIRST_STEPS + 1)
+        inward = np.linspace(apex, back, FIRST_STEPS + 1)[1:]
         return np.concatenate((before, out, inward, behind)).astype(np.complex128)
 
     def corners(self, nodes: NDArray[np.float64]) -> ComplexArray:

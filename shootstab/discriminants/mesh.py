@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shootstab.kernels.step_control import factor
 
 OFF_MIDDLE = 0.02  # chosen: of a step, by how much a cut misses its middle: other roundings, and an error of the same size
-LONGER, PARTS = 4.0, 6  # chosen: by what a step grows at most, and into how many it falls, as the law of errors holds near only
+LONGER, STEP_CUTS = 4.0, 6  # chosen: by what a step grows at most, and into how many it falls, as the law of errors holds near only
 
 
 def redistribute(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolerance: float) -> NDArray[np.complex128]:
@@ -23,7 +23,7 @@ def redistribute(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tol
     lengths = np.abs(h)
     with np.errstate(divide="ignore"):
         shrink = 1.0 / factor(np.where(np.isfinite(errors), errors, np.inf) / tolerance)
-    shrink = np.clip(shrink, 1.0 / LONGER, PARTS)
+    shrink = np.clip(shrink, 1.0 / LONGER, STEP_CUTS)
     density = shrink / lengths
     # a step cannot know what happens in its neighbour
     near = np.maximum(np.append(density[1:], 0.0), np.insert(density[:-1], 0, 0.0))
@@ -40,7 +40,7 @@ def subdivide(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolera
     for start, end, error in zip(nodes[:-1], nodes[1:], errors, strict=True):
         parts = 1
         if not error <= tolerance:
-            parts = max(2, min(PARTS, math.ceil(1.0 / factor(error / tolerance)))) if np.isfinite(error) else PARTS
+            parts = max(2, min(STEP_CUTS, math.ceil(1.0 / factor(error / tolerance)))) if np.isfinite(error) else STEP_CUTS
         pieces.append(start + (end - start) * np.arange(1, parts + 1) / parts)
         pieces[-1][-1] = end
     return np.concatenate(pieces)

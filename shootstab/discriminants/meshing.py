@@ -13,17 +13,18 @@ from shootstab.discriminants.deformed_path import DeformedPath
 from shootstab.discriminants.mesh import redistribute, subdivide
 from shootstab.discriminants.method import Propagator
 from shootstab.discriminants.sampled_system import SampledSystem, resample, sample_system
-from shootstab.discriminants.shooting import SLACK, Shooting, far_tolerance
+from shootstab.discriminants.shooting import MESH_SLACK, Shooting, far_tolerance
 from shootstab.problems.protocol import ComplexArray, Problem
 
-LIMIT = 2**30 // 6  # bytes of a sampled system: with the halved mesh (2), its other cuts (2) and another base flow (1) 1 GiB in all
-TURNS = 30  # attempts at a mesh
-REDISTRIBUTIONS = 3  # of them, those that move every node
-SAME_PLACE = 1e-9  # of the length of the path: nodes nearer to each other than this are one
-SHORTEST = 1e-12  # of the length of the path: shorter steps mean that none is short enough
-SMALL_DETERMINANT = 1e-5  # least of the largest singular value of C below which a place is called singular
-RESOLVED = 1e-3  # local errors below this fall with the step, unless the coefficients are not smooth
-NOISY_ORDER = 3  # errors of parts of a step that fall with a lower power of it all over the step tell of noise
+# derived: bytes of a sampled system; with the halved mesh (2), its other cuts (2) and another base flow (1) 1 GiB in all
+MOST_BYTES = 2**30 // 6
+MESH_ATTEMPTS = 30  # chosen: attempts at a mesh
+REDISTRIBUTIONS = 3  # chosen: of them, those that move every node
+SAME_PLACE = 1e-9  # chosen: of the length of the path: nodes nearer to each other than this are one
+SHORTEST_STEP = 1e-12  # chosen: of the length of the path: shorter steps mean that none is short enough
+SMALL_DETERMINANT = 1e-5  # chosen: least of the largest singular value of C below which a place is called singular
+RESOLVED_ERROR = 1e-3  # chosen: local errors below this fall with the step, unless the coefficients are not smooth
+NOISY_ORDER = 3  # chosen: errors of parts of a step that fall with a lower power of it all over the step tell of noise
 NOISY_STEPS = 16  # chosen: so many such steps are no accident
 
 Regrid = Callable[[ComplexArray, NDArray[np.float64], float], ComplexArray]
@@ -46,7 +47,7 @@ def made_for(
     else:
         sampled, regrids = _begun_at(problem, begin, start), ()
     before: Shooting | None = None
-    for turn in range(TURNS):
+    for turn in range(MESH_ATTEMPTS):
         shooting = Shooting(problem, propagator, sampled)
         errors = shooting.propagated(sigma, False).errors
         if turn >= len(regrids):
@@ -63,13 +64,13 @@ def made_for(
 
 def cut_for(shooting: Shooting, sigmas: list[complex]) -> Shooting:
     """The same on a mesh cut further until the local errors hold at every σ. Raises ConvergenceError where that does not help."""
-    for _ in range(TURNS):
+    for _ in range(MESH_ATTEMPTS):
         propagations = [shooting.propagated(sigma, True) for sigma in sigmas]
         for sigma, propagation in zip(sigmas, propagations, strict=True):
             if not propagation.sound:
                 raise ConvergenceError(f"the charts that suit the middle of a circle do not serve sigma = {sigma:.6g} on it")
         errors = np.max([propagation.errors for propagation in propagations], axis=0)
-        if (errors <= SLACK * shooting.propagator.rtol).all():
+        if (errors <= MESH_SLACK * shooting.propagator.rtol).all():
             return shooting
         sampled = _regridded(shooting, errors, subdivide, sigmas[0])
         shooting = Shooting(shooting.problem, shooting.propagator, sampled)
@@ -98,12 +99,12 @@ def _regridded(shooting: Shooting, errors: NDArray[np.float64], regrid: Regrid, 
     """The problem on the next mesh. Raises ConvergenceError where that is too large, or a step of it too short to be one."""
     known = shooting.sampled
     nodes = regrid(known.nodes, errors, shooting.propagator.rtol)
-    most = int(LIMIT / max(known.bytes_of_a_step, 1))
+    most = int(MOST_BYTES / max(known.bytes_of_a_step, 1))
     if len(nodes) > most:
         why = _trouble(shooting, errors, sigma)
         raise ConvergenceError(f"the mesh for sigma = {sigma:.6g} would need more than the {most} steps that memory allows: {why}")
     lengths = np.abs(np.diff(nodes))
-    if lengths.min() < SHORTEST * lengths.sum():
+    if lengths.min() < SHORTEST_STEP * lengths.sum():
         raise ConvergenceError(f"no step is short enough at sigma = {sigma:.6g}: {_trouble(shooting, errors, sigma)}")
     return resample(shooting.problem, nodes, known)
 
@@ -119,7 +120,7 @@ def _require_smooth(before: Shooting, after: Shooting, sigma: complex) -> None:
         return
     parts = np.diff(np.append(first, after.steps))
     least = np.minimum.reduceat(after.propagated(sigma, False).errors, first)
-    noisy = (parts > 1) & (old < RESOLVED) & (least > after.propagator.rtol) & (least > old / parts**NOISY_ORDER)
+    noisy = (parts > 1) & (old < RESOLVED_ERROR) & (least > after.propagator.rtol) & (least > old / parts**NOISY_ORDER)
     if np.count_nonzero(noisy) >= NOISY_STEPS:
         z = before.sampled.nodes[:-1][noisy].real
         error = float(least[noisy].max())

@@ -20,7 +20,7 @@ from shootstab.kernels.elimination import wall_determinant
 from shootstab.kernels.riccati_transport import enter_chart, leave_chart, transport_chart
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
 
-LARGE = 100.0  # charts chosen at another σ are kept as long as no |S_ij| at a node is beyond this
+LARGE_CHART = 100.0  # charts chosen at another σ are kept as long as no |S_ij| at a node is beyond this
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ def _propagate(
         factor = start * np.exp(1j * log_det.imag)
         D, dD = det * factor, (slope + det * (dlog_det + start_slope / start)) * factor
     value = Value(sigma, Scaled(complex(D), log_det.real + far.log_scale), complex(dD))
-    return Propagation(value, errors, largest <= LARGE and math.isfinite(value.D.log_scale)), made
+    return Propagation(value, errors, largest <= LARGE_CHART and math.isfinite(value.D.log_scale)), made
 
 
 def _units(Y: ComplexArray) -> NDArray[np.float64]:

@@ -25,7 +25,7 @@ from shootstab.kernels.tableau import STAGES
 from shootstab.kernels.tableau import C as ABSCISSAE
 from shootstab.problems.protocol import ComplexArray, Pencil, Problem
 
-LARGE = 1e8  # chosen: entries of V beyond which unit vectors complete C badly; half the digits of a double are lost there
+LARGE_COMPLETION = 1e8  # chosen: entries of V beyond which unit vectors complete C badly; half the digits of a double are lost there
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,5 +158,5 @@ def _completed(C: ComplexArray, D0: ComplexArray, D1: ComplexArray, columns: NDA
     right[:, :rows, :n], right[:, :rows, n : 2 * n] = D0, D1
     right[:, rows:, 2 * n :] = np.eye(m)
     solve_each(np.concatenate((C, E), axis=1), right)
-    sound = np.isfinite(right).all() and (columns is None or (np.abs(right[:, :, 2 * n :]) < LARGE).all())
+    sound = np.isfinite(right).all() and (columns is None or (np.abs(right[:, :, 2 * n :]) < LARGE_COMPLETION).all())
     return right if sound else None

@@ -15,11 +15,11 @@ from shootstab.discriminants.method import Propagation, Propagator
 from shootstab.discriminants.sampled_system import SampledSystem, sample_system
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
 
-KEPT = 8  # evaluations: those of a circle that was asked whether its mesh serves it are asked for again
-FAR_SHARE = 1e-3  # of the tolerance on local errors, the error that the far frame may have: no step shall wait for it
+KEPT = 8  # chosen: evaluations: those of a circle that was asked whether its mesh serves it are asked for again
+FAR_SHARE = 1e-3  # chosen: of the tolerance on local errors, the error that the far frame may have: no step shall wait for it
 FAR_FINEST = 1e-14  # chosen: where a far field costs little, it is this good for any tolerance
-SLACK = 4.0  # chosen: by which local errors may miss their tolerance next to the σ that the mesh was made for; |σ| · 2^(1/3) makes 2.5
-FAR_SLACK = 10.0  # by which a far frame may miss its tolerance at a σ next to the one that the mesh was made for
+MESH_SLACK = 4.0  # chosen: by which local errors may miss their tolerance next to the σ that the mesh was made for; |σ| · 2^(1/3) makes 2.5
+FAR_SLACK = 10.0  # chosen: by which a far frame may miss its tolerance at a σ next to the one that the mesh was made for
 
 
 def far_tolerance(rtol: float) -> float:
@@ -58,7 +58,8 @@ class Shooting:
 
     def serves(self, sigma: complex, tangent: bool = True) -> bool:
         propagation, far_error = self._evaluated(complex(sigma), tangent)
-        return propagation.sound and bool((propagation.errors <= SLACK * self.propagator.rtol).all()) and self._far_serves(sigma, far_error)
+        holds = bool((propagation.errors <= MESH_SLACK * self.propagator.rtol).all())
+        return propagation.sound and holds and self._far_serves(sigma, far_error)
 
     def _far_serves(self, sigma: complex, error: float) -> bool:
         """Whether the far frame is as good as it is asked to be, or as good as the problem has one: then the error bound says it."""

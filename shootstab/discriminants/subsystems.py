@@ -20,8 +20,8 @@ from shootstab.core.errors import InputError, ShootstabError
 from shootstab.problems.capabilities import GENERIC
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil, Problem
 
-SAMPLES = 9  # points at which the pencil is asked which entries it has
-I_POWERS = np.array([1, 1j])
+PATTERN_SAMPLES = 9  # chosen: points at which the pencil is asked which entries it has
+I_POWERS = np.array([1, 1j])  # exact: the powers of i by which states and equations are turned so that a system may be real
 
 
 class Coupled(InputError):  # noqa: N818 - it is a finding, not a fault
@@ -177,7 +177,7 @@ def _entries(problem: Problem) -> tuple[ComplexArray, ComplexArray, ComplexArray
     sigma = GENERIC.of(problem)
     start = problem.start(sigma, 1e-14)
     mesh = problem.mesh(start)
-    z = mesh[0] + (mesh[-1] - mesh[0]) * np.linspace(0.0, 1.0, SAMPLES)
+    z = mesh[0] + (mesh[-1] - mesh[0]) * np.linspace(0.0, 1.0, PATTERN_SAMPLES)
     pencil = problem.pencil(z.astype(np.complex128))
     far = problem.far_frame(start, sigma)
     W0, W1 = problem.wall_rows()

@@ -13,27 +13,28 @@ from shootstab.essential_spectrum.curves import Curve
 from shootstab.problems.splitting import AsymptoticPencil
 
 PER_DECADE = 40  # chosen: neighbouring σ ~ ℓ^p differ by p·6 %
-DECADES = 5  # chosen: of ℓ on either side of the rates' own size
+RATE_DECADES = 5  # chosen: of ℓ on either side of the rates' own size
 TRUE = 1e-6  # chosen: relative residual in ℓ; an infinite σ comes out as a large finite one, with none of the rates asked for
-ALIKE = 0.3  # chosen: of their size, how far apart σ of neighbouring ℓ lie at most on one curve; 5 times what σ ~ ℓ^p makes of it, p ≤ 4
+# chosen: of their size, how far apart σ of neighbouring ℓ lie at most on one curve; 5 times what σ ~ ℓ^p makes of it, p ≤ 4
+NEIGHBOURS_APART = 0.3
 
 
 def essential_curve(limit: AsymptoticPencil) -> Curve:
     """The curves of an end, for ℓ = 0 and ℓ from far below to far above the size of the rates, both signs."""
     size = max(float(np.abs(limit.D0).max()), 1e-300) / max(float(np.abs(limit.C0).max()), 1e-300)
     size = float(np.sqrt(size)) if size > 1.0 else size
-    sizes = size * 10.0 ** np.arange(-DECADES, DECADES, 1.0 / PER_DECADE)
+    sizes = size * 10.0 ** np.arange(-RATE_DECADES, RATE_DECADES, 1.0 / PER_DECADE)
     ells = np.concatenate((-sizes[::-1], [0.0], sizes))
     points = [on_curve(limit, float(ell), float(sizes[0])) for ell in ells]
     segments = []
     for (low, here), (high, there) in pairwise(zip(ells.tolist(), points, strict=True)):
         through_zero = low == 0.0 or high == 0.0  # σ(0) may vanish, and then differs from its neighbours by their whole size
         for s, t in _paired(here, there):
-            if through_zero or abs(t - s) <= ALIKE * max(abs(s), abs(t)):
+            if through_zero or abs(t - s) <= NEIGHBOURS_APART * max(abs(s), abs(t)):
                 segments.append((s, t, low, high))
     begin, end = (np.array([p[i] for p in segments], dtype=np.complex128) for i in (0, 1))
     low_ends, high_ends = (np.array([p[i] for p in segments], dtype=np.float64) for i in (2, 3))
-    at_size = [abs(s) for i in (DECADES * PER_DECADE, -DECADES * PER_DECADE - 1) for s in points[i]]
+    at_size = [abs(s) for i in (RATE_DECADES * PER_DECADE, -RATE_DECADES * PER_DECADE - 1) for s in points[i]]
     scale = max(at_size, default=0.0)
     return Curve(begin, end, low_ends, high_ends, lambda ell: on_curve(limit, ell, float(sizes[0])), scale)
 

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from shootstab.core.regions import Region, size
 from shootstab.problems.protocol import ComplexArray
 
-NEAR = 0.5  # chosen: a σ nearer to a segment than this part of its length asks the curve itself and not the segment
-STEPS = 12  # chosen: at most, of Gauss–Newton towards the nearest point of the curve; on the curve each gains several digits
-ROUNDING = 1e-14  # chosen: of |σ| and of the curve's scale; eigenvalues of a small pencil err by some 10 units of rounding
-EIGHTHS = np.arange(8) / 8.0  # an arc of a circle up to this long is nowhere farther from its middle than at its ends
+NEAR_SEGMENT = 0.5  # chosen: a σ nearer to a segment than this part of its length asks the curve itself and not the segment
+NEAREST_STEPS = 12  # chosen: at most, of Gauss–Newton towards the nearest point of the curve; on the curve each gains several digits
+SIGMA_ROUNDING = 1e-14  # chosen: of |σ| and of the curve's scale; eigenvalues of a small pencil err by some 10 units of rounding
+EIGHTHS = np.arange(8) / 8.0  # derived: an arc of a circle up to this long is nowhere farther from its middle than at its ends
 SAGITTA = 0.9  # chosen: the curve lies no farther from a segment than a tenth of its length; 1 percent where σ ~ ℓ^p
-THINNEST = 1e-9  # chosen: of a region's size, the length of boundary on which a curve counts as touching it
+SHORTEST_TOUCH = 1e-9  # chosen: of a region's size, the length of boundary on which a curve counts as touching it
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ class Curve:
         """The distance of σ to the curve, less what rounding makes of both: 0 where σ may lie on it."""
         if not self.begin.size:
             return np.inf
-        return max(0.0, self._offset(sigma) - ROUNDING * (abs(sigma) + self.scale))
+        return max(0.0, self._offset(sigma) - SIGMA_ROUNDING * (abs(sigma) + self.scale))
 
     def enters(self, region: Region) -> bool:
         """Whether a point of the curve lies in the region or on its boundary.
@@ -51,7 +51,7 @@ class Curve:
         if any(region.contains(complex(s)) for s in (*self._inside_hull(self.begin, region), *self._inside_hull(self.end, region))):
             return True
         parts = list(pairwise(np.union1d(region.corners, [*EIGHTHS, 1.0]).tolist()))
-        thinnest = THINNEST * size(region)
+        thinnest = SHORTEST_TOUCH * size(region)
         while parts:
             first, last = parts.pop()
             middle = 0.5 * (first + last)
@@ -82,7 +82,7 @@ class Curve:
         """The distance of σ to the segments; where that is small against their length, to the curve itself."""
         t, offsets = self._segments(sigma)
         i = int(offsets.argmin())
-        if self.at is None or offsets[i] > NEAR * abs(self.end[i] - self.begin[i]):
+        if self.at is None or offsets[i] > NEAR_SEGMENT * abs(self.end[i] - self.begin[i]):
             return float(offsets[i])
         width = float(self.high[i] - self.low[i])
         return self._to_curve(self.at, sigma, float(self.low[i] + t[i] * width), width)
@@ -99,7 +99,7 @@ class Curve:
     def _to_curve(at: Callable[[float], list[complex]], sigma: complex, parameter: float, width: float) -> float:
         """The least |σ_c − σ| met by Gauss–Newton, Re (σ_c − σ)* (σ_c + σ_c′ δ − σ) = 0, from a parameter on."""
         best, step = np.inf, 1e-4 * width
-        for _ in range(STEPS):
+        for _ in range(NEAREST_STEPS):
             here = _nearest(at(parameter), sigma)
             if not abs(here - sigma) < 0.5 * best:
                 return float(min(best, abs(here - sigma)))

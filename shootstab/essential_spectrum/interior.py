@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from shootstab.problems.protocol import ComplexArray, Problem
 
-POINTS = 2001  # chosen: samples of the curve; its scale and slope are differences of them
-NEWTON_STEPS = 30  # chosen: at most; each is held to half the curve's scale
+CURVE_SAMPLES = 2001  # chosen: samples of the curve; its scale and slope are differences of them
+CURVE_NEWTON_STEPS = 30  # chosen: at most; each is held to half the curve's scale
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +75,7 @@ class Continuum:
         z = complex(self.nearest(sigma)[1])
         scale = self.scale(z.real)
         step = 1e-4 * scale
-        for _ in range(NEWTON_STEPS):
+        for _ in range(CURVE_NEWTON_STEPS):
             here, ahead, behind = self.problem.continuum_at(np.array([z, z + step, z - step]))
             slope = (ahead - behind) / (2 * step)
             change = (sigma - complex(here)) / complex(slope) if slope != 0.0 else math.inf
@@ -108,5 +108,5 @@ class Continuum:
 @lru_cache(maxsize=32)
 def continuum_of(problem: Problem) -> Continuum | None:
     """The continuous spectrum of a problem, None if it has none."""
-    z = problem.heights(POINTS)
+    z = problem.heights(CURVE_SAMPLES)
     return None if z is None else Continuum(problem, z, problem.continuum_at(z.astype(np.complex128)))

@@ -8,16 +8,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.errors import ConvergenceError
-from shootstab.formulation.regular_singular import GENERIC, TERMS, Family, RegularSingularEnd, blocks
+from shootstab.formulation.regular_singular import COMPLEX_GENERIC_SIGMA, MOST_TERMS, Family, RegularSingularEnd, blocks
 from shootstab.problems.protocol import FarFrame
 
-REACH = 0.25  # of the length of the domain, how far out an integration begins at most
-SMALLEST = 1e-6  # of that length
-ROUNDING = 4e-15  # relative error of the frame at the start, for these σ
-PROBES = (GENERIC, -GENERIC, 1j * GENERIC)
-WORST = 1e-11  # relative error of a frame beyond which nothing is begun; what is below counts in the budget of a mode
-NEGLIGIBLE = 1e-19  # of the first terms: where the series ends
-UNIT = 4e-16  # rounding of one term
+FARTHEST_START = 0.25  # chosen: of the length of the domain, how far out an integration begins at most
+NEAREST_START = 1e-6  # chosen: of that length, how near to the axis it begins at least
+START_ROUNDING = 4e-15  # chosen, some twenty units of rounding: relative error of the frame at the start, for these σ
+# chosen: σ of no property, at which the series is looked at
+AXIS_SIGMAS = (COMPLEX_GENERIC_SIGMA, -COMPLEX_GENERIC_SIGMA, 1j * COMPLEX_GENERIC_SIGMA)
+WORST_START = 1e-11  # chosen: relative error of a frame beyond which nothing is begun; what is below counts in the budget
+LAST_TERM = 1e-19  # chosen: of the first terms: where the series ends
+TERM_ROUNDING = 4e-16  # chosen, two units of rounding: of one term of the series
 
 Array = NDArray[np.complex128]
 
@@ -39,7 +40,7 @@ class RegularSpace:
         parts = [self._family(family, sigma) for family in self.end.families]
         frame, tangent = (np.concatenate([part[i] for part in parts], axis=1) for i in (0, 1))
         error = max(part[2] for part in parts)
-        if error > WORST:
+        if error > WORST_START:
             raise ConvergenceError(f"at {self.where} the regular solutions are known to {error:.1e} only for sigma = {sigma:.6g}")
         return FarFrame(frame, tangent, 0.0, error)
 
@@ -49,15 +50,15 @@ class RegularSpace:
         C0, C1, D0, D1 = self.end.arrays
         C, D, S = C0 + sigma * C1, D0 + sigma * D1, np.array(self.end.shifts, dtype=float)
         ratio = self.x / self.end.length
-        phi, slope, turned, turned_slope = (np.zeros((TERMS, n, k), dtype=np.complex128) for _ in range(4))
+        phi, slope, turned, turned_slope = (np.zeros((MOST_TERMS, n, k), dtype=np.complex128) for _ in range(4))
         for out, part in zip((phi, slope), self._first(family, sigma), strict=True):
             out[: family.count] = part.reshape(family.count, n, k)
         for m in range(family.count):
             factor = (rho + m + S)[:, None]
             turned[m], turned_slope[m] = factor * phi[m], factor * slope[m]
-        terms = TERMS
+        terms = MOST_TERMS
         largest = (np.abs(phi[: family.count]).max(axis=(1, 2)) * ratio ** np.arange(family.count)).max()
-        for m in range(family.count, TERMS):
+        for m in range(family.count, MOST_TERMS):
             # L_q φ_{m−q} summed over q ≥ 1, and what σ changes in it
             right = _sum(D, phi, m) - _sum(C, turned, m)
             right_slope = _sum(D, slope, m) - _sum(C, turned_slope, m) + _sum(D1, phi, m) - _sum(C1, turned, m)
@@ -68,7 +69,7 @@ class RegularSpace:
             turned[m], turned_slope[m] = factor * phi[m], factor * slope[m]
             ends = np.arange(max(m - 3, 0), m + 1)
             last = np.abs(phi[ends]).max(axis=(1, 2)) * ratio**ends
-            if m > family.count + 4 and last.max() < NEGLIGIBLE * largest:
+            if m > family.count + 4 and last.max() < LAST_TERM * largest:
                 terms = m + 1
                 break
         phi, slope = phi[:terms], slope[:terms]
@@ -77,7 +78,7 @@ class RegularSpace:
         total = values.sum(axis=0)
         scale = self.x ** (S + (rho - self.lowest))[:, None]
         sizes = np.abs(total).max(axis=0)
-        lost = np.abs(values).max(axis=(0, 1)) * UNIT + np.abs(values[-4:]).max(axis=(0, 1))
+        lost = np.abs(values).max(axis=(0, 1)) * TERM_ROUNDING + np.abs(values[-4:]).max(axis=(0, 1))
         return scale * total, scale * slopes.sum(axis=0), float((lost / sizes).max())
 
     def _first(self, family: Family, sigma: complex) -> tuple[Array, Array]:
@@ -111,10 +112,10 @@ def _sum(A: Array, y: Array, m: int) -> Array:
 
 def starting_distance(end: RegularSingularEnd, length: float, where: str) -> float:
     """How far from the end to begin: the largest of some distances at which the series holds to rounding for σ of the size 1."""
-    x = REACH * length
-    while x > SMALLEST * length:
+    x = FARTHEST_START * length
+    while x > NEAREST_START * length:
         try:
-            if all(RegularSpace(end, x, where).frame(sigma).error <= ROUNDING for sigma in PROBES):
+            if all(RegularSpace(end, x, where).frame(sigma).error <= START_ROUNDING for sigma in AXIS_SIGMAS):
                 return x
         except ConvergenceError:
             pass

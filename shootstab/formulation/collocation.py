@@ -31,9 +31,9 @@ from shootstab.formulation.system import Row, coefficients, degree
 from shootstab.spectral import chebyshev, qz
 from shootstab.spectral.qz import Matrix, Spectrum
 
-SMALLEST = 6  # truncation
-ABSENT = -1000.0  # stands for −∞ in S
-BALANCES = 2  # rounds in which rows and columns are scaled to size one
+SMALLEST_TRUNCATION = 6  # chosen: below, the tail of a series is the series
+MINUS_INFINITY = -1000.0  # chosen: stands for −∞ in S
+BALANCES = 2  # chosen: rounds in which rows and columns are scaled to size one
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,8 +46,8 @@ class Collocation:
 
     def spectrum(self, M: int, filtered: bool = True) -> Spectrum:
         """The spectrum at N = M. Raises InputError below the smallest truncation."""
-        if M < SMALLEST:
-            raise InputError(f"M = {M!r}: allowed is an integer of at least {SMALLEST}")
+        if M < SMALLEST_TRUNCATION:
+            raise InputError(f"M = {M!r}: allowed is an integer of at least {SMALLEST_TRUNCATION}")
 
         def unfold(vectors: Matrix) -> Matrix:
             """Values of the unknowns at the extrema, of the degree of the longest; N is what is left of a companion matrix's vectors."""
@@ -130,7 +130,7 @@ def collocation(statement: Statement) -> Collocation | None:
     if not all(statement.finite) or isinstance(statement.left, Periodic):
         return None
     unknowns = statement.names.unknowns
-    S = np.full((len(unknowns), len(unknowns)), ABSENT)
+    S = np.full((len(unknowns), len(unknowns)), MINUS_INFINITY)
     for i, row in enumerate(statement.system.rows):
         for name, order in row:
             S[i, unknowns.index(name)] = max(S[i, unknowns.index(name)], order)

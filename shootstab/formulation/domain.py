@@ -11,10 +11,10 @@ from shootstab.formulation.evaluation import Given, on_arrays
 from shootstab.formulation.expression import Expression
 from shootstab.formulation.vanishing import Vanishing
 
-SAMPLES = 801
-FAR = 1e3  # where samples end towards infinity
-FINITE = 4.0  # length that stands for an infinite one where a function is tested for being zero
-SMALL = 1e-9  # of the largest value: what is no larger is a zero
+LINE_SAMPLES = 801  # chosen: points of the domain at which a function is looked at; a zero in between of a hundredth of the domain is seen
+FAR_SAMPLE = 1e3  # chosen: where samples end towards infinity
+FINITE = 4.0  # chosen: length that stands for an infinite one where a function is tested for being zero
+ZERO_TOLERANCE = 1e-9  # chosen: of the largest value: what is no larger is a zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,14 +28,14 @@ class Domain:
     @property
     def points(self) -> NDArray[np.float64]:
         """Inside, denser towards the ends."""
-        x = -np.cos(np.pi * (np.arange(SAMPLES) + 0.5) / SAMPLES)
+        x = -np.cos(np.pi * (np.arange(LINE_SAMPLES) + 0.5) / LINE_SAMPLES)
         if np.isfinite(self.left) and np.isfinite(self.right):
             return np.asarray(0.5 * (self.left + self.right) + 0.5 * (self.right - self.left) * x)
         if np.isfinite(self.left):
-            return np.asarray(self.left + np.geomspace(1e-6, FAR, SAMPLES))
+            return np.asarray(self.left + np.geomspace(1e-6, FAR_SAMPLE, LINE_SAMPLES))
         if np.isfinite(self.right):
-            return np.asarray(self.right - np.geomspace(FAR, 1e-6, SAMPLES))
-        half = np.geomspace(1e-6, FAR, SAMPLES // 2)
+            return np.asarray(self.right - np.geomspace(FAR_SAMPLE, 1e-6, LINE_SAMPLES))
+        half = np.geomspace(1e-6, FAR_SAMPLE, LINE_SAMPLES // 2)
         return np.concatenate((-half[::-1], [0.0], half))
 
     @property
@@ -57,7 +57,7 @@ class Domain:
         size = np.abs(values)
         bad = ~np.isfinite(size)
         if not bad.any():
-            bad = size <= SMALL * size.max()
+            bad = size <= ZERO_TOLERANCE * size.max()
         if not bad.any() and not np.iscomplex(values).any():
             bad = np.append(np.diff(np.sign(values.real)) != 0, False)
         return float(z[bad][0]) if bad.any() else None

@@ -13,7 +13,7 @@ from shootstab.formulation.statement import Statement
 from shootstab.formulation.system import Row, shown
 
 Lines = list[tuple[str, str]]
-LONGEST = 400  # characters of a formula that are shown
+LONGEST_SHOWN = 400  # chosen: characters of a formula that are shown
 
 
 def explanation(
@@ -30,7 +30,7 @@ def explanation(
         found = str(expression)
         for ours, theirs in (("sigma", names.eigenvalue), ("z", names.variable)):
             found = _renamed(found, ours, theirs)
-        return found if len(found) <= LONGEST else found[:LONGEST] + " …"
+        return found if len(found) <= LONGEST_SHOWN else found[:LONGEST_SHOWN] + " …"
 
     def row_text(row: Row) -> str:
         return " + ".join(f"({text(c)})*{shown(at)}" for at, c in sorted(row.items()))

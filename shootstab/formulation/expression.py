@@ -18,7 +18,7 @@ from shootstab.core.errors import InputError
 from shootstab.formulation.atoms import Atom, Exponent
 from shootstab.formulation.gaussian import ONE, Gaussian
 
-LARGEST = 4000  # chosen: monomials that a power of a sum is multiplied out to at most
+MOST_MONOMIALS = 4000  # chosen: monomials that a power of a sum is multiplied out to at most
 
 
 Monomial = tuple[tuple[Atom, Exponent], ...]
@@ -99,7 +99,7 @@ class Expression:
             if common:  # z alone is a factor of its own: poles at 0 are seen
                 return Z ** (common * exponent) * (self * Z**-common) ** exponent
         if Fraction(exponent).denominator == 1 and exponent > 0:
-            if len(self.terms) ** min(int(exponent), LARGEST) > LARGEST:
+            if len(self.terms) ** min(int(exponent), MOST_MONOMIALS) > MOST_MONOMIALS:
                 raise InputError(f"a sum of {len(self.terms)} terms to the power {exponent} is too long to be multiplied out")
             half = self ** (int(exponent) // 2)
             return half * half * self if int(exponent) % 2 else half * half

@@ -17,7 +17,7 @@ from shootstab.formulation.system import Jet, Row, System, coefficients, combine
 from shootstab.formulation.vanishing import Vanishing
 
 Entries = dict[tuple[int, int], Expression]
-MOST = 2000  # substitutions in one expression, more than any needs
+MOST_SUBSTITUTIONS = 2000  # chosen: substitutions in one expression, more than any needs
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ class FirstOrder:
     def in_states(self, row: Row) -> Row:
         """The same in terms of the states alone, up to a factor that vanishes for single σ at most."""
         states = set(self.states)
-        for _ in range(MOST):
+        for _ in range(MOST_SUBSTITUTIONS):
             foreign = [at for at in row if at not in states]
             if not foreign:
                 return row
@@ -68,7 +68,7 @@ class FirstOrder:
             p, x = (number(1), x / pivot) if degree(pivot) == 0 else (pivot, x)
             row = combined([(p, row), (-x, rule)], self.vanishing)
             row.pop((name, order), None)
-        raise InputError(f"a condition needs more than {MOST} substitutions: allowed are lower derivatives")
+        raise InputError(f"a condition needs more than {MOST_SUBSTITUTIONS} substitutions: allowed are lower derivatives")
 
 
 def first_order(system: System, vanishing: Vanishing, regular: object) -> FirstOrder:

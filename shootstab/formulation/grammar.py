@@ -23,10 +23,10 @@ from shootstab.formulation.gaussian import ONE, I
 TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?P<unit>[jJ](?!\w))?|(?P<name>[^\W\d]\w*)|(?P<sign>\*\*|[-+*/^(),=]))"
 )
-LONGEST = 20_000  # characters of one formula
-LARGEST_EXPONENT = 400  # of a number in decimal notation: what doubles hold, and more
-DEEPEST = 60  # parentheses and signs within each other
-MOST_DERIVATIVES = 16
+LONGEST_FORMULA = 20_000  # chosen: characters of one formula
+LARGEST_EXPONENT = 400  # chosen: of a number in decimal notation: what doubles hold, and more
+DEEPEST_NESTING = 60  # chosen: parentheses and signs within each other
+MOST_DERIVATIVES = 16  # chosen: the order of d(f, n); no equation of physics has a higher one
 
 Scope = Callable[[str], Expression]  # a name's expression; raises KeyError for one that is not known
 
@@ -45,8 +45,8 @@ class Reader:
     def __init__(self, text: str, where: str, scope: Scope, known: Callable[[], str]) -> None:
         if not isinstance(text, str):
             raise InputError(f"{where} = {text!r}: allowed is a formula as text")
-        if len(text) > LONGEST:
-            raise InputError(f"{where} has {len(text)} characters: allowed are {LONGEST}")
+        if len(text) > LONGEST_FORMULA:
+            raise InputError(f"{where} has {len(text)} characters: allowed are {LONGEST_FORMULA}")
         self._text, self._where, self._scope, self._known = text, where, scope, known
         self._tokens = self._split()
         self._at = 0
@@ -220,8 +220,8 @@ class Reader:
 
     def _deeper(self) -> None:
         self._depth += 1
-        if self._depth > DEEPEST:
-            raise self._error(f"allowed are {DEEPEST} parentheses within each other")
+        if self._depth > DEEPEST_NESTING:
+            raise self._error(f"allowed are {DEEPEST_NESTING} parentheses within each other")
 
     def _error(self, why: str, at: int | None = None) -> InputError:
         place = self._at if at is None else at

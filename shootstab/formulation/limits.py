@@ -7,11 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from shootstab.core.errors import InputError
-from shootstab.problems.ends import Infinity
+from shootstab.problems.ends import INFINITIES, Infinity
 from shootstab.problems.pencil_function import PencilFunction
 
-FAR = (1e8, 2e8)  # chosen: e^{−z/L} is zero in doubles for every L below 1e5, and what is not constant differs at the two
-NAMES = {-1: "-infinity", 1: "+infinity"}
+LIMIT_PLACES = (1e8, 2e8)  # chosen: e^{−z/L} is zero in doubles for every L below 1e5, and what is not constant differs at the two
 
 
 def with_limit(end: Infinity, matrices: PencilFunction, side: int) -> Infinity:
@@ -21,12 +20,12 @@ def with_limit(end: Infinity, matrices: PencilFunction, side: int) -> Infinity:
     advice = "allowed are coefficients that come to a constant exponentially, or Infinity(start=...)"
     try:
         with np.errstate(all="ignore"):
-            near, far = (matrices.at(side * z) for z in FAR)
+            near, far = (matrices.at(side * z) for z in LIMIT_PLACES)
     except InputError as error:
-        raise InputError(f"at {NAMES[side]} the coefficients have no finite limit ({error}): {advice}") from error
+        raise InputError(f"at {INFINITIES[side]} the coefficients have no finite limit ({error}): {advice}") from error
     limit = []
     for a, b in zip(near, far, strict=True):
         if (np.abs(a - b) > 1e-15 * max(float(np.abs(b).max()), 1e-300)).any():
-            raise InputError(f"at {NAMES[side]} the coefficients have no limit, or come to it slower than exponentially: {advice}")
+            raise InputError(f"at {INFINITIES[side]} the coefficients have no limit, or come to it slower than exponentially: {advice}")
         limit.append(b)
     return replace(end, limit=tuple(limit))

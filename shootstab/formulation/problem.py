@@ -28,12 +28,10 @@ from shootstab.formulation.singular_ends import between_periodic_ends, between_s
 from shootstab.formulation.statement import Statement, stated
 from shootstab.formulation.system import degree, shown
 from shootstab.problems.ends import Infinity, Wall
-from shootstab.problems.linear_problem import LinearProblem
+from shootstab.problems.linear_problem import MOST_STATES, LinearProblem
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.two_point import reduce_to_two_points
-
-LARGEST = 64  # states, as problems.linear_problem has it
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -130,8 +128,8 @@ def assembled(statement: Statement, fold: float = 0.0, reference: complex | None
     ends, finite = (statement.left, statement.right), statement.finite
     _require_count(first, statement, conditions)
     system = affine(first, conditions[0], conditions[1], finite, statement.holding)
-    if system.size > LARGEST:
-        raise InputError(f"the equations have {system.size} states: allowed are {LARGEST}")
+    if system.size > MOST_STATES:
+        raise InputError(f"the equations have {system.size} states: allowed are {MOST_STATES}")
     matrices = PencilFunction(system.size, pencil_of(system, domain.given), vectorized=True)
     _require_finite(system, statement)
     curve: Callable[[Any], Any] | None = spectrum.curve if spectrum.curves else None

@@ -27,7 +27,7 @@ from shootstab.formulation.expression import Expression, number, quotient
 from shootstab.formulation.system import Jet, Row, System, combined, degree, differentiated, orders
 from shootstab.formulation.vanishing import Vanishing
 
-MOST = 400  # steps of a reduction, more than any needs
+MOST_REDUCTIONS = 400  # chosen: steps of a reduction, more than any needs
 
 
 @dataclass
@@ -48,10 +48,10 @@ class Reduction:
 
     def run(self) -> None:
         """To the end. Raises InputError for equations that are dependent, or determine nothing."""
-        for _ in range(MOST):
+        for _ in range(MOST_REDUCTIONS):
             if not self._step():
                 return
-        raise InputError(f"the equations {', '.join(self.names)} cannot be brought to first order in {MOST} steps")
+        raise InputError(f"the equations {', '.join(self.names)} cannot be brought to first order in {MOST_REDUCTIONS} steps")
 
     @property
     def tops(self) -> dict[str, int]:

@@ -15,7 +15,7 @@ from shootstab.multiprecision.arithmetic import TAIL_TERMS, Arithmetic, Matrix
 from shootstab.multiprecision.settings import Settings
 from shootstab.multiprecision.taylor import Taylor, real_series
 
-MOST = 4000  # terms of a series
+MOST_SERIES_TERMS = 4000  # chosen: terms of a series
 
 Series = Mapping[tuple[int, int], list[Any]]  # coefficients by entry
 
@@ -42,7 +42,7 @@ class RegularStart:
         power, powers = arithmetic.number(1), []
         largest = 0.0
         last: list[float] = []
-        for m in range(MOST):
+        for m in range(MOST_SERIES_TERMS):
             if m >= terms:
                 break
             if m >= family.count:

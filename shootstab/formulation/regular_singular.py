@@ -31,14 +31,14 @@ from shootstab.formulation.first_order import Entries
 from shootstab.formulation.substitution import substituted
 from shootstab.problems.protocol import GENERIC_SIGMA
 
-ALIKE = 1e-6  # exponents and their differences are told from integers by this
-SMALL = 1e-9  # singular values below this part of the largest are zero
-MOST = 60  # orders between the smallest and the largest exponent
-CIRCLE = 16  # values of σ at which a basis is shown to be a polynomial in it
-RADII = (0.7, 19.0)
-TERMS = 80  # of the series, at most
-FIRST_TERMS = 12  # of the coefficients, by which the length is found
-GENERIC = GENERIC_SIGMA * (1 + 0.37j)
+INTEGER_TOLERANCE = 1e-6  # chosen: exponents and their differences are told from integers by this
+RANK_TOLERANCE = 1e-9  # chosen: singular values below this part of the largest are zero
+MOST_ORDERS = 60  # chosen: orders between the smallest and the largest exponent
+SIGMA_SAMPLES = 16  # chosen: values of σ on a circle by which a basis is shown to be a polynomial in it
+RADII = (0.7, 19.0)  # chosen: radii of two circles in σ, far apart, on which that is shown
+MOST_TERMS = 80  # chosen: of the series, at most
+FIRST_TERMS = 12  # chosen: of the coefficients, by which the length is found
+COMPLEX_GENERIC_SIGMA = GENERIC_SIGMA * (1 + 0.37j)  # chosen: a complex σ of no property
 
 Scaled = tuple[Entries, Entries, Entries, Entries]
 
@@ -81,8 +81,8 @@ class RegularSingularEnd:
 
     @cached_property
     def arrays(self) -> list[NDArray[np.complex128]]:
-        """The series of Ĉ0, Ĉ1, D̂0, D̂1, (TERMS, n, n) each."""
-        return coefficient_arrays(self.parts, len(self.shifts), TERMS, self.length)
+        """The series of Ĉ0, Ĉ1, D̂0, D̂1, (MOST_TERMS, n, n) each."""
+        return coefficient_arrays(self.parts, len(self.shifts), MOST_TERMS, self.length)
 
 
 def regular_singular_end(system: AffineSystem, z0: Fraction, direction: int, bounded: Sequence[int], where: str) -> RegularSingularEnd:
@@ -92,21 +92,21 @@ def regular_singular_end(system: AffineSystem, z0: Fraction, direction: int, bou
     """
     parts, shifts = _scaled(system, z0, direction, where)
     length = _length(parts, system.size)
-    exponents = _exponents(parts, shifts, GENERIC, where)
-    other = _exponents(parts, shifts, -2.3 * GENERIC.conjugate(), where)
-    if np.abs(exponents - other).max() > ALIKE * (1.0 + np.abs(exponents).max()):
+    exponents = _exponents(parts, shifts, COMPLEX_GENERIC_SIGMA, where)
+    other = _exponents(parts, shifts, -2.3 * COMPLEX_GENERIC_SIGMA.conjugate(), where)
+    if np.abs(exponents - other).max() > INTEGER_TOLERANCE * (1.0 + np.abs(exponents).max()):
         raise InputError(f"at {where} the exponents depend on the eigenvalue: that is not offered")
     families = []
     left = list(exponents)
     while left:
         first = left[0]
-        members = [x for x in left if abs((x - first) - round((x - first).real)) < ALIKE]
+        members = [x for x in left if abs((x - first) - round((x - first).real)) < INTEGER_TOLERANCE]
         left = [x for x in left if x not in members]
         lowest = min(members, key=lambda x: float(x.real))
-        rho = complex(round(lowest.real), 0.0) if abs(lowest - round(lowest.real)) < ALIKE else complex(lowest)
+        rho = complex(round(lowest.real), 0.0) if abs(lowest - round(lowest.real)) < INTEGER_TOLERANCE else complex(lowest)
         count = 1 + round(max(float((x - lowest).real) for x in members))
-        if count > MOST:
-            raise InputError(f"at {where} exponents differ by {count - 1}: allowed are differences up to {MOST - 1}")
+        if count > MOST_ORDERS:
+            raise InputError(f"at {where} exponents differ by {count - 1}: allowed are differences up to {MOST_ORDERS - 1}")
         families.append(_family(parts, shifts, length, rho, count, bounded, where))
     found = tuple(family for family in families if family is not None)
     return RegularSingularEnd(parts, shifts, length, found, tuple(complex(x) for x in exponents))
@@ -192,7 +192,7 @@ def _exponents(parts: Scaled, shifts: Sequence[int], sigma: complex, where: str)
     n = len(shifts)
     C0, C1, D0, D1 = (array[0] for array in coefficient_arrays(parts, n, 2))
     C = C0 + sigma * C1
-    if np.linalg.cond(C) > 1 / SMALL:
+    if np.linalg.cond(C) > 1 / RANK_TOLERANCE:
         raise InputError(f"at {where} the highest derivatives are dependent: that is not offered")
     found = np.linalg.eigvals(np.linalg.solve(C, D0 + sigma * D1) - np.diag(np.array(shifts, dtype=float)))
     rounded = np.where(np.abs(found - np.round(found.real)) < 1e-3, np.round(found.real), found)  # multiple ones scatter
@@ -204,7 +204,7 @@ def _family(
 ) -> Family | None:
     n = len(shifts)
     fixed, moving = blocks(coefficient_arrays(parts, n, count + 1, length), shifts, rho, count)
-    forbidden = {m * n + j for m in range(count) for j in bounded if (rho + m).real + shifts[j] < -ALIKE}
+    forbidden = {m * n + j for m in range(count) for j in bounded if (rho + m).real + shifts[j] < -INTEGER_TOLERANCE}
     allowed = [i for i in range(count * n) if i not in forbidden]
 
     def matrix(sigma: complex) -> NDArray[np.complex128]:
@@ -212,14 +212,14 @@ def _family(
         sizes = np.abs(fixed[:, allowed]).max(axis=1) + np.abs(moving[:, allowed]).max(axis=1)
         return np.asarray(M / np.where(sizes > 0.0, sizes, 1.0)[:, None])
 
-    M = matrix(GENERIC)
+    M = matrix(COMPLEX_GENERIC_SIGMA)
     sizes = np.linalg.svd(M, compute_uv=False)
-    k = len(allowed) - int((sizes > SMALL * sizes[0]).sum())
+    k = len(allowed) - int((sizes > RANK_TOLERANCE * sizes[0]).sum())
     if k == 0:
         return None
     _, _, order = scipy.linalg.qr(M.conj().T, pivoting=True)
     rows = sorted(order[: len(allowed) - k].tolist())
-    for free in _candidates(scipy.linalg.null_space(M, rcond=SMALL), k):
+    for free in _candidates(scipy.linalg.null_space(M, rcond=RANK_TOLERANCE), k):
         if _is_polynomial(matrix, rows, free):
             return Family(rho, count, tuple(free), tuple(rows), tuple(allowed))
     raise InputError(f"at {where} no basis of the regular solutions is found that is a polynomial in the eigenvalue: that is not offered")
@@ -244,15 +244,15 @@ def _candidates(basis: NDArray[np.complex128], k: int) -> list[list[int]]:
 def _is_polynomial(matrix: object, rows: list[int], free: list[int]) -> bool:
     """Whether the basis named by these coefficients has no poles: its values on circles have no negative Fourier coefficients."""
     for radius in RADII:
-        sigmas = radius * np.exp(2j * np.pi * np.arange(CIRCLE) / CIRCLE)
+        sigmas = radius * np.exp(2j * np.pi * np.arange(SIGMA_SAMPLES) / SIGMA_SAMPLES)
         values = []
         for sigma in sigmas.tolist():
             M = matrix(sigma)[rows]  # type: ignore[operator]
             dependent = [i for i in range(M.shape[1]) if i not in free]
-            if np.linalg.cond(M[:, dependent]) > 1 / SMALL:
+            if np.linalg.cond(M[:, dependent]) > 1 / RANK_TOLERANCE:
                 return False
             values.append(np.linalg.solve(M[:, dependent], -M[:, free]))
         waves = np.fft.fft(np.array(values), axis=0)
-        if np.abs(waves[CIRCLE // 2 :]).max(initial=0.0) > 1e-8 * np.abs(waves).max(initial=1e-300):
+        if np.abs(waves[SIGMA_SAMPLES // 2 :]).max(initial=0.0) > 1e-8 * np.abs(waves).max(initial=1e-300):
             return False
     return True

@@ -20,7 +20,7 @@ from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.subdomains import Subdomain
 from shootstab.problems.two_point import TwoPointReduction
 
-ALIKE = 1e-12  # coefficients at two periodic ends, relative to their size
+PERIODIC_TOLERANCE = 1e-12  # chosen: coefficients at two periodic ends, relative to their size
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +80,7 @@ def between_periodic_ends(matrices: PencilFunction, left: float, right: float) -
     """(a, ψ) from (1, 1) at the left end, a = ψ at the right one: det(1 − the monodromy matrix). Raises InputError without a period."""
     n = matrices.size
     for name, a, b in zip(("C0", "C1", "D0", "D1"), matrices.at(left), matrices.at(right), strict=True):
-        if np.abs(a - b).max() > ALIKE * max(float(np.abs(a).max()), float(np.abs(b).max())):
+        if np.abs(a - b).max() > PERIODIC_TOLERANCE * max(float(np.abs(a).max()), float(np.abs(b).max())):
             raise InputError(
                 f"between periodic ends {name} of the first-order system is not the same at both: allowed are periodic coefficients"
             )

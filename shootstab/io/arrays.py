@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-NAMES = ("eigenvalues", "sigma")
-ALLOWED = "allowed is a list of complex or real numbers, or two real columns, re and im"
-PARTS = (("re", "im"), ("real", "imag"), ("r", "i"))  # how a real and an imaginary part are called, alone or behind a common stem
+EIGENVALUE_NAMES = ("eigenvalues", "sigma")
+ALLOWED_ARRAYS = "allowed is a list of complex or real numbers, or two real columns, re and im"
+COMPLEX_PARTS = (("re", "im"), ("real", "imag"), ("r", "i"))  # how a real and an imaginary part are called, alone or behind a common stem
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,8 @@ class Wanted:
 
 
 def stem_of(name: str) -> tuple[str, int, int] | None:
-    """omega_r as ('omega', 2, 0): the common stem, which of PARTS, and 0 for the real part or 1 for the imaginary; None for other names."""
-    for which, ends in enumerate(PARTS):
+    """omega_r as ('omega', 2, 0): the stem, which of COMPLEX_PARTS, 0 for the real part or 1 for the imaginary; None for other names."""
+    for which, ends in enumerate(COMPLEX_PARTS):
         for part, end in enumerate(ends):
             if found := re.fullmatch(rf"(?:(.*)[ _.-])?{end}", name, re.IGNORECASE):
                 return found[1] or "", which, part
@@ -91,13 +91,14 @@ def choose(arrays: Mapping[str, Array], dataset: str | None, there: Sequence[str
         if dataset in arrays:
             return dataset
         raise ValueError(f"no array of numbers called {shortened(dataset)} in it: there are {listed}")
-    named = [name for name in NAMES if name in arrays]
+    named = [name for name in EIGENVALUE_NAMES if name in arrays]
     if named or len(arrays) == 1:
         return named[0] if named else next(iter(arrays))
     vectors = [name for name, array in arrays.items() if array.kind == "c" and array.vector]
     if len(vectors) == 1:
         return vectors[0]
-    raise ValueError(f"arrays in it: {listed}: allowed is one array, or one of them called {' or '.join(NAMES)}, or --dataset NAME")
+    called = " or ".join(EIGENVALUE_NAMES)
+    raise ValueError(f"arrays in it: {listed}: allowed is one array, or one of them called {called}, or --dataset NAME")
 
 
 def as_complex(array: Any, row: int | None = None) -> NDArray[np.complex128]:
@@ -108,7 +109,7 @@ def as_complex(array: Any, row: int | None = None) -> NDArray[np.complex128]:
     import numpy as np
 
     if not isinstance(array, np.ndarray) or array.dtype.kind not in "iufc":
-        raise ValueError(f"an array of type {getattr(array, 'dtype', type(array).__name__)}: {ALLOWED}")
+        raise ValueError(f"an array of type {getattr(array, 'dtype', type(array).__name__)}: {ALLOWED_ARRAYS}")
     array = np.atleast_1d(array)
     if row is not None:
         if array.ndim < 2 or not 1 <= row <= len(array):
@@ -121,5 +122,5 @@ def as_complex(array: Any, row: int | None = None) -> NDArray[np.complex128]:
         return np.asarray(np.diagonal(array), dtype=np.complex128)
     if array.size != max(array.shape):
         choice = f", or --row N for one of its {len(array)} rows" if array.ndim > 1 and row is None else ""
-        raise ValueError(f"an array of shape {array.shape}: {ALLOWED}{choice}")
+        raise ValueError(f"an array of shape {array.shape}: {ALLOWED_ARRAYS}{choice}")
     return np.asarray(array.ravel(), dtype=np.complex128)

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from shootstab.analyses.find import Found
     from shootstab.models.chute import Flow
 
-PROFILE_POINTS = 101
-PROFILE_TOP = 1e-6  # profiles end where ν has fallen to this
+PROFILE_POINTS = 101  # chosen: points of a profile in JSON
+PROFILE_TOP = 1e-6  # chosen: profiles end where ν has fallen to this
 
 
 def mode(found: Mode) -> dict[str, Any]:

@@ -5,22 +5,23 @@ from __future__ import annotations
 import io
 from typing import TYPE_CHECKING, Any
 
-from shootstab.io.arrays import PARTS, Array, Wanted, spectrum_in, with_pairs
+from shootstab.io.arrays import COMPLEX_PARTS, Array, Wanted, spectrum_in, with_pairs
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-MAGIC = b"\x89HDF\r\n\x1a\n"
+HDF5_MAGIC = b"\x89HDF\r\n\x1a\n"
 MATLAB = b"MATLAB 7.3 MAT-file"
+# defined by the format: where the signature may stand; its longer user blocks are not looked into
 USERBLOCKS = (0, 512, 1024, 2048)
 MATLABS_OWN = ("#refs#", "#subsystem#")
-MOST = 10_000  # datasets in a file
+MOST_DATASETS = 10_000  # chosen: datasets in a file
 
 
 def is_hdf5(data: bytes) -> bool:
     """Whether the signature stands at one of the places where it may."""
-    return any(data[at : at + len(MAGIC)] == MAGIC for at in USERBLOCKS)
+    return any(data[at : at + len(HDF5_MAGIC)] == HDF5_MAGIC for at in USERBLOCKS)
 
 
 def from_hdf5(data: bytes, wanted: Wanted, largest: int) -> NDArray[np.complex128]:
@@ -57,7 +58,7 @@ def _complex(array: Any) -> Any:
     names = array.dtype.names
     if names is None:
         return array
-    for re, im in PARTS:
+    for re, im in COMPLEX_PARTS:
         if set(names) == {re, im}:
             return array[re] + 1j * array[im]
     raise ValueError(f"fields {', '.join(names)}: allowed are re and im")
@@ -77,7 +78,7 @@ def _found(file: Any, largest: int) -> dict[str, Array]:
             kind = "c" if item.dtype.kind == "V" else item.dtype.kind
             groups.setdefault(group, {})[last] = Array(kind, item.shape, lambda: _values(item, largest))
             count += 1
-        return True if count > MOST else None
+        return True if count > MOST_DATASETS else None
 
     file.visititems(note)
     found: dict[str, Array] = {}

@@ -6,10 +6,10 @@ import json
 from typing import Any
 
 from shootstab.core.errors import shortened
-from shootstab.io.arrays import NAMES, Wanted, pairs
+from shootstab.io.arrays import EIGENVALUE_NAMES, Wanted, pairs
 from shootstab.io.text import Placed, is_text, joined
 
-ALLOWED = 'allowed is a list of numbers, of [re, im] or of {"re": …, "im": …}, or such a list named "eigenvalues"'
+ALLOWED_JSON = 'allowed is a list of numbers, of [re, im] or of {"re": …, "im": …}, or such a list named "eigenvalues"'
 
 
 def from_json(data: bytes, wanted: Wanted) -> Placed:
@@ -17,9 +17,9 @@ def from_json(data: bytes, wanted: Wanted) -> Placed:
     try:
         document = json.loads(data.decode("utf-8-sig"))
     except json.JSONDecodeError as error:
-        raise ValueError(f"line {error.lineno}: broken JSON: {error.msg}: {ALLOWED}") from None
+        raise ValueError(f"line {error.lineno}: broken JSON: {error.msg}: {ALLOWED_JSON}") from None
     except RecursionError:
-        raise ValueError(f"nested too deep: {ALLOWED}") from None
+        raise ValueError(f"nested too deep: {ALLOWED_JSON}") from None
     if wanted.row is not None:
         raise ValueError("--row: allowed for arrays in npy, npz, MATLAB and HDF5; this is json")
     if isinstance(document, dict):
@@ -27,7 +27,7 @@ def from_json(data: bytes, wanted: Wanted) -> Placed:
     elif wanted.dataset is not None:
         raise ValueError(f"--dataset {wanted.dataset}: allowed where lists have keys; this is one list")
     if not isinstance(document, list):
-        raise ValueError(f"no list of eigenvalues in it: {ALLOWED}")
+        raise ValueError(f"no list of eigenvalues in it: {ALLOWED_JSON}")
     for number, entry in enumerate(document, 1):
         place = f"entry {number}"
         if isinstance(entry, dict) and len(both := pairs([str(key) for key in entry])) == 1:
@@ -35,7 +35,7 @@ def from_json(data: bytes, wanted: Wanted) -> Placed:
         elif isinstance(entry, list) and len(entry) == 2:
             yield place, joined(entry, place)
         elif isinstance(entry, list | dict):
-            raise ValueError(f"{place}: {shortened(entry)}: {ALLOWED}")
+            raise ValueError(f"{place}: {shortened(entry)}: {ALLOWED_JSON}")
         else:
             yield place, joined([entry], place)
 
@@ -55,11 +55,11 @@ def _list_in(document: dict[str, Any], dataset: str | None) -> Any:
         if dataset not in lists:
             raise ValueError(f"no list called {shortened(dataset)} in it: there are {', '.join(lists) or 'none'}")
         return lists[dataset]
-    for name in NAMES:
+    for name in EIGENVALUE_NAMES:
         if name in document:
             return document[name]
     if len(joined_lists) == 1:
         return next(iter(joined_lists.values()))
     if len(lists) > 1:
-        raise ValueError(f"lists in it: {shortened(', '.join(lists), 200)}: {ALLOWED}, or --dataset NAME")
+        raise ValueError(f"lists in it: {shortened(', '.join(lists), 200)}: {ALLOWED_JSON}, or --dataset NAME")
     return next(iter(lists.values()), None)

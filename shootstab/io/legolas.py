@@ -16,13 +16,13 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-MAGIC = b"legolas_version"
-LONGEST_TEXT = 4096
-MOST = 10_000  # names, units, nodes: no header has as many
+LEGOLAS_MAGIC = b"legolas_version"
+LONGEST_TEXT = 4096  # chosen: characters of a name or text; no header has longer ones
+MOST_HEADER_ENTRIES = 10_000  # chosen: names, units, nodes: no header has as many
 MAGIC_OLD = b"datfile_version"
 GEOMETRIES = (b"Cartesian", b"cylindrical")
-UNITS_OLD = 11  # normalizations in a file that does not name them
-ALLOWED = "allowed is a file of Legolas, version 1 or 2"
+UNITS_OLD = 11  # defined by the format: normalizations in a file that does not name them
+ALLOWED_LEGOLAS = "allowed is a file of Legolas, version 1 or 2"
 
 
 class _Stream:
@@ -40,7 +40,7 @@ class _Stream:
     def integers(self, count: int = 1) -> tuple[int, ...]:
         return struct.unpack(f"{self.order}{count}i", self.take(4 * count))
 
-    def size(self, most: int = MOST) -> int:
+    def size(self, most: int = MOST_HEADER_ENTRIES) -> int:
         (value,) = self.integers()
         if not 0 <= value <= most:
             raise ValueError(f"broken Legolas file: a size of {value} in its header")
@@ -61,14 +61,14 @@ class _Stream:
 
 def is_legolas(data: bytes) -> bool:
     """Whether a version is named, or lengths of texts and a geometry stand at the beginning."""
-    return data.startswith((MAGIC, MAGIC_OLD)) or data[8:].startswith(GEOMETRIES)
+    return data.startswith((LEGOLAS_MAGIC, MAGIC_OLD)) or data[8:].startswith(GEOMETRIES)
 
 
 def from_legolas(data: bytes, _: object = None) -> NDArray[np.complex128]:
     """The eigenvalues in the bytes of a Legolas file, as frequencies. Raises ValueError."""
     import numpy as np
 
-    stream, count = _named(data) if data.startswith(MAGIC) else _unnamed(data)
+    stream, count = _named(data) if data.startswith(LEGOLAS_MAGIC) else _unnamed(data)
     values = np.frombuffer(stream.take(16 * count), dtype=f"{stream.order}c16")
     return np.asarray(values, dtype=np.complex128)
 
@@ -105,12 +105,12 @@ def _unnamed(data: bytes) -> tuple[_Stream, int]:
 
 def _named(data: bytes) -> tuple[_Stream, int]:
     """A file from 1.0.2 on, likewise."""
-    words = data[len(MAGIC) : len(MAGIC) + 10].decode("ascii", errors="replace").strip()
+    words = data[len(LEGOLAS_MAGIC) : len(LEGOLAS_MAGIC) + 10].decode("ascii", errors="replace").strip()
     numbers = re.findall(r"\d+", words)
     version = tuple(int(n[:6]) for n in numbers[:3])
     if not (1, 0, 2) <= version < (3,):
-        raise ValueError(f"Legolas version {words!r}: {ALLOWED}")
-    begin = len(MAGIC) + 10
+        raise ValueError(f"Legolas version {words!r}: {ALLOWED_LEGOLAS}")
+    begin = len(LEGOLAS_MAGIC) + 10
     stream = _Stream(data, begin, _order(data, begin))
     (_header_2 if version >= (2,) else _header_1)(stream, version)
     (count,) = stream.integers()

@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-MAGIC = b"MATLAB 5.0 MAT-file"
-HEADER = 128
-COMPRESSED = 15  # miCOMPRESSED
+MATLAB_MAGIC = b"MATLAB 5.0 MAT-file"
+HEADER = 128  # defined by the format: bytes of text and version before the first element
+COMPRESSED = 15  # defined by the format: miCOMPRESSED
 NUMERIC = ("double", "single", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64")
 NESTED = ("cell", "struct")
-DEEPEST = 4  # levels of cells and structures that are looked into
-MOST = 1000  # arrays in them
+DEEPEST_CELL = 4  # chosen: levels of cells and structures that are looked into
+MOST_CELL_ARRAYS = 1000  # chosen: arrays in them
 
 
 def from_mat(data: bytes, wanted: Wanted, largest: int) -> NDArray[np.complex128]:
@@ -37,7 +37,7 @@ def from_mat(data: bytes, wanted: Wanted, largest: int) -> NDArray[np.complex128
     for name in names:
         if name not in loaded:
             raise ValueError(f"broken MATLAB file: {name} cannot be read")
-        _collect(name, loaded[name], arrays, DEEPEST)
+        _collect(name, loaded[name], arrays, DEEPEST_CELL)
     inside = [name for name in arrays if name not in names]
     try:
         return spectrum_in(with_pairs(arrays, "re, im"), wanted, [*(name for name, _, _ in listed), *inside])
@@ -49,12 +49,12 @@ def _collect(name: str, value: Any, into: dict[str, Array], depth: int) -> None:
     """Every array of numbers in the value, by its name in MATLAB; a cell whose entries are numbers is one array."""
     import numpy as np
 
-    if depth < 0 or len(into) > MOST or not isinstance(value, np.ndarray):
+    if depth < 0 or len(into) > MOST_CELL_ARRAYS or not isinstance(value, np.ndarray):
         return
     if value.dtype.kind in "iufc":
         into[name] = Array(value.dtype.kind, value.shape, lambda: value)
     elif value.dtype.names is not None:
-        for number, entry in enumerate(value.ravel()[:MOST], 1):
+        for number, entry in enumerate(value.ravel()[:MOST_CELL_ARRAYS], 1):
             for field in value.dtype.names:
                 place = name if value.size == 1 else f"{name}({number})"
                 _collect(f"{place}.{field}", entry[field], into, depth - 1)
@@ -64,7 +64,7 @@ def _collect(name: str, value: Any, into: dict[str, Array], depth: int) -> None:
             whole = np.array([e.ravel()[0] for e in entries])
             into[name] = Array(whole.dtype.kind, whole.shape, lambda: whole)
             return
-        for number, entry in enumerate(entries[:MOST], 1):
+        for number, entry in enumerate(entries[:MOST_CELL_ARRAYS], 1):
             if (isinstance(entry, np.ndarray) and entry.size > 1) or getattr(getattr(entry, "dtype", None), "names", None):
                 _collect(f"{name}{{{number}}}", entry, into, depth - 1)
 

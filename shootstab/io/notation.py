@@ -17,8 +17,8 @@ _IMAGINARY = re.compile(rf"([+-]?)\s*({_SIZE})?\s*\*?\s*[ij]", _FLAGS)
 # NumPy's savetxt writes 1+-2j
 _BOTH = re.compile(rf"([+-]?(?:{_SIZE}))\s*([+-]\s*-?)\s*({_SIZE})?\s*\*?\s*[ij]", _FLAGS)
 
-LONGEST_FIXED = 6
-SMALLEST_FIXED = -4
+LONGEST_FIXED = 6  # chosen: decimal exponents of numbers that are printed without one, from SMALLEST_FIXED to below it
+SMALLEST_FIXED = -4  # chosen, as Python prints: 0.0001 and not 1e-4
 
 
 def complex_from(text: str) -> complex:

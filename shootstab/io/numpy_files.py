@@ -8,15 +8,15 @@ import zipfile
 import zlib
 from typing import TYPE_CHECKING, Any
 
-from shootstab.io.arrays import ALLOWED, Array, Wanted, as_complex, spectrum_in, with_pairs
+from shootstab.io.arrays import ALLOWED_ARRAYS, Array, Wanted, as_complex, spectrum_in, with_pairs
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-MAGIC = b"\x93NUMPY"
+NUMPY_MAGIC = b"\x93NUMPY"
 MAGIC_ZIP = (b"PK\x03\x04", b"PK\x05\x06")
-MOST = 1000  # arrays in an npz file
+MOST_ARRAYS = 1000  # chosen: arrays in an npz file
 # what NumPy and zipfile raise on files that are not what they say
 _BROKEN = (ValueError, EOFError, OSError, MemoryError, OverflowError, TypeError, SyntaxError, tokenize.TokenError)
 _BROKEN_ZIP = (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, KeyError, EOFError, OSError)
@@ -30,12 +30,12 @@ def from_npy(data: bytes, wanted: Wanted) -> NDArray[np.complex128]:
 def _loaded(data: bytes) -> Any:
     import numpy as np
 
-    if not data.startswith(MAGIC):
-        raise ValueError(f"an array that is not npy: {ALLOWED}")
+    if not data.startswith(NUMPY_MAGIC):
+        raise ValueError(f"an array that is not npy: {ALLOWED_ARRAYS}")
     try:
         return np.load(io.BytesIO(data), allow_pickle=False)
     except _BROKEN as error:
-        raise ValueError(f"broken npy: {_words(error)}: {ALLOWED}") from error
+        raise ValueError(f"broken npy: {_words(error)}: {ALLOWED_ARRAYS}") from error
 
 
 def _words(error: Exception) -> str:
@@ -48,8 +48,8 @@ def from_npz(data: bytes, wanted: Wanted, largest: int) -> NDArray[np.complex128
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             members = {info.filename.removesuffix(".npy"): info for info in archive.infolist()}
-            if len(members) > MOST:
-                raise ValueError(f"{len(members)} arrays in it: allowed are {MOST}")
+            if len(members) > MOST_ARRAYS:
+                raise ValueError(f"{len(members)} arrays in it: allowed are {MOST_ARRAYS}")
             if len(members) == 1 or wanted.dataset in members:
                 return as_complex(_member(archive, members[wanted.dataset or next(iter(members))], largest), wanted.row)
             arrays = {}

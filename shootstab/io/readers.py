@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-LARGEST = 64 * 2**20
+LARGEST_FILE = 64 * 2**20  # chosen: bytes of a file, far more than any list of eigenvalues has
 # chosen: QZ gives infinities of a singular pencil as 1e16 and more times its norm, and Legolas writes 1e20 for them
 INFINITE = 1e15
 
@@ -107,12 +107,12 @@ def _require_several(reader: Reader, path: str | Path, dataset: str | None, row:
 def _bytes(path: Path) -> bytes:
     try:
         with path.open("rb") as file:
-            data = file.read(LARGEST + 1)
+            data = file.read(LARGEST_FILE + 1)
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror or error}: allowed is a file of eigenvalues") from error
     except ValueError as error:  # a NUL in the name
         raise InputError(f"{shortened(str(path))}: not the name of a file") from error
-    if len(data) > LARGEST:
+    if len(data) > LARGEST_FILE:
         raise InputError(f"{path}: larger than 64 MB: allowed is a smaller file")
     if not data.strip():
         raise InputError(f"{path}: the file is empty: allowed is a file with at least one eigenvalue")
@@ -131,10 +131,10 @@ def _placed(values: Callable[[bytes, Wanted], NDArray[np.complex128]]) -> Callab
 
 
 READERS = (
-    Reader("npy", lambda data: data.startswith(numpy_files.MAGIC), _placed(numpy_files.from_npy)),
-    Reader("npz", lambda data: data.startswith(numpy_files.MAGIC_ZIP), _placed(lambda d, w: numpy_files.from_npz(d, w, LARGEST)), True),
-    Reader("HDF5", hdf5.is_hdf5, _placed(lambda data, wanted: hdf5.from_hdf5(data, wanted, LARGEST)), True),
-    Reader("MATLAB", lambda data: data.startswith(matlab.MAGIC), _placed(lambda d, w: matlab.from_mat(d, w, LARGEST)), True),
+    Reader("npy", lambda d: d.startswith(numpy_files.NUMPY_MAGIC), _placed(numpy_files.from_npy)),
+    Reader("npz", lambda d: d.startswith(numpy_files.MAGIC_ZIP), _placed(lambda d, w: numpy_files.from_npz(d, w, LARGEST_FILE)), True),
+    Reader("HDF5", hdf5.is_hdf5, _placed(lambda data, wanted: hdf5.from_hdf5(data, wanted, LARGEST_FILE)), True),
+    Reader("MATLAB", lambda d: d.startswith(matlab.MATLAB_MAGIC), _placed(lambda d, w: matlab.from_mat(d, w, LARGEST_FILE)), True),
     Reader("Legolas", legolas.is_legolas, _placed(legolas.from_legolas)),
     Reader("json", json_text.is_json, json_text.from_json, True),
     Reader("csv or text in UTF-8", text.is_text, lambda data, _: text.from_text(data)),

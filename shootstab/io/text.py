@@ -10,7 +10,7 @@ from shootstab.core.errors import shortened
 from shootstab.io.arrays import pairs
 from shootstab.io.notation import complex_from
 
-ALLOWED = "allowed is one eigenvalue a line, as re,im or as 1+2j"
+ALLOWED_TEXT = "allowed is one eigenvalue a line, as re,im or as 1+2j"
 # what a reader yields: where in the file, and the number there
 Placed = Iterator[tuple[str, complex]]
 
@@ -37,7 +37,7 @@ def from_text(data: bytes) -> Placed:
             if not any(is_number(c) for c in cells):
                 continue
         if len(cells) != width:
-            raise ValueError(f"{place}: {len(cells)} columns where the first line has {width}: {ALLOWED}")
+            raise ValueError(f"{place}: {len(cells)} columns where the first line has {width}: {ALLOWED_TEXT}")
         yield place, joined([cells[c] for c in columns], place)
 
 
@@ -95,7 +95,7 @@ def _columns(cells: list[str], header: list[str], place: str) -> tuple[int, ...]
         if len(by_stem) == 1:
             return names.index(by_stem[0][1]), names.index(by_stem[0][2])
     if len(cells) > 2:
-        raise ValueError(f"{place}: {len(cells)} columns and no header that names re and im: {ALLOWED}")
+        raise ValueError(f"{place}: {len(cells)} columns and no header that names re and im: {ALLOWED_TEXT}")
     return tuple(range(len(cells)))
 
 

@@ -19,7 +19,7 @@ from shootstab.kernels.step_control import FLOOR, local_error
 from shootstab.kernels.tableau import E3, E5, STAGES, WEIGHTS
 from shootstab.kernels.tableau import A as RK_A
 
-LOG_2 = float(np.log(2.0))
+LOG_2 = float(np.log(2.0))  # exact
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})

@@ -17,8 +17,7 @@ def _frozen(a: NDArray[np.float64]) -> NDArray[np.float64]:
     return copy
 
 
-STAGES = 12
-ORDER = 8
+STAGES, ORDER = 12, 8  # published (Hairer, Nørsett & Wanner 1993): of the pair of orders 8(5, 3)
 A = _frozen(DOP853.A)
 B = _frozen(DOP853.B)
 C = _frozen(DOP853.C)

@@ -13,7 +13,7 @@ from typing import Any, Protocol
 
 Matrix = list[list[Any]]  # of numbers
 Payloads = Sequence[Sequence[tuple[Any, Any]]]  # a matrix of series, each as its real and its imaginary part, None for zero
-TAIL_TERMS = 4  # last terms of a series that show where it holds
+TAIL_TERMS = 4  # chosen: last terms of a series that show where it holds
 
 
 class Convolution(Protocol):

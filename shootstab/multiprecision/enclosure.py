@@ -26,13 +26,14 @@ from flint import acb, acb_mat, arb, ctx, fmpq
 from shootstab.core.errors import ConvergenceError
 from shootstab.multiprecision.arithmetic import exact
 from shootstab.multiprecision.minors import Entries, affine, compound, minors, solved
-from shootstab.multiprecision.tailed_series import NONE, TailedSeries, variable
+from shootstab.multiprecision.tailed_series import NO_TAIL, TailedSeries, variable
 from shootstab.problems.closed_form import ClosedForm
 
-MOST_STEPS = 20_000  # a budget: some minutes for one D
-SHORTEST = 2.0**-40  # of the whole way: a step below it means a singular point of the coefficients
+ENCLOSURE_STEPS = 20_000  # chosen, a budget: some minutes for one D
+SHORTEST_ENCLOSURE = 2.0**-40  # chosen: of the whole way: a step below it means a singular point of the coefficients
 POWER_STEPS = 40  # chosen: of the power iteration towards Perron's vector, of which nothing is asked but to be about right
-PIECES = 96  # chosen: subintervals over which the growth of |y| is bounded; more make the bound tighter, fewer looser, none wrong
+# chosen: subintervals over which the growth of |y| is bounded; more make the bound tighter, fewer looser, none wrong
+GROWTH_SUBINTERVALS = 96
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,13 +71,13 @@ class Enclosure:
         here, wall = (acb(end).real for end in self.form.exact_ends(self.exact))
         whole = float((wall - here).mid())
         length = whole
-        for _ in range(MOST_STEPS):
+        for _ in range(ENCLOSURE_STEPS):
             y, taken, last = self._step(sigma, y, here, wall, length)
             if last:
                 return self._at_wall(sigma, y)
             here = here + arb(taken)
             length = 2.0 * taken
-        raise ConvergenceError(f"the enclosure of D would need more than {MOST_STEPS} steps at sigma = {complex(sigma.mid()):.6g}")
+        raise ConvergenceError(f"the enclosure of D would need more than {ENCLOSURE_STEPS} steps at sigma = {complex(sigma.mid()):.6g}")
 
     def growth(self, sigma: Any) -> Any:
         """An upper bound on ln |D| over the whole ball σ: the logarithmic norm of A^(k) integrated along the way (theory, lemma E4)."""
@@ -84,8 +85,8 @@ class Enclosure:
         weights = self._weights(sigma, start, wall)
         y = self._start(sigma)
         total = _largest([abs(y[i, 0]) / arb(w) for i, w in enumerate(weights)]).log()
-        piece = (wall - start) / PIECES
-        for i in range(PIECES):
+        piece = (wall - start) / GROWTH_SUBINTERVALS
+        for i in range(GROWTH_SUBINTERVALS):
             z = (start + piece * i).union(start + piece * (i + 1))
             A = compound(self.form.size, self.form.decaying, self._system(acb(z), sigma))
             rates = []
@@ -97,7 +98,7 @@ class Enclosure:
                 rates.append(rate)
             total += _largest(rates)
         w = self._wall_minors(sigma)
-        ends = sum((abs(x) * arb(weight) for x, weight in zip(w, weights, strict=True)), NONE)
+        ends = sum((abs(x) * arb(weight) for x, weight in zip(w, weights, strict=True)), NO_TAIL)
         return total + ends.upper().log()
 
     def _step(self, sigma: Any, y: Any, here: Any, wall: Any, longest: float) -> tuple[Any, float, bool]:
@@ -112,7 +113,7 @@ class Enclosure:
             if carried is not None:
                 return carried, float(h.mid()), last
             length = 0.5 * min(length, whole)
-            if length < SHORTEST * max(whole, 1e-300):
+            if length < SHORTEST_ENCLOSURE * max(whole, 1e-300):
                 raise ConvergenceError(
                     f"no step is short enough for an enclosure at z = {float(here.mid()):.6g}: the coefficients are singular"
                 )
@@ -153,7 +154,7 @@ class Enclosure:
         for at, sums in beyond.items():
             dense[at] = float(sums[0].upper())
         w = _perron(dense)
-        rows, rest = [NONE] * size, [NONE] * size
+        rows, rest = [NO_TAIL] * size, [NO_TAIL] * size
         for (i, j), sums in beyond.items():
             rows[i] += sums[0] * arb(w[j])
             p = len(sums) - 1

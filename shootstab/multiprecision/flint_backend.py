@@ -14,8 +14,8 @@ from flint import acb, acb_mat, arb, arb_mat, arb_series, ctx, fmpq
 
 from shootstab.multiprecision.arithmetic import TAIL_TERMS, Matrix, Payloads
 
-LONGEST = 10**6  # terms, more than any series has
-GROUP = 6  # terms of a convolution that one matrix product takes
+LONGEST_SERIES = 10**6  # chosen: terms, more than any series has
+GROUP = 6  # chosen: terms of a convolution that one matrix product takes
 ZERO = arb(0)
 
 
@@ -27,7 +27,7 @@ class FlintArithmetic:
     @contextmanager
     def working(self, digits: int) -> Iterator[None]:
         saved = ctx.prec, ctx.cap
-        ctx.prec, ctx.cap = math.ceil(digits * math.log2(10)) + 8, LONGEST
+        ctx.prec, ctx.cap = math.ceil(digits * math.log2(10)) + 8, LONGEST_SERIES
         try:
             yield
         finally:

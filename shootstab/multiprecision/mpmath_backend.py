@@ -15,7 +15,7 @@ from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import TAIL_TERMS, Matrix, Payloads
 from shootstab.multiprecision.integer_series import Block, conv, fixed, inverse_conv, power_conv, shifted, trimmed
 
-GUARD = 40  # bits of the integers beyond the working precision: one exponent serves a whole series
+GUARD_BITS = 40  # chosen: bits of the integers beyond the working precision: one exponent serves a whole series
 
 
 class MpmathArithmetic:
@@ -30,7 +30,7 @@ class MpmathArithmetic:
 
     @property
     def _bits(self) -> int:
-        return int(mp.prec) + GUARD
+        return int(mp.prec) + GUARD_BITS
 
     def number(self, x: Any) -> Any:
         return mp.mpf(x.numerator) / x.denominator if isinstance(x, Fraction) else +mp.mpf(x)

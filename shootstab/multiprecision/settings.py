@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-SHRINK = 1.5  # a step is about e^−1.5 of the radius of convergence: cheapest per length when a product costs order²
-GUARD = 8  # digits that recurrences and eliminations may eat
+STEP_SHRINK = 1.5  # derived: a step is about e^−1.5 of the radius of convergence: cheapest per length when a product costs order²
+GUARD_DIGITS = 8  # chosen: digits that recurrences and eliminations may eat
 
 
 @dataclass(frozen=True)
@@ -25,8 +25,8 @@ class Settings:
     @staticmethod
     def of(digits: float) -> Settings:
         """For so many digits of D."""
-        order = math.ceil(digits * math.log(10) / SHRINK) + 6
-        return Settings(math.ceil(digits) + GUARD, digits, order, digits, 5 * order // 4)
+        order = math.ceil(digits * math.log(10) / STEP_SHRINK) + 6
+        return Settings(math.ceil(digits) + GUARD_DIGITS, digits, order, digits, 5 * order // 4)
 
     def more_precise(self) -> Settings:
         """With a higher working precision and nothing else."""

@@ -21,7 +21,7 @@ from typing import Any
 
 from flint import acb, arb
 
-ZERO, NONE = acb(0), arb(0)
+ZERO_BALL, NO_TAIL = acb(0), arb(0)
 UNBOUNDED = arb.pos_inf()
 
 
@@ -30,7 +30,7 @@ class TailedSeries:
 
     __slots__ = ("c", "tail", "terms")
 
-    def __init__(self, c: Sequence[Any], terms: int, tail: Any = NONE) -> None:
+    def __init__(self, c: Sequence[Any], terms: int, tail: Any = NO_TAIL) -> None:
         self.c, self.terms, self.tail = list(c), terms, tail
 
     @property
@@ -53,7 +53,7 @@ class TailedSeries:
 
     def __add__(self, other: Any) -> TailedSeries:
         if isinstance(other, TailedSeries):
-            return self._like([x + y for x, y in zip_longest(self.c, other.c, fillvalue=ZERO)], self.tail + other.tail)
+            return self._like([x + y for x, y in zip_longest(self.c, other.c, fillvalue=ZERO_BALL)], self.tail + other.tail)
         return self._like([self.c[0] + other, *self.c[1:]], self.tail)
 
     __radd__ = __add__
@@ -68,7 +68,7 @@ class TailedSeries:
         if not isinstance(other, TailedSeries):
             return self._like([x * other for x in self.c], self.tail * abs(acb(other)))
         a, b, n = self.c, other.c, min(len(self.c) + len(other.c) - 1, self.terms)
-        c, tail = [ZERO] * n, NONE
+        c, tail = [ZERO_BALL] * n, NO_TAIL
         for i, x in enumerate(a):
             for j, y in enumerate(b):
                 if i + j < n:
@@ -86,15 +86,15 @@ class TailedSeries:
             return self * (1 / acb(other))
         first, u = other._relative()
         scaled = [x / first for x in self.c]
-        return _recurrence(u, lambda m: scaled[m] if m < len(scaled) else ZERO, lambda j, m: -1, self.tail / abs(first), arb(1))
+        return _recurrence(u, lambda m: scaled[m] if m < len(scaled) else ZERO_BALL, lambda j, m: -1, self.tail / abs(first), arb(1))
 
     def __rtruediv__(self, other: Any) -> TailedSeries:
-        return self._like([acb(other)], NONE) / self
+        return self._like([acb(other)], NO_TAIL) / self
 
     def __pow__(self, exponent: Any) -> TailedSeries:
         """A natural power by multiplication, any other one on the branch of b_0^r that acb takes."""
         if isinstance(exponent, int) and exponent >= 0:
-            power = self._like([acb(1)], NONE)
+            power = self._like([acb(1)], NO_TAIL)
             for _ in range(exponent):
                 power = power * self
             return power
@@ -102,18 +102,18 @@ class TailedSeries:
         r = acb(exponent)
         size = arb(1).max(abs(r))
         start = first**r
-        return _recurrence(u, lambda m: start if m == 0 else ZERO, lambda j, m: (r + 1) * j / m - 1, NONE, size)
+        return _recurrence(u, lambda m: start if m == 0 else ZERO_BALL, lambda j, m: (r + 1) * j / m - 1, NO_TAIL, size)
 
     def exp(self) -> TailedSeries:
         """e^f."""
         start = self.c[0].exp()
-        u = self._like([ZERO, *self.c[1:]], self.tail)
-        return _recurrence(u, lambda m: start if m == 0 else ZERO, lambda j, m: acb(j) / m, NONE, arb(1))
+        u = self._like([ZERO_BALL, *self.c[1:]], self.tail)
+        return _recurrence(u, lambda m: start if m == 0 else ZERO_BALL, lambda j, m: acb(j) / m, NO_TAIL, arb(1))
 
     def log(self) -> TailedSeries:
         """ln f on the branch of ln f_0 that acb takes."""
         first, u = self._relative()
-        found = _recurrence(u, lambda m: u.c[m] if 0 < m < len(u.c) else ZERO, lambda j, m: acb(j) / m - 1, u.tail, arb(1))
+        found = _recurrence(u, lambda m: u.c[m] if 0 < m < len(u.c) else ZERO_BALL, lambda j, m: acb(j) / m - 1, u.tail, arb(1))
         shifted: TailedSeries = found + first.log()
         return shifted
 
@@ -146,7 +146,7 @@ class TailedSeries:
     def _relative(self) -> tuple[Any, TailedSeries]:
         """b_0 and u with b = b_0 (1 + u)."""
         first = self.c[0]
-        return first, self._like([ZERO, *(x / first for x in self.c[1:])], self.tail / abs(first))
+        return first, self._like([ZERO_BALL, *(x / first for x in self.c[1:])], self.tail / abs(first))
 
 
 def variable(centre: Any, step: Any, terms: int) -> TailedSeries:
@@ -170,4 +170,4 @@ def _recurrence(u: TailedSeries, given: Callable[[int], Any], weight: Callable[[
 
 
 def _sum(numbers: Any) -> Any:
-    return sum(numbers, NONE)
+    return sum(numbers, NO_TAIL)

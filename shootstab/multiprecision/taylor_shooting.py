@@ -16,10 +16,10 @@ from shootstab.multiprecision.integration import Base, Expansion, Integration, P
 from shootstab.multiprecision.linear_step import affine, carried
 from shootstab.multiprecision.settings import Settings, step_limit
 
-MOST_STEPS = 5000
-TRIALS = 40
-GROWTH = 1.0  # log2 of one step over the one before, at most
-SLACK = 4.0  # bits by which the last terms may exceed the tolerance
+MOST_TAYLOR_STEPS = 5000  # chosen: a budget of some minutes for one D
+TRIALS = 40  # chosen: lengths of one step that are tried, each half of the one before
+STEP_GROWTH = 1.0  # chosen: log2 of one step over the one before, at most
+TERM_SLACK = 4.0  # chosen: bits by which the last terms may exceed the tolerance
 
 
 class TaylorShooting:
@@ -59,8 +59,8 @@ class TaylorShooting:
             Y, det = self._normalized(Y, det)
             self._integration.advance()
             longest = self._next
-            if len(self._steps) > MOST_STEPS:
-                raise ConvergenceError(f"more than {MOST_STEPS} Taylor steps: sigma lies next to the continuous spectrum")
+            if len(self._steps) > MOST_TAYLOR_STEPS:
+                raise ConvergenceError(f"more than {MOST_TAYLOR_STEPS} Taylor steps: sigma lies next to the continuous spectrum")
         self._rows = self._integration.wall_rows()
         return self._at_wall(sigma, Y, det)
 
@@ -72,8 +72,8 @@ class TaylorShooting:
             end, last = self._carried(step, sigma, Y)
             limit = self._limit(Y, last)
             here = self.arithmetic.log2(step.h)
-            if limit * self.settings.order >= -SLACK:
-                self._next = 2.0 ** (here + min(limit, GROWTH) - 0.02)
+            if limit * self.settings.order >= -TERM_SLACK:
+                self._next = 2.0 ** (here + min(limit, STEP_GROWTH) - 0.02)
                 return step, end
             longest = 2.0 ** (here + limit - 0.02)
         raise ConvergenceError("no Taylor step is short enough: sigma lies on the continuous spectrum")

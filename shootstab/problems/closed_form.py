@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from shootstab.core.series import Series
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
 
-POINTS = 33  # chosen: of the first mesh, which is redistributed
+FIRST_MESH_POINTS = 33  # chosen: of the first mesh, which is redistributed
 
 Exact = Callable[[float], Any]  # a parameter as the decimal it stands for, in the arithmetic at work
 
@@ -85,7 +85,7 @@ class ClosedProblem:
         return FarFrame(dual[:, :, 0], dual[:, :, 1], 0.0, 0.0)
 
     def mesh(self, start: float) -> NDArray[np.float64]:
-        return np.linspace(start, self._ends[1], POINTS)
+        return np.linspace(start, self._ends[1], FIRST_MESH_POINTS)
 
     def wall_rows(self) -> tuple[ComplexArray, ComplexArray]:
         W0, W1 = (np.array(W, dtype=np.complex128) for W in self.form.exact_wall(complex))

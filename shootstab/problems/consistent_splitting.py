@@ -23,12 +23,12 @@ from numpy.typing import NDArray
 from shootstab.core.errors import InputError, Undecidable
 from shootstab.problems.ends import INFINITIES
 from shootstab.problems.protocol import ComplexArray
-from shootstab.problems.splitting import CLOSE, AsymptoticPencil, decaying_count, gap
+from shootstab.problems.splitting import CLOSE_RATES, AsymptoticPencil, decaying_count, gap
 
-DIRECTIONS = (1.0, -1.0, 1j, -1j)  # growth first
+OUTWARD_DIRECTIONS = (1.0, -1.0, 1j, -1j)  # chosen: growth first
 SIZES = 10.0 ** np.arange(-4, 11)  # chosen: |σ| in the problem's own scale; up to 1e10 an advection of 1e4 in that scale is seen through
-CLEAR = 0.25  # chosen: of |σ|, the radius of the disc that has to have one splitting
-AROUND = np.exp(0.25j * np.pi * np.arange(8))  # points on its boundary
+DISC_RADIUS = 0.25  # chosen: of |σ|, the radius of the disc that has to have one splitting
+DISC_RIM = np.exp(0.25j * np.pi * np.arange(8))  # chosen: points on its boundary
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def _width(limit: AsymptoticPencil, sigma: complex, rates: ComplexArray) -> floa
     0 where it is rounding.
     """
     k, largest, clear = decaying_count(rates), float(np.abs(rates).max()), float(np.abs(rates.real).min())
-    if not clear > CLOSE * largest:
+    if not clear > CLOSE_RATES * largest:
         return 0.0
     try:
         limit.splitting(sigma, k)
@@ -93,7 +93,7 @@ class EndConditions:
 
     def keeps_away(self, sample: Sample) -> bool:
         """Whether the disc around σ has one splitting."""
-        around = (self.sample(sample.sigma * (1.0 + CLEAR * turn)) for turn in AROUND.tolist())
+        around = (self.sample(sample.sigma * (1.0 + DISC_RADIUS * turn)) for turn in DISC_RIM.tolist())
         return all(other is not None and other.width > 0.0 and other.counts == sample.counts for other in around)
 
     @property
@@ -144,7 +144,7 @@ def consistent_splitting(conditions: EndConditions, near: complex | None) -> Con
 
 def _rays(scale: float) -> Iterator[NDArray[np.complex128]]:
     """σ from large to small in every direction."""
-    for direction in DIRECTIONS:
+    for direction in OUTWARD_DIRECTIONS:
         yield np.asarray(direction * scale * SIZES[::-1], dtype=np.complex128)
 
 

@@ -15,7 +15,7 @@ from shootstab.problems.protocol import ComplexArray, FarFrame
 from shootstab.problems.splitting import gap
 from shootstab.problems.truncation import frozen_error, tail_error
 
-WORST = 1e-6  # chosen: relative error of a frame beyond which no digit of a mode is promised and nothing is begun
+WORST_FRAME = 1e-6  # chosen: relative error of a frame beyond which no digit of a mode is promised and nothing is begun
 
 
 class StartingSpace(Protocol):
@@ -87,7 +87,7 @@ class DecayingSpace:
         else:
             error = frozen_error(self.pencil, limit, self.origin, self.z, split, self.columns, sigma)
         error += split.rounding
-        if error > WORST:
+        if error > WORST_FRAME:
             where = f"at {self.where}, begun at z = {self.z:g}"
             raise ConvergenceError(f"{where}, the decaying space is known to {error:.1e} only for sigma = {sigma:.6g}")
         return FarFrame(frame, tangent, log_scale, error)

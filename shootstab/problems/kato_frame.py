@@ -30,15 +30,15 @@ from shootstab.core.errors import Undecidable
 from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.splitting import AsymptoticPencil, SpectralSplitting
 
-SAMPLES = 32  # of f on the circle, from which the series is found
-TERMS = 24  # chosen: kept of the series; a cell's corner is 2.8 times nearer than the circle, and 2.8^-24 is 2e-11
-CIRCLE = 2.0  # chosen: radius of the circle of samples, in sides of the cell
+CIRCLE_SAMPLES = 32  # chosen: of f on the circle, from which the series is found
+KEPT_TERMS = 24  # chosen: kept of the series; a cell's corner is 2.8 times nearer than the circle, and 2.8^-24 is 2e-11
+SAMPLE_RADIUS = 2.0  # chosen: radius of the circle of samples, in sides of the cell
 WALK = 1.05  # chosen: from an anchor to a place in a neighbouring cell, in the same unit
-TAIL = 1e-7  # chosen: of the series of f, its last terms on the circle; in the cell they are smaller by 2.8^24
-LEVELS = 60  # chosen: halvings of the side, more than a double has bits
-MOST = 600  # chosen: cells looked at for one path, some seconds
+SERIES_TAIL = 1e-7  # chosen: of the series of f, its last terms on the circle; in the cell they are smaller by 2.8^24
+MOST_HALVINGS = 60  # chosen: halvings of the side, more than a double has bits
+MOST_CELLS = 600  # chosen: cells looked at for one path, some seconds
 PER_DOUBLING = 3.0  # chosen: steps that a change of the cell's size counts for in the search of a path
-DIRECTIONS = np.exp(0.25j * np.pi * np.arange(8)).tolist()
+EIGHT_DIRECTIONS = np.exp(0.25j * np.pi * np.arange(8)).tolist()  # chosen: in which a path around a branch point is looked for
 
 Key = tuple[int, int, int]  # ln2 of the side, and the place of the anchor from σ0 in sides
 
@@ -105,7 +105,7 @@ class KatoFrame:
         """Level and place of the largest cell around σ in which the series converges. Raises Undecidable if there is none."""
         scale = max(abs(sigma - self.reference), abs(self.reference))
         top = math.ceil(math.log2(scale)) + 1
-        for level in range(top, top - LEVELS, -1):
+        for level in range(top, top - MOST_HALVINGS, -1):
             offset = (sigma - self.reference) / 2.0**level
             key = level, math.floor(offset.real + 0.5), math.floor(offset.imag + 0.5)
             if key not in self._plain:
@@ -116,7 +116,7 @@ class KatoFrame:
 
     def _made(self, anchor: complex, side: float) -> Cell | None:
         """The cell, with c = 1; None if its series does not converge."""
-        circle = CIRCLE * side * np.exp(2j * np.pi * np.arange(SAMPLES) / SAMPLES)
+        circle = SAMPLE_RADIUS * side * np.exp(2j * np.pi * np.arange(CIRCLE_SAMPLES) / CIRCLE_SAMPLES)
         try:
             R = self.limit.splitting(anchor, self.k).X
             f = self._slopes(anchor + circle, R)
@@ -124,11 +124,11 @@ class KatoFrame:
             return None
         if not np.isfinite(f).all():
             return None
-        series = np.fft.fft(f * CIRCLE * side) / SAMPLES
-        if np.abs(series[TERMS:]).max() > TAIL * max(1.0, np.abs(series).max()):
+        series = np.fft.fft(f * SAMPLE_RADIUS * side) / CIRCLE_SAMPLES
+        if np.abs(series[KEPT_TERMS:]).max() > SERIES_TAIL * max(1.0, np.abs(series).max()):
             return None
-        m = np.arange(TERMS)
-        return Cell(anchor, side, R, np.concatenate(([0j], series[:TERMS] / ((m + 1) * CIRCLE ** (m + 1.0)))))
+        m = np.arange(KEPT_TERMS)
+        return Cell(anchor, side, R, np.concatenate(([0j], series[:KEPT_TERMS] / ((m + 1) * SAMPLE_RADIUS ** (m + 1.0)))))
 
     def _join(self, key: Key, sigma: complex) -> None:
         """Find c of a cell along neighbours that lead to σ0 or to a cell whose c is known, those first that seem nearest to σ0.
@@ -137,14 +137,14 @@ class KatoFrame:
         """
         queue: list[tuple[float, int, Key]] = [(0.0, 0, key)]
         came: dict[Key, tuple[Key, complex] | None] = {key: None}
-        while queue and len(came) < MOST:
+        while queue and len(came) < MOST_CELLS:
             _, _, here = heapq.heappop(queue)
             if here in self._joined or here[1:] == (0, 0):
                 self._joined.setdefault(here, self._cell_at(here))
                 self._walk_back(here, came)
                 return
             cell = self._cell_at(here)
-            for direction in DIRECTIONS:
+            for direction in EIGHT_DIRECTIONS:
                 place = cell.anchor + WALK * cell.side * direction
                 try:
                     there = self._key(place)

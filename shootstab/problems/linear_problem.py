@@ -16,13 +16,14 @@ from shootstab.problems.decaying_space import AtInfinity, DecayingSpace
 from shootstab.problems.ends import Infinity, Interface, Wall
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
-from shootstab.problems.singular_curve import POINTS, SingularCurve, singular_curves
+from shootstab.problems.singular_curve import CURVE_PROBES, SingularCurve, singular_curves
 from shootstab.problems.splitting import AsymptoticPencil
 from shootstab.problems.subdomains import blocks, frames
 from shootstab.problems.two_point import TwoPointReduction, reduce_to_two_points
 
 Crossings = tuple[tuple[NDArray[np.float64], ComplexArray], ...]
 
+MOST_STATES = 64  # chosen: n of a problem; the minors of more states are not to be held
 FIRST_MESH = 33  # chosen: points of it
 BESIDE = 1.0371  # chosen: times the reference, a σ where the decaying spaces are known to exist, of no property of its own
 GRADING = 3.0  # chosen: of the first mesh towards the wall, where the other end is at infinity; redistribution undoes it
@@ -56,8 +57,8 @@ def problem(
     Raises InputError, which names what is wrong: shapes, numbers that are not finite, dependent rows, or conditions that are too many or
     too few for the solutions that decay.
     """
-    if not isinstance(size, int) or isinstance(size, bool) or not 1 <= size <= 64:
-        raise InputError(f"size = {size!r}: allowed is an integer from 1 to 64")
+    if not isinstance(size, int) or isinstance(size, bool) or not 1 <= size <= MOST_STATES:
+        raise InputError(f"size = {size!r}: allowed is an integer from 1 to {MOST_STATES}")
     if continuum is not None and continuum is not False and not callable(continuum):
         raise InputError(f"continuum = {continuum!r}: allowed is a function of z, or False for a curve that is not to be looked for")
     if not callable(pencil):
@@ -90,7 +91,7 @@ def _curves(
         return given or None, ()
     curves: list[tuple[NDArray[np.float64], ComplexArray]] = []
     for z in reduction.lines:
-        found = singular_curves(function, z[:: len(z) // POINTS])
+        found = singular_curves(function, z[:: len(z) // CURVE_PROBES])
         if isinstance(found, SingularCurve) and len(reduction.subdomains) == 1:
             return found, ()
         if found:

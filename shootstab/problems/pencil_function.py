@@ -11,7 +11,7 @@ import numpy as np
 from shootstab.core.errors import InputError
 from shootstab.problems.protocol import ComplexArray, Pencil
 
-NAMES = {2: ("D0", "D1"), 4: ("C0", "C1", "D0", "D1")}
+PENCIL_NAMES = {2: ("D0", "D1"), 4: ("C0", "C1", "D0", "D1")}
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,14 +52,14 @@ class PencilFunction:
                 parts = self.function(z)
             except (ArithmeticError, ValueError) as error:
                 raise _not_computed(f"z = {z:g}" if isinstance(z, float) else "some z", error) from error
-        if not isinstance(parts, tuple | list) or len(parts) not in NAMES:
+        if not isinstance(parts, tuple | list) or len(parts) not in PENCIL_NAMES:
             count = len(parts) if isinstance(parts, tuple | list) else type(parts).__name__
             raise InputError(f"the pencil gives {count}: allowed are two matrices, D0 and D1, or four, C0, C1, D0 and D1")
         return tuple(parts)
 
     def _pencil(self, stacked: list[Any], z: ComplexArray) -> Pencil:
         n = self.size
-        for name, M in zip(NAMES[len(stacked)], stacked, strict=True):
+        for name, M in zip(PENCIL_NAMES[len(stacked)], stacked, strict=True):
             if M.shape[1:] != (n, n):
                 raise InputError(f"the pencil's {name} has shape {M.shape[1:]}: allowed is ({n}, {n})")
             if not (np.isfinite(M.sum()) or np.isfinite(M).all()):  # a sum is quicker, and finite only if all are

@@ -21,12 +21,12 @@ from numpy.typing import NDArray
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray
 
-PROBES = np.array([0.83 + 1.31j, -1.17 + 0.59j, 0.41 - 1.73j])  # chosen: σ of no property, in the scale of C0 over C1
-ROUNDING = 1e-9  # chosen: relative, what is told from 0 or from another number in the trace; a solve of a good C leaves 1e-14
-POINTS = 65  # of a subdomain at which the pencil is asked for curves
-STEP = 1e-5  # chosen: of the subdomain, by which derivatives along and across the real axis are compared
-ALIKE = 1e-4  # chosen: relative; differences err by STEP² and by rounding over STEP
-INSIDE = (0.137, 0.419, 0.731)  # chosen: where in the subdomain they are compared
+PROBE_SIGMAS = np.array([0.83 + 1.31j, -1.17 + 0.59j, 0.41 - 1.73j])  # chosen: σ of no property, in the scale of C0 over C1
+TRACE_NOISE = 1e-9  # chosen: relative, what is told from 0 or from another number in the trace; a solve of a good C leaves 1e-14
+CURVE_PROBES = 65  # chosen: of a subdomain at which the pencil is asked for curves
+DIFFERENCE_STEP = 1e-5  # chosen: of the subdomain, by which derivatives along and across the real axis are compared
+ANALYTIC_TOLERANCE = 1e-4  # chosen: relative; differences err by STEP² and by rounding over DIFFERENCE_STEP
+COMPARED_AT = (0.137, 0.419, 0.731)  # chosen: where in the subdomain they are compared
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,7 @@ class SingularCurve:
 
     def __call__(self, z: Any) -> ComplexArray:
         """σ_c at a point or at points z (p,), real or complex."""
-        sigma, points = self.scale * PROBES[0], np.atleast_1d(np.asarray(z, dtype=np.complex128))
+        sigma, points = self.scale * PROBE_SIGMAS[0], np.atleast_1d(np.asarray(z, dtype=np.complex128))
         curve = sigma - self.multiplicity / traces(self.pencil, points, np.array([sigma]))[0]
         return np.asarray(curve.reshape(np.shape(z)))
 
@@ -65,17 +65,17 @@ def singular_curves(function: PencilFunction, z: ComplexArray) -> SingularCurve 
     if fixed == 0.0 or moving == 0.0:
         return ()
     scale = fixed / moving
-    t = scale * traces(function, z, np.asarray(scale * PROBES, dtype=np.complex128))
-    if not np.isfinite(t).all() or np.abs(t).max() < ROUNDING:
+    t = scale * traces(function, z, np.asarray(scale * PROBE_SIGMAS, dtype=np.complex128))
+    if not np.isfinite(t).all() or np.abs(t).max() < TRACE_NOISE:
         return ()
     with np.errstate(all="ignore"):
-        m = (PROBES[0] - PROBES[1]) / (1.0 / t[0] - 1.0 / t[1])
-        sigma = PROBES[0] - m / t[0]
-        off = np.abs(t[2] - m / (PROBES[2] - sigma)) / np.abs(t[2])
+        m = (PROBE_SIGMAS[0] - PROBE_SIGMAS[1]) / (1.0 / t[0] - 1.0 / t[1])
+        sigma = PROBE_SIGMAS[0] - m / t[0]
+        off = np.abs(t[2] - m / (PROBE_SIGMAS[2] - sigma)) / np.abs(t[2])
     multiplicity = round(float(m[0].real)) if np.isfinite(m[0]) else 0
     if multiplicity < 1 or not (np.abs(m - multiplicity) < 1e-6).all() or not (off < 1e-6).all():
         return _several(pencil.C0, pencil.C1)
-    if np.ptp(np.abs(sigma - sigma[0])) > ROUNDING * max(1.0, float(np.abs(sigma).max())) and _analytic(function, z):
+    if np.ptp(np.abs(sigma - sigma[0])) > TRACE_NOISE * max(1.0, float(np.abs(sigma).max())) and _analytic(function, z):
         return SingularCurve(function, scale, multiplicity)
     return (np.asarray(scale * sigma),)
 
@@ -84,7 +84,7 @@ def _several(C0: ComplexArray, C1: ComplexArray) -> tuple[ComplexArray, ...]:
     """As many curves as are finite everywhere, joined from point to point by the least total distance."""
     alphas, betas = zip(*(scipy.linalg.eig(a, -b, right=False, homogeneous_eigvals=True) for a, b in zip(C0, C1, strict=True)), strict=True)
     size = np.abs(np.array(betas)) / np.hypot(np.abs(np.array(alphas)), np.abs(np.array(betas)))
-    count = int((size > np.sqrt(ROUNDING)).sum(axis=1).min())
+    count = int((size > np.sqrt(TRACE_NOISE)).sum(axis=1).min())
     rows: list[ComplexArray] = []
     for alpha, beta, finite in zip(alphas, betas, size, strict=True):
         keep = np.argsort(finite)[::-1][:count]
@@ -99,13 +99,13 @@ def _several(C0: ComplexArray, C1: ComplexArray) -> tuple[ComplexArray, ...]:
 def _analytic(function: PencilFunction, z: ComplexArray) -> bool:
     """Whether the pencil takes complex z and obeys the equations of Cauchy and Riemann: f_x = f_y/i."""
     length = complex(z[-1] - z[0])
-    places = z[0] + length * np.array(INSIDE)
-    h = STEP * abs(length)
+    places = z[0] + length * np.array(COMPARED_AT)
+    h = DIFFERENCE_STEP * abs(length)
     try:
         along, across = (_difference(function, places, step) for step in (h + 0j, 1j * h))
     except Exception:  # whatever a function of real z raises for a complex one, it does not take it
         return False
-    return bool(np.abs(along - across).max() <= ALIKE * max(float(np.abs(along).max()), float(np.abs(across).max())))
+    return bool(np.abs(along - across).max() <= ANALYTIC_TOLERANCE * max(float(np.abs(along).max()), float(np.abs(across).max())))
 
 
 def _difference(function: PencilFunction, places: ComplexArray, step: complex) -> NDArray[np.complex128]:

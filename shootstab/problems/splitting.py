@@ -27,11 +27,11 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from shootstab.core.errors import Undecidable
+from shootstab.core.scaled import EPSILON
 from shootstab.problems.protocol import ComplexArray
 
-CLOSE = 1e-12  # chosen: of the largest rate; a gap below this is rounding
-EPSILON = float(np.finfo(float).eps)
-UNRESOLVED = 100.0  # chosen: ‖E‖ ‖T12‖ in units of sep², times this; a defective pair that rounding has split has 1/4 to 1
+CLOSE_RATES = 1e-12  # chosen: of the largest rate; a gap below this is rounding
+UNRESOLVED_GAP = 100.0  # chosen: ‖E‖ ‖T12‖ in units of sep², times this; a defective pair that rounding has split has 1/4 to 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +83,7 @@ class AsymptoticPencil:
             balanced, (scales, _) = scipy.linalg.matrix_balance(A, permute=False, separate=True)
         rates = np.sort(np.linalg.eigvals(balanced).real)
         gap = rates[k] - rates[k - 1]
-        if not gap > CLOSE * np.abs(rates).max():
+        if not gap > CLOSE_RATES * np.abs(rates).max():
             raise Undecidable(f"at infinity the rates {k} and {k + 1} have one real part at sigma = {sigma:.6g}: the continuous spectrum")
         middle = 0.5 * (rates[k] + rates[k - 1])
         T, Q, found = scipy.linalg.schur(balanced, output="complex", sort=lambda mu: mu.real < middle)
@@ -106,7 +106,7 @@ def _rounding(T: ComplexArray, k: int) -> float:
         np.arange(len(T)) < k, T, np.eye(len(T)), job=b"V", wantq=0, lwork=2 * k * (len(T) - k)
     )
     changed = EPSILON * float(np.linalg.norm(T))
-    if UNRESOLVED * changed * float(np.linalg.norm(T[:k, k:])) > sep * sep:
+    if UNRESOLVED_GAP * changed * float(np.linalg.norm(T[:k, k:])) > sep * sep:
         return math.inf
     return changed / float(sep)
 

@@ -23,7 +23,8 @@ from shootstab.problems.decaying_space import StartingSpace
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
 
-INSIDE = 4 * np.finfo(float).eps  # chosen: how far inside a subdomain its coefficients at an interface are taken, some roundings of z
+# chosen: how far inside a subdomain its coefficients at an interface are taken, some roundings of z
+INSIDE_INTERFACE = 4 * np.finfo(float).eps
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +45,7 @@ class Subdomain:
         """z (m,); at an interface a hair inside."""
         z = self.offset + self.scale * t
         for end in self.ends:
-            hair = INSIDE * max(1.0, abs(end))
+            hair = INSIDE_INTERFACE * max(1.0, abs(end))
             inwards = 1.0 if (end == self.offset) == (self.scale > 0.0) else -1.0
             z = np.where(np.abs(z - end) < hair, end + inwards * hair, z)
         return z

@@ -26,12 +26,12 @@ from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import Pencil
 from shootstab.problems.splitting import AsymptoticPencil, SpectralSplitting, gap
 
-NEGLIGIBLE = 1e-20  # chosen: of the rates; so |σ| may be 1e4 times the problem's own size before its rounding is passed
-NEAREST, FARTHEST = 2.0**-10, 2.0**20  # chosen: distances tried
-SAMPLES = 64  # chosen: of the coefficients from a distance out to TAIL times it and 1 more
-TAIL = 2.0  # chosen: the tail is sampled out to so many times the distance, 1 more
+NEGLIGIBLE_RATE = 1e-20  # chosen: of the rates; so |σ| may be 1e4 times the problem's own size before its rounding is passed
+NEAREST_TRIED, FARTHEST_TRIED = 2.0**-10, 2.0**20  # chosen: distances tried
+TAIL_SAMPLES = 64  # chosen: of the coefficients from a distance out to TAIL_LENGTH times it and 1 more
+TAIL_LENGTH = 2.0  # chosen: the tail is sampled out to so many times the distance, 1 more
 WAY = 9  # chosen: points at which the gap is sampled between a frozen end and half the way
-LARGEST = 1e6  # chosen: times the reference, the largest σ for which coefficients are to be at their limit
+LARGEST_SIGMA = 1e6  # chosen: times the reference, the largest σ for which coefficients are to be at their limit
 
 
 def limit_at(pencil: PencilFunction, direction: int, given: tuple[object, ...] | None, where: str) -> AsymptoticPencil:
@@ -53,26 +53,26 @@ def truncation_distance(pencil: PencilFunction, limit: AsymptoticPencil, k: int,
     """
     split = limit.splitting(reference, k)
     there = limit.C0, limit.C1, limit.D0, limit.D1
-    nearest = _parts(pencil(np.array([origin + limit.direction * NEAREST], dtype=np.complex128)))
+    nearest = _parts(pencil(np.array([origin + limit.direction * NEAREST_TRIED], dtype=np.complex128)))
     fixed, moving = (float(np.abs(M).max()) for M in (nearest[2], nearest[3]))
-    size = min(max(abs(reference), fixed / moving if moving > 0.0 else 0.0), LARGEST * abs(reference))
+    size = min(max(abs(reference), fixed / moving if moving > 0.0 else 0.0), LARGEST_SIGMA * abs(reference))
     to_basis, from_basis = np.abs(np.concatenate((split.left, split.left2))), np.abs(np.concatenate((split.X, split.X2), axis=1))
     rates = float((to_basis @ np.abs(split.A) @ from_basis).max()) or 1.0
 
     def settled(distance: float) -> bool:
-        z = (origin + limit.direction * distance * np.geomspace(1.0, 1.0 + TAIL, SAMPLES)).astype(np.complex128)
+        z = (origin + limit.direction * distance * np.geomspace(1.0, 1.0 + TAIL_LENGTH, TAIL_SAMPLES)).astype(np.complex128)
         off = [np.abs(at - end) for at, end in zip(_parts(pencil(z)), there, strict=True)]
-        return bool((to_basis @ _moved(limit, off, split, reference, size) @ from_basis).max() <= NEGLIGIBLE * rates)
+        return bool((to_basis @ _moved(limit, off, split, reference, size) @ from_basis).max() <= NEGLIGIBLE_RATE * rates)
 
-    far = NEAREST
+    far = NEAREST_TRIED
     while not settled(far):
         far *= 2.0
-        if far > FARTHEST:
+        if far > FARTHEST_TRIED:
             raise InputError(
                 f"at {where} the coefficients are not at their limit at |z| = {far / 2:.0e}: "
                 "allowed are coefficients that come to it exponentially, or st.Infinity(start=...)"
             )
-    if far == NEAREST:
+    if far == NEAREST_TRIED:
         return far
     low, high = far / 2, far
     for _ in range(5):
@@ -83,7 +83,7 @@ def truncation_distance(pencil: PencilFunction, limit: AsymptoticPencil, k: int,
 
 def tails(pencil: PencilFunction, limit: AsymptoticPencil, origin: float, distance: float) -> tuple[NDArray[np.float64], ...]:
     """∫|ΔC0|, ∫|ΔC1|, ∫|ΔD0|, ∫|ΔD1|, each (n, n), from there outwards; beyond the samples as of coefficients that fall off as 1/s²."""
-    s = distance * np.geomspace(1.0, 1.0 + TAIL, SAMPLES)
+    s = distance * np.geomspace(1.0, 1.0 + TAIL_LENGTH, TAIL_SAMPLES)
     at = pencil((origin + limit.direction * s).astype(np.complex128))
     off = [np.abs(M - end) for M, end in zip(_parts(at), (limit.C0, limit.C1, limit.D0, limit.D1), strict=True)]
     return tuple(np.trapezoid(M, s, axis=0) + s[-1] * M[-1] for M in off)

@@ -12,9 +12,9 @@ from shootstab.core.scaled import Scaled
 
 SHRINKS = 0.1  # chosen: steps that shrink by so much are near enough to a simple zero for the curvature of σ(D) to be used
 FORESIGHT = 0.1  # chosen: of the tolerance, what the step foreseen may be
-NOISE = 1e-6  # chosen, far above the 1e-13 of D and D′: see `_run`
-ROUNDING = 1e-14  # chosen: the least error of D against D one step away; by its m-th root an m-fold zero is off
-ALIKE = 0.1  # chosen: two estimates of a multiplicity that differ by less are the same
+STEP_NOISE = 1e-6  # chosen, far above the 1e-13 of D and D′: see `_run`
+LEAST_D_ERROR = 1e-14  # chosen: the least error of D against D one step away; by its m-th root an m-fold zero is off
+SAME_MULTIPLICITY = 0.1  # chosen: two estimates of a multiplicity that differ by less are the same
 MOST_FOLD = 8  # chosen: the largest multiplicity that an iteration suspects; 1/(1 − q) of the next ones differ too little
 
 
@@ -71,10 +71,10 @@ def _run(steps: Iterator[Step], tolerance: float, most: int) -> Root:
         sigma, step, ahead, change, multiplicity = next(steps)
         length = abs(step)
         if multiplicity == fold > 1 and not length < 0.5 * best:
-            return Root(before, max(best, ROUNDING ** (1 / multiplicity) * farthest), count, True, multiplicity)
+            return Root(before, max(best, LEAST_D_ERROR ** (1 / multiplicity) * farthest), count, True, multiplicity)
         if not cmath.isfinite(sigma):
             return Root(sigma, float("inf"), count, False)
-        short = best <= NOISE * max(abs(sigma), farthest) or change <= NOISE
+        short = best <= STEP_NOISE * max(abs(sigma), farthest) or change <= STEP_NOISE
         if length <= tolerance * abs(sigma) or (short and length >= 0.5 * best):
             return Root(sigma, length, count, True, multiplicity)
         if ahead <= FORESIGHT * tolerance * abs(sigma):
@@ -100,7 +100,7 @@ def newton_steps(discriminant: Discriminant, sigma: complex) -> Iterator[Step]:
                     step, ahead = step + bend, abs(bend) * abs(step / step_before) ** 2
             estimate_before, estimate = estimate, step_before / (step_before - step)
             fold = round(min(estimate.real, MOST_FOLD + 1.0)) if cmath.isfinite(estimate) else 0
-            if 2 <= fold <= MOST_FOLD and abs(estimate - fold) < ALIKE and abs(estimate_before - fold) < ALIKE:
+            if 2 <= fold <= MOST_FOLD and abs(estimate - fold) < SAME_MULTIPLICITY and abs(estimate_before - fold) < SAME_MULTIPLICITY:
                 multiplicity, step = fold, fold * step
         before, step_before = value, step
         sigma += step

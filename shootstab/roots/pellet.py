@@ -21,7 +21,7 @@ from flint import acb, acb_poly, arb, ctx
 
 from shootstab.core.errors import ConvergenceError
 
-NONE = arb(0)
+NO_RADIUS = arb(0)
 FIRST_PIECE, SHORTEST_PIECE = 1 / 64, 2.0**-48  # of a side of a polygon; chosen
 Ball = Callable[[Any], Any]  # σ ↦ an enclosure of D(σ)
 
@@ -37,14 +37,14 @@ class TaylorModel:
 
     def margin(self, n: int) -> float:
         """|d_n| r^n over the sum of all the others: above 1, exactly n zeros are proved."""
-        others = sum((x for k, x in enumerate(self.sizes) if k != n), NONE) + self.tail
+        others = sum((x for k, x in enumerate(self.sizes) if k != n), NO_RADIUS) + self.tail
         ratio = self.sizes[n].lower() / others.upper() if others.upper() > 0 else arb.pos_inf()
         return float(ratio) if ratio.is_finite() else math.inf
 
     def proved(self) -> int | None:
         """The number of zeros, None where the inequality holds for no n."""
         for n, size in enumerate(self.sizes):
-            others = sum((x for k, x in enumerate(self.sizes) if k != n), NONE) + self.tail
+            others = sum((x for k, x in enumerate(self.sizes) if k != n), NO_RADIUS) + self.tail
             if size > others:
                 return n
         return None
@@ -115,7 +115,7 @@ class PolynomialModel:
         with ctx.workprec(ctx.prec + self.polynomial.degree()):
             values, least = self._followed(corners)
             turns = [(b / a).arg() for a, b in zip(values, [*values[1:], values[0]], strict=True)]
-            whole = (sum(turns, NONE) / (2 * arb.pi())).unique_fmpz()
+            whole = (sum(turns, NO_RADIUS) / (2 * arb.pi())).unique_fmpz()
         if whole is None:
             raise ConvergenceError("the enclosures of D on the contour do not determine a whole number of turns")
         return int(whole), least

@@ -25,15 +25,17 @@ from shootstab.roots.iterations import newton
 from shootstab.roots.winding import Pieces, power_sums
 
 HANDFUL = 5  # chosen: zeros taken from the moments of one contour; the polynomial of more is ill-conditioned
-CLOSE = (1e-6, 1e-4, 1e-2)  # chosen: of the region's size, distances of zeros that an iteration may confuse: such are counted one by one
-SAME = 1e-8  # chosen: of the region's size, the distance below which two numbers mean one zero
-POLISHED = 0.1 * SAME  # derived: how exactly an iteration is to arrive for two arrivals at one zero to be the same
-STEPS = 20  # chosen: of Newton; to a simple zero it takes some 4, from a start that the moments give
-NOISE = 1e-11  # chosen, some ten times the rounding of D for an ordinary problem: of |σ|, the last step of an iteration that arrived
+# chosen: of the region's size, distances of zeros that an iteration may confuse: such are counted one by one
+CLOSE_ZEROS = (1e-6, 1e-4, 1e-2)
+SAME_ZERO = 1e-8  # chosen: of the region's size, the distance below which two numbers mean one zero
+POLISHED_ZERO = 0.1 * SAME_ZERO  # derived: how exactly an iteration is to arrive for two arrivals at one zero to be the same
+ZERO_NEWTON_STEPS = 20  # chosen: of Newton; to a simple zero it takes some 4, from a start that the moments give
+# chosen, some ten times the rounding of D for an ordinary problem: of |σ|, the last step of an iteration that arrived
+ARRIVAL_NOISE = 1e-11
 LINEAR = 1e-4  # chosen: of the region's size, the last step of an iteration that converges linearly, to a multiple zero
-SMALLEST = 1e-9  # chosen: of the first region's size, what is left in so small a part is one multiple zero
-RESOLVED = 1e-12  # chosen, some thousand times the rounding of σ: nothing smaller than this part of |σ| is divided or told apart
-WIDER = 8.0  # chosen: from a circle in which D is not accurate enough for a count to the next
+SMALLEST_REGION = 1e-9  # chosen: of the first region's size, what is left in so small a part is one multiple zero
+RESOLVED_SIGMA = 1e-12  # chosen, some thousand times the rounding of σ: nothing smaller than this part of |σ| is divided or told apart
+WIDER_CIRCLE = 8.0  # chosen: from a circle in which D is not accurate enough for a count to the next
 
 
 class Counted(Protocol):
@@ -81,15 +83,15 @@ class Search:
 def polish(discriminant: Discriminant) -> Callable[[complex, float], Arrival | None]:
     """Newton's iteration, which leads from a starting point to a zero known to a length, or into the neighbourhood of several, or to None.
 
-    Where the noise of D stops it earlier, it has arrived if its steps are short enough for SAME. Next to an m-fold zero they become shorter
-    by 1 − 1/m only, and are 1/m of the distance.
+    Where the noise of D stops it earlier, it has arrived if its steps are short enough for SAME_ZERO. Next to an m-fold zero they become
+    shorter by 1 − 1/m only, and are 1/m of the distance.
     """
 
     def arrive(start: complex, length: float) -> Arrival | None:
-        root = newton(discriminant, start, length / max(abs(start), length), STEPS)
-        if root.step <= max(length * SAME / POLISHED, NOISE * abs(root.sigma)):
+        root = newton(discriminant, start, length / max(abs(start), length), ZERO_NEWTON_STEPS)
+        if root.step <= max(length * SAME_ZERO / POLISHED_ZERO, ARRIVAL_NOISE * abs(root.sigma)):
             return Arrival(root.sigma)
-        return Arrival(root.sigma, HANDFUL * root.step) if root.step <= length * LINEAR / POLISHED else None
+        return Arrival(root.sigma, HANDFUL * root.step) if root.step <= length * LINEAR / POLISHED_ZERO else None
 
     return arrive
 
@@ -100,13 +102,13 @@ def find(search: Search, region: Region, known: Sequence[Zero] = (), counted: Co
     Raises ConvergenceError when a zero lies on the boundary of the region, or more are known than there are.
     """
     whole = search.count(region) if counted is None else counted
-    smallest = max(SMALLEST * size(region), _rounding(region))
+    smallest = max(SMALLEST_REGION * size(region), _rounding(region))
     return _search(search, region, whole, list(known), smallest)
 
 
 def _rounding(region: Region) -> float:
     """The length below which numbers of the region are not told apart."""
-    return RESOLVED * max(map(abs, region.hull))
+    return RESOLVED_SIGMA * max(map(abs, region.hull))
 
 
 def _search(search: Search, region: Region, counted: Counted, known: list[Zero], smallest: float) -> list[Zero]:
@@ -161,7 +163,7 @@ def moments(counted: Counted) -> tuple[complex, list[complex]]:
 def _from_moments(search: Search, region: Region, counted: Counted, here: list[Zero]) -> list[Zero] | None:
     """The zeros that are not known, or None where they are not all found in this way."""
     found = _arrivals(search, region, counted, [Arrival(k.sigma) for k in here])
-    for close in CLOSE:
+    for close in CLOSE_ZEROS:
         groups = _groups(found, max(close * size(region), _rounding(region)))
         if len(found) == len(groups) == counted.count and all(a.off == 0.0 for a in found):
             return [Zero(a.sigma) for a in found[len(here) :]]
@@ -190,10 +192,10 @@ def _unknown(zeros: list[Zero], known: list[Zero]) -> list[Zero]:
 def _arrivals(search: Search, region: Region, counted: Counted, known: Sequence[Arrival] = ()) -> list[Arrival]:
     """The known zeros, and the different ones at which iterations from the moments arrive in the region."""
     length = size(region)
-    same = max(SAME * length, _rounding(region))
+    same = max(SAME_ZERO * length, _rounding(region))
     found = list(known)
     for start in moments(counted)[1]:
-        zero = search.polish(start, POLISHED * length)
+        zero = search.polish(start, POLISHED_ZERO * length)
         if zero is None or not search.holds(region, zero.sigma):
             continue
         if all(abs(zero.sigma - f.sigma) > max(same, zero.off, f.off) for f in found):
@@ -244,7 +246,7 @@ def _circle(search: Search, region: Region, group: list[Arrival], others: list[l
         except ConvergenceError:
             if radius >= widest:
                 raise
-        radius = min(widest, WIDER * radius)
+        radius = min(widest, WIDER_CIRCLE * radius)
 
 
 def _alone(search: Search, zero: Arrival, others: list[Arrival]) -> bool:

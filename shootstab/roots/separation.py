@@ -13,26 +13,26 @@ from shootstab.core.discriminant import Discriminant, Value
 from shootstab.core.errors import ConvergenceError
 from shootstab.roots.iterations import slope_change
 
-FIRST = 1e-3  # chosen: of |σ|, the first distance at which D′ is looked at again
-SMALLEST = 1e-24  # chosen: that distance where σ is 0, below any σ of interest and far above where a double underflows
-FURTHER = 1e3  # from one distance to the next: a change of SEEN becomes one of a tenth, still nearly linear
+FIRST_DISTANCE = 1e-3  # chosen: of |σ|, the first distance at which D′ is looked at again
+SMALLEST_DISTANCE = 1e-24  # chosen: that distance where σ is 0, below any σ of interest and far above where a double underflows
+NEXT_DISTANCE = 1e3  # derived: from one distance to the next: a change of SEEN becomes one of a tenth, still nearly linear
 SEEN = 1e-4  # chosen: a relative change of D′ so far above its noise, which is 1e-12 or so, that it shows two digits
-MOST = 12  # distances: from the smallest to 1e9
+MOST_DISTANCES = 12  # derived: distances: from the smallest to 1e9
 TENFOLD = 10.0  # chosen: from one distance to the next where the zeros near a point are counted
 MISSES = 8  # chosen: distances in all at which it is none, before nothing more is to be seen
 BEYOND = 1e3  # chosen: times the distance to the nearest zero, how far others are looked for that would make it a near one
-WHOLE = 0.1  # chosen: how near (σ − c) D′/D must come to a whole number to be one
+WHOLE_NUMBER = 0.1  # chosen: how near (σ − c) D′/D must come to a whole number to be one
 
 
 def separation(discriminant: Discriminant, at_zero: Value) -> float:
     """|2D′/D″| at a simple zero, with D and D′ next to it, to some 10 %; smaller than that of 1e−3 |σ| it is known only to be so small."""
     zero = at_zero.sigma
-    distance = max(FIRST * abs(zero), SMALLEST)
-    for _ in range(MOST):
+    distance = max(FIRST_DISTANCE * abs(zero), SMALLEST_DISTANCE)
+    for _ in range(MOST_DISTANCES):
         change = slope_change(at_zero, discriminant.with_derivative(zero + distance))
         if change >= SEEN:
             break
-        distance *= FURTHER
+        distance *= NEXT_DISTANCE
     return 2.0 * distance / change if change > 0.0 else float("inf")
 
 
@@ -51,7 +51,7 @@ def surroundings(discriminant: Discriminant, centre: complex) -> Surroundings:
     tells the scale, as there neither rounding nor the places of the m zeros matter. Otherwise m is 0 and the scale |D/D′|, about the
     distance to the nearest zero. It suggests, and proves nothing.
     """
-    distance, before = max(TENFOLD * abs(centre), SMALLEST), -1
+    distance, before = max(TENFOLD * abs(centre), SMALLEST_DISTANCE), -1
     empty, found, misses = 0.0, Surroundings(0, 0.0), 0
     while misses < MISSES:
         try:
@@ -60,7 +60,7 @@ def surroundings(discriminant: Discriminant, centre: complex) -> Surroundings:
             break  # D cannot be computed so far off
         whole = max(0, round(turns.real)) if cmath.isfinite(turns) else -1
         off = abs(turns - whole)
-        if whole < 0 or off > WHOLE:
+        if whole < 0 or off > WHOLE_NUMBER:
             if found.multiplicity > 0 or (empty > 0.0 and distance > BEYOND * empty):
                 break
             whole, misses = -1, misses + 1

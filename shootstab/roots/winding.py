@@ -21,11 +21,11 @@ from shootstab.core.errors import ConvergenceError
 from shootstab.core.regions import Region
 from shootstab.core.scaled import Scaled
 
-LONGEST = 1.2  # |Δ ln D| over one piece
-MISMATCH = 0.3  # between its two values
-FLAT = 1e-2  # chosen: |Δ ln D| by the slopes at both ends: a zero that the slopes do not see would be a hundred pieces away
-DEEPEST = 40  # halvings of one piece
-FIRST_PIECES = 4
+LONGEST_TURN = 1.2  # chosen, far below π: |Δ ln D| over one segment
+MISMATCH = 0.3  # chosen: between its two values
+FLAT_SEGMENT = 1e-2  # chosen: |Δ ln D| by the slopes at both ends: a zero that the slopes do not see would be a hundred pieces away
+DEEPEST_SEGMENT = 40  # chosen: halvings of one piece
+FIRST_SEGMENTS = 4  # chosen: of a circle or of the side of a polygon, before any is halved
 
 Pieces = tuple[tuple[int, tuple[Value, ...]], ...]  # of a contour: samples, and the sign with which they count
 
@@ -70,7 +70,7 @@ class Limited:
         return self.discriminant.with_derivative(sigma)
 
 
-def wind(discriminant: Discriminant, region: Region, pieces: int = FIRST_PIECES) -> Winding:
+def wind(discriminant: Discriminant, region: Region, pieces: int = FIRST_SEGMENTS) -> Winding:
     """Count the zeros inside a region on whose closure D is analytic; a smooth boundary is first cut into so many pieces.
 
     Raises ConvergenceError when a zero lies on the boundary, or so near to it that no sampling tells the side.
@@ -116,7 +116,7 @@ def whole_turns(phase: float, slack: float = 1e-6) -> int:
 
 
 def follow(
-    evaluate: Callable[[float], Value], stops: Sequence[float], closed: bool = False, first_pieces: int = FIRST_PIECES
+    evaluate: Callable[[float], Value], stops: Sequence[float], closed: bool = False, first_pieces: int = FIRST_SEGMENTS
 ) -> list[Value]:
     """Samples of D along a curve t ↦ σ(t), from the first stop to the last, so dense that no turn of the phase is missed.
 
@@ -138,7 +138,7 @@ def _follow(evaluate: Callable[[float], Value], followed: list[tuple[float, Valu
     if _settled(value, ahead[1]):
         followed.append(ahead)
         return
-    if depth == DEEPEST or value.D.mantissa == 0.0 or ahead[1].D.mantissa == 0.0:
+    if depth == DEEPEST_SEGMENT or value.D.mantissa == 0.0 or ahead[1].D.mantissa == 0.0:
         raise ConvergenceError(f"a zero of D lies on the boundary, or too near to it, at sigma = {value.sigma:.12g}")
     if _noisy(value, ahead[1]):
         raise ConvergenceError(f"D is rounding noise along the boundary, near sigma = {value.sigma:.12g}")
@@ -152,13 +152,13 @@ def _settled(a: Value, b: Value) -> bool:
     predicted = _predicted(a, b)
     chord = abs(b.sigma - a.sigma)
     steep = max(abs(a.logarithmic_derivative), abs(b.logarithmic_derivative)) * chord
-    return steep < 2 * LONGEST and abs(predicted) < LONGEST and abs(predicted - change(a, b)) < MISMATCH
+    return steep < 2 * LONGEST_TURN and abs(predicted) < LONGEST_TURN and abs(predicted - change(a, b)) < MISMATCH
 
 
 def _noisy(a: Value, b: Value) -> bool:
-    """Whether D changes by MISMATCH where its slopes say that it is FLAT: halving a piece of that would never end."""
+    """Whether D changes by MISMATCH where its slopes say that it is FLAT_SEGMENT: halving a piece of that would never end."""
     steep = max(abs(a.logarithmic_derivative), abs(b.logarithmic_derivative)) * abs(b.sigma - a.sigma)
-    return steep < FLAT and not abs(change(a, b)) < MISMATCH
+    return steep < FLAT_SEGMENT and not abs(change(a, b)) < MISMATCH
 
 
 def _predicted(a: Value, b: Value) -> complex:

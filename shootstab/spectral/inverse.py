@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from shootstab.core.errors import ConvergenceError
 
 Matrix = NDArray[Any]
-SETTLED = 1e-14  # a step below this part of |σ| ends the iteration
-HELD = 3  # iterations with the guess as shift, so that the mode nearest to the guess wins
+INVERSE_SETTLED = 1e-14  # chosen: a step below this part of |σ| ends the iteration
+HELD = 3  # chosen: iterations with the guess as shift, so that the mode nearest to the guess wins
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ def refine(A: Matrix, B: Matrix, guess: complex, max_iterations: int = 40) -> Re
         following = (y.conj() @ (A @ x)) / (yB @ x)
         change, sigma = abs(following - sigma), following
         stalled = change >= previous and change <= 1e-9 * abs(sigma)
-        if iteration > HELD and (change <= SETTLED * abs(sigma) or stalled):
+        if iteration > HELD and (change <= INVERSE_SETTLED * abs(sigma) or stalled):
             return Refined(complex(sigma), iteration, _residual(A, B, sigma, x), float(change), x)
         previous = change
     raise ConvergenceError(

@@ -16,11 +16,11 @@ Matrix = NDArray[Any]
 Assemble = Callable[[int], tuple[Matrix, Matrix]]
 Unfold = Callable[[Matrix], Matrix]
 
-GROWTH = 1.2  # the second truncation over the first
-TAIL_PART = 0.1  # the part of the coefficients that counts as the tail
-FAINT = 1e-3  # a field smaller than this part of the largest is measured by the largest
-DRIFT_TOLERANCE = 1e-5
-TAIL_TOLERANCE = 3e-4
+SECOND_TRUNCATION = 1.2  # chosen: the second truncation over the first
+TAIL_PART = 0.1  # chosen: the part of the coefficients that counts as the tail
+FAINT = 1e-3  # chosen: a field smaller than this part of the largest is measured by the largest
+DRIFT_TOLERANCE = 1e-5  # chosen: relative change of an eigenvalue between the two truncations with which it is kept
+TAIL_TOLERANCE = 3e-4  # chosen: of its eigenvector, the tail with which it is kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,7 @@ def spectrum(
         return Spectrum(raw, M, raw, unknown, unknown)
     if not (drift_tolerance > 0.0 and tail_tolerance > 0.0):
         raise InputError(f"drift_tolerance = {drift_tolerance!r}, tail_tolerance = {tail_tolerance!r}: allowed are numbers above 0")
-    larger = int(np.ceil(GROWTH * M))
+    larger = int(np.ceil(SECOND_TRUNCATION * M))
     others = _finite(*assemble(larger))[0]
     raw, vectors = _finite(*assemble(M), vectors=True)
     drift = _nearest(raw, others)

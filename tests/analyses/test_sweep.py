@@ -20,7 +20,7 @@ from shootstab.analyses.sweep import run, walk
 from shootstab.analyses.sweep import sweep as swept
 from shootstab.analyses.sweep.dominance import count_dominant
 from shootstab.analyses.sweep.following import ARRIVED, FADED, LOST, FollowedMode, follow, land
-from shootstab.analyses.sweep.grid import LONGEST, Grid, Line
+from shootstab.analyses.sweep.grid import LONGEST_LINE, Grid, Line
 from shootstab.analyses.sweep.outcomes import FOLLOWED, NO_FLOW, NO_WAVE, NONE_GROWS, PROVED
 from shootstab.analyses.sweep.workers import in_processes
 from shootstab.core.discriminant import Value
@@ -39,7 +39,7 @@ def test_lines_are_the_grid_cut_along_a_wavenumber(scenes: dict[str, ChuteProble
     points = [p for line in lines for p in line.points]
     assert len(points) == len(grid) == 450
     assert set(points) == set(grid.points)
-    assert all(len(line.points) <= LONGEST and len({p[1] for p in line.points}) == 1 for line in lines)
+    assert all(len(line.points) <= LONGEST_LINE and len({p[1] for p in line.points}) == 1 for line in lines)
     done = points[:70]
     assert [p for line in grid.lines(done) for p in line.points] == points[70:]
 

@@ -13,11 +13,12 @@ import pytest
 
 from shootstab.analyses.sweep import Swept
 from shootstab.analyses.sweep.grid import Axis
-from shootstab.analyses.sweep.outcomes import FOLLOWED, NO_FLOW, NO_WAVE, NONE_GROWS, PROVED, UNRESOLVED, Outcome
+from shootstab.analyses.sweep.outcomes import FOLLOWED, NO_FLOW, NO_WAVE, NONE_GROWS, PROVED, Outcome
 from shootstab.analyses.sweep.walk import Settings
 from shootstab.cli import main as cli
 from shootstab.cli import maps
 from shootstab.cli import sweep_command as sweeping
+from shootstab.core.records import UNRESOLVED
 from shootstab.io.scenes import load
 from shootstab.models.chute.chute_problem import ChuteProblem
 from shootstab.models.chute.parameter_family import ChuteFamily

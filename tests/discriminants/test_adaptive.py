@@ -9,7 +9,7 @@ import pytest
 
 import shootstab as st
 from shootstab.core.errors import InputError
-from shootstab.discriminants.cells import PARTS, Cell
+from shootstab.discriminants.cells import CELL_PARTS, Cell
 from shootstab.discriminants.continuation import Continuation
 from shootstab.models.gallery.poiseuille import PlanePoiseuille
 from shootstab.problems.protocol import Problem
@@ -85,9 +85,9 @@ def test_cells_are_nested_and_their_anchors_lie_in_their_closure() -> None:
             assert small.larger == large
         if abs(sigma) > 1e-20:
             for cell in cells:
-                width = np.radians(40.0) / PARTS**cell.level
+                width = np.radians(40.0) / CELL_PARTS**cell.level
                 turn = np.angle(sigma / cell.anchor)
-                assert 1.0 <= abs(cell.anchor) / abs(sigma) * (1 + 1e-12) <= 2.0 ** (1 / PARTS**cell.level) * (1 + 1e-12)
+                assert 1.0 <= abs(cell.anchor) / abs(sigma) * (1 + 1e-12) <= 2.0 ** (1 / CELL_PARTS**cell.level) * (1 + 1e-12)
                 assert abs(turn) <= 0.5 * width * (1 + 1e-9)
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from shootstab.core.errors import InputError, NoFlowError
 from shootstab.io.scenes import built_in, load
-from shootstab.models.chute.scene import UNIT
+from shootstab.models.chute.scene import GROWTH_UNIT
 from shootstab.models.gallery.poiseuille import PlanePoiseuille
 
 GOOD = """
@@ -44,7 +44,7 @@ def test_the_papers_scenes_are_the_papers() -> None:
         chute = scene.flow.chute
         assert (chute.e, chute.e_w, chute.r, chute.tan_theta, chute.nu_max) == (0.8, 0.8, 0.6, 0.3, 0.62)
         assert scene.flow.mass_flux == pytest.approx(3.0, rel=1e-11)
-        assert scene.unit == UNIT
+        assert scene.unit == GROWTH_UNIT
         temperatures.append(scene.flow.far_temperature)
     high, mid, low, fig2 = temperatures
     assert high > mid > low

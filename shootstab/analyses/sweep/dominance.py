@@ -17,15 +17,15 @@ from shootstab.discriminants.frame import Frame
 from shootstab.problems.protocol import Problem
 from shootstab.roots.search import Zero
 
-FLOOR = 1e-8
-CLEAR = 1e-7  # of the frequencies of the continuous spectrum: growth rates below it are not told from decay
-SHARE = 0.5  # of the growth rate of the dominant mode: modes above it are counted and followed
-NUDGES = (1.0, 0.83, 0.61)  # of a floor on which a mode lies
-RAISE, HIGHEST = 30.0, 1e-4  # where the continuous spectrum is too near for a count, the floor is raised
-COUNTING = Frame(rtol=1e-6)  # a phase needs few digits
-TRUNCATIONS = (40, 64)  # of the pseudospectral spectra that suggest modes
-SUGGESTED = 12
-SAME = 1e-5
+GROWTH_FLOOR = 1e-8  # chosen: the growth rate, in the units of the problem, below which a suggested mode is not taken to grow
+DECAY_NOISE = 1e-7  # chosen: of the frequencies of the continuous spectrum: growth rates below it are not told from decay
+SHARE = 0.5  # chosen: of the growth rate of the dominant mode: modes above it are counted and followed
+NUDGES = (1.0, 0.83, 0.61)  # chosen: of a floor on which a mode lies
+RAISE, HIGHEST_FLOOR = 30.0, 1e-4  # chosen: where the continuous spectrum is too near for a count, the floor is raised
+SWEEP_COUNTING = Frame(rtol=1e-6)  # chosen: a phase needs few digits
+SUGGESTING_TRUNCATIONS = (40, 64)  # chosen: of the pseudospectral spectra that suggest modes
+SUGGESTED = 12  # chosen: suggested modes that are tried, the fastest first
+SAME_MODE = 1e-5  # chosen: relative distance below which two numbers mean one mode
 
 
 @dataclass(frozen=True)
@@ -45,12 +45,12 @@ def count_dominant(problem: Problem, known: Sequence[complex], floor: float, bef
     The count is made first with the known ones. If there are more, pseudospectral spectra suggest where they are, and at last the half-disc
     is divided. Raises ConvergenceError where the count cannot be made or not all modes are found.
     """
-    continuation = Continuation(problem, COUNTING, None if before is None else before.continuation.on_the_axis.meshes)
+    continuation = Continuation(problem, SWEEP_COUNTING, None if before is None else before.continuation.on_the_axis.meshes)
     modes = _distinct(known)
     if before is None or not modes:
-        modes = _distinct([*modes, *_suggested(continuation, TRUNCATIONS[0])])
+        modes = _distinct([*modes, *_suggested(continuation, SUGGESTING_TRUNCATIONS[0])])
     radius, least = _radius(continuation, before), lowest_floor(continuation, floor)
-    for attempt in range(len(TRUNCATIONS) + 2):
+    for attempt in range(len(SUGGESTING_TRUNCATIONS) + 2):
         level = max(least, SHARE * max((m.real for m in modes), default=0.0))
         count, level, spent = _counted(continuation, radius, level)
         growing = [m for m in modes if m.real > level]
@@ -59,8 +59,8 @@ def count_dominant(problem: Problem, known: Sequence[complex], floor: float, bef
             return DominantModes(tuple(growing), level, radius, continuation, spent)
         if count < len(growing):
             raise ConvergenceError(f"{count} modes are counted with Re sigma > {level:.2g}, but {len(growing)} found")
-        if attempt < len(TRUNCATIONS):
-            modes = _distinct([*modes, *_suggested(continuation, TRUNCATIONS[attempt])])
+        if attempt < len(SUGGESTING_TRUNCATIONS):
+            modes = _distinct([*modes, *_suggested(continuation, SUGGESTING_TRUNCATIONS[attempt])])
         else:
             _, zeros, _ = find_modes(continuation, HalfDisc(radius, level), [Zero(m) for m in growing])
             modes = _distinct([*modes, *(z.sigma for z in zeros)])
@@ -70,7 +70,7 @@ def count_dominant(problem: Problem, known: Sequence[complex], floor: float, bef
 def lowest_floor(continuation: Continuation, floor: float) -> float:
     """The floor, or what the contour needs to keep clear of the continuous spectrum, which decays slower and slower towards infinity."""
     curve = continuation.continuum
-    return floor if curve is None else max(floor, CLEAR * float(abs(curve.sigma.imag).max()))
+    return floor if curve is None else max(floor, DECAY_NOISE * float(abs(curve.sigma.imag).max()))
 
 
 def _radius(continuation: Continuation, before: DominantModes | None) -> float:
@@ -94,13 +94,13 @@ def _counted(continuation: Continuation, radius: float, floor: float) -> tuple[i
             else:
                 return found.count, nudge * level, found.evaluations
         level *= RAISE
-        if level > max(HIGHEST, floor):
+        if level > max(HIGHEST_FLOOR, floor):
             raise failure
 
 
 def suggested(problem: Problem) -> list[complex]:
     """Growing zeros of D next to eigenvalues of a coarse pseudospectral discretization, the fastest first: there may be others."""
-    return _suggested(Continuation(problem, COUNTING), TRUNCATIONS[0])
+    return _suggested(Continuation(problem, SWEEP_COUNTING), SUGGESTING_TRUNCATIONS[0])
 
 
 def _suggested(continuation: Continuation, truncation: int) -> list[complex]:
@@ -109,7 +109,7 @@ def _suggested(continuation: Continuation, truncation: int) -> list[complex]:
         raw = spectrum(continuation.problem, truncation, filtered=False).raw
     except InputError:  # no reference for this problem
         return []
-    growing = sorted(raw[raw.real > FLOOR], key=lambda s: -s.real)[:SUGGESTED]
+    growing = sorted(raw[raw.real > GROWTH_FLOOR], key=lambda s: -s.real)[:SUGGESTED]
     landed = []
     for guess in growing:
         try:
@@ -122,6 +122,6 @@ def _suggested(continuation: Continuation, truncation: int) -> list[complex]:
 def _distinct(modes: Sequence[complex]) -> list[complex]:
     kept: list[complex] = []
     for mode in modes:
-        if math.isfinite(abs(mode)) and all(abs(mode - other) > SAME * abs(mode) for other in kept):
+        if math.isfinite(abs(mode)) and all(abs(mode - other) > SAME_MODE * abs(mode) for other in kept):
             kept.append(mode)
     return kept

@@ -9,14 +9,14 @@ from dataclasses import dataclass, field
 from shootstab.core.discriminant import Discriminant
 from shootstab.core.errors import ConvergenceError
 
-CONTRACTION = 0.25  # ratio of the second Newton step to the first: another zero would be about 1/CONTRACTION times further away
-SETTLED = 1e-11  # relative step at which Newton's next one is rounding
-NOISE = 1e-7  # relative steps below this need not shrink: they are the noise of D on its mesh
-ITERATIONS = 8
-HISTORY = 4  # points that the extrapolation runs through
-MISPREDICTED = 0.5  # of the way that σ went, what the prediction may be wrong by
-STILL = 0.02  # of |σ|, what it may be wrong by in any case
-DEEPEST = 6  # halvings of a step
+CONTRACTION = 0.25  # chosen: ratio of the second Newton step to the first; another zero would be about 1/CONTRACTION times further away
+FOLLOWING_SETTLED = 1e-11  # chosen: relative step at which Newton's next one is rounding
+FOLLOWING_NOISE = 1e-7  # chosen: relative steps below this need not shrink: they are the noise of D on its mesh
+ITERATIONS = 8  # chosen: of Newton at most; quadratic convergence from two digits takes three or four
+HISTORY = 4  # chosen: points that the extrapolation runs through
+MISPREDICTED = 0.5  # chosen: of the way that σ went, what the prediction may be wrong by
+STILL_ENOUGH = 0.02  # chosen: of |σ|, what it may be wrong by in any case
+DEEPEST_HALVING = 6  # chosen: halvings of a step
 ARRIVED, FADED, LOST = "arrived", "faded", "lost"
 
 
@@ -63,17 +63,17 @@ def land(discriminant: Discriminant, guess: complex) -> complex | None:
         step = discriminant.with_derivative(sigma).newton_step
         sigma += step
         length = abs(step)
-        if length <= SETTLED * abs(sigma):
+        if length <= FOLLOWING_SETTLED * abs(sigma):
             return sigma
-        if length > NOISE * abs(sigma) and length > CONTRACTION * before:
+        if length > FOLLOWING_NOISE * abs(sigma) and length > CONTRACTION * before:
             return None
-        if length <= NOISE * abs(sigma) and length > 0.5 * before:
+        if length <= FOLLOWING_NOISE * abs(sigma) and length > 0.5 * before:
             return sigma
         before = length
     return None
 
 
-def follow(followed: FollowedMode, place: float, at: Callable[[float], Discriminant], deepest: int = DEEPEST) -> str:
+def follow(followed: FollowedMode, place: float, at: Callable[[float], Discriminant], deepest: int = DEEPEST_HALVING) -> str:
     """Follow a followed to a place, in halved steps where the whole one is not safe: ARRIVED, FADED where its growth rate is about to reach
     zero before that place, or LOST where the smallest step is not safe either. The followed grows by every place on the way.
     """
@@ -100,6 +100,6 @@ def _lands(followed: FollowedMode, place: float, predicted: complex, at: Callabl
         return None
     if len(followed.places) > 1:
         wrong, way = abs(found - predicted), abs(found - followed.last)
-        if wrong > max(MISPREDICTED * way, STILL * abs(found)):
+        if wrong > max(MISPREDICTED * way, STILL_ENOUGH * abs(found)):
             return None
     return found

@@ -11,8 +11,8 @@ from typing import Any
 from shootstab.core.errors import InputError
 from shootstab.problems.capabilities import Family
 
-LONGEST = 64  # points of a line: what one worker takes at a time, and what an interruption may cost each
-MOST = 10_000_000
+LONGEST_LINE = 64  # chosen: points of a line: what one worker takes at a time, and what an interruption may cost each
+MOST_GRID_POINTS = 10_000_000  # chosen: points of a sweep, some days of work; more are a slip of the pen
 
 Point = tuple[float, ...]  # the values of the axes, in their order
 
@@ -66,12 +66,12 @@ class Grid:
 
     @classmethod
     def of(cls, axes: Mapping[str, Any], family: Family) -> Grid:
-        """From values by name. Raises InputError for values that no member can have, and for more than MOST points."""
+        """From values by name. Raises InputError for values that no member can have, and for more than MOST_GRID_POINTS points."""
         grid = cls(tuple(Axis.of(name, values) for name, values in axes.items()), family.sharing)
         if not grid.axes:
             raise InputError("nothing to sweep over: needed is one parameter at least")
-        if len(grid) > MOST:
-            raise InputError(f"{len(grid)} points: allowed are up to {MOST}")
+        if len(grid) > MOST_GRID_POINTS:
+            raise InputError(f"{len(grid)} points: allowed are up to {MOST_GRID_POINTS}")
         for axis in grid.axes:
             for value in axis.values:
                 family.checked({axis.name: value})
@@ -91,7 +91,7 @@ class Grid:
         return list(product(*(axis.values for axis in self.axes)))
 
     def lines(self, done: Sequence[Point] = ()) -> list[Line]:
-        """What is not done yet, in lines of at most LONGEST points.
+        """What is not done yet, in lines of at most LONGEST_LINE points.
 
         They run along a wavenumber where one varies, so that all points of a line share their steady flow: along the longest such axis.
         """
@@ -101,7 +101,7 @@ class Grid:
         for others in product(*(axis.values if axis.name != along else (math.nan,) for axis in self.axes)):
             run = [(*others[:k], v, *others[k + 1 :]) for v in self.axes[k].values]
             left = [p for p in run if p not in known]
-            pieces = -(-len(left) // LONGEST)
+            pieces = -(-len(left) // LONGEST_LINE)
             for i in range(pieces):
                 lines.append(Line(along, self.names, tuple(left[i * len(left) // pieces : (i + 1) * len(left) // pieces])))
         return lines

@@ -10,7 +10,6 @@ FOLLOWED = "followed"
 NONE_GROWS = "no growing mode"
 NO_WAVE = "no wave"
 NO_FLOW = "no flow"
-UNRESOLVED = "unresolved"
 
 
 @dataclass(frozen=True)

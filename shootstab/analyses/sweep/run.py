@@ -14,16 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.analyses.sweep.grid import Axis, Grid, Line, Point
-from shootstab.analyses.sweep.outcomes import FOLLOWED, NO_FLOW, NO_WAVE, NONE_GROWS, PROVED, UNRESOLVED, Outcome
+from shootstab.analyses.sweep.outcomes import FOLLOWED, NO_FLOW, NO_WAVE, NONE_GROWS, PROVED, Outcome
 from shootstab.analyses.sweep.store import Store
 from shootstab.analyses.sweep.walk import Settings, walk
 from shootstab.analyses.sweep.workers import in_processes, on_cluster, serially
 from shootstab.core.errors import InputError
+from shootstab.core.records import UNRESOLVED
 from shootstab.problems.capabilities import FAMILY, Family
 from shootstab.problems.protocol import Problem
 
 Progress = Callable[[int, int], None]
-FORMAT = 2
+FORMAT = 2  # defined by the store: the version of the file of results; one of another version is refused
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from shootstab.analyses.sweep.grid import Point
 from shootstab.analyses.sweep.outcomes import Outcome
 from shootstab.core.errors import InputError
 
-COLUMNS = {
+STORED_COLUMNS = {
     "re": "REAL",
     "im": "REAL",
     "error": "REAL",
@@ -50,7 +50,7 @@ class Store:
                 self._base.execute("CREATE TABLE sweep (definition TEXT NOT NULL)")
                 self._base.execute("INSERT INTO sweep VALUES (?)", (text,))
                 keys = ", ".join(f'"{n}"' for n in self._names)
-                columns = [f'"{n}" REAL NOT NULL' for n in self._names] + [f"{n} {kind}" for n, kind in COLUMNS.items()]
+                columns = [f'"{n}" REAL NOT NULL' for n in self._names] + [f"{n} {kind}" for n, kind in STORED_COLUMNS.items()]
                 self._base.execute(f"CREATE TABLE points ({', '.join(columns)}, PRIMARY KEY ({keys})) WITHOUT ROWID")
                 self._base.execute("COMMIT")
                 return
@@ -69,7 +69,7 @@ class Store:
 
     def add(self, points: Sequence[Point], outcomes: Sequence[Outcome]) -> None:
         """Results of one line of points, all or none. Raises InputError where they cannot be written."""
-        marks = ", ".join("?" * (len(self._names) + len(COLUMNS)))
+        marks = ", ".join("?" * (len(self._names) + len(STORED_COLUMNS)))
         try:
             self._base.execute("BEGIN IMMEDIATE")
             self._base.executemany(f"INSERT INTO points VALUES ({marks})", [(*p, *_row(o)) for p, o in zip(points, outcomes, strict=True)])

@@ -13,20 +13,20 @@ from dataclasses import dataclass, field, replace
 
 from shootstab.analyses.error_budget import HALVING
 from shootstab.analyses.refine import refine
-from shootstab.analyses.sweep.dominance import DominantModes, count_dominant
+from shootstab.analyses.sweep.dominance import SAME_MODE, DominantModes, count_dominant
 from shootstab.analyses.sweep.following import ARRIVED, LOST, FollowedMode, follow, land
 from shootstab.analyses.sweep.grid import Line
-from shootstab.analyses.sweep.outcomes import FOLLOWED, NONE_GROWS, PROVED, UNRESOLVED, Outcome
+from shootstab.analyses.sweep.outcomes import FOLLOWED, NONE_GROWS, PROVED, Outcome
 from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.records import UNRESOLVED
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.method import AdaptiveDiscriminant
 from shootstab.problems.capabilities import Family
 from shootstab.problems.protocol import Problem
 
-SPREAD = 10.0  # on the parts of the error that are measured at two points of a line only
-AUDITS, TRIES = 2, 8  # points of a line at which all parts of the error are to be measured, and how many are tried
-MESH = 1e-8  # local errors on the meshes, unless the digits ask for smaller ones
-SAME = 1e-5  # relative distance below which two numbers mean one mode
+SPREAD = 10.0  # chosen: on the parts of the error that are measured at two points of a line only
+AUDITS, TRIES = 2, 8  # chosen: points of a line at which all parts of the error are to be measured, and how many are tried
+MESH = 1e-8  # chosen: local errors on the meshes, unless the digits ask for smaller ones
 
 
 @dataclass(frozen=True)
@@ -252,7 +252,7 @@ class _Walk:
 
 def _among(mode: complex, known: Iterable[complex | None]) -> bool:
     """Whether a number means one of the modes known."""
-    return any(other is not None and abs(mode - other) <= SAME * abs(mode) for other in known)
+    return any(other is not None and abs(mode - other) <= SAME_MODE * abs(mode) for other in known)
 
 
 def _from_both_ends(indices: Sequence[int]) -> Iterator[int]:

@@ -16,7 +16,7 @@ from shootstab.core.errors import InputError, ShootstabError
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
-CONNECT = 15  # seconds to wait for a cluster
+CONNECT = 15  # chosen: seconds to wait for a cluster
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 

@@ -9,7 +9,7 @@ from shootstab.core.scene_keys import Description
 from shootstab.models.catalogue.entry import Entry, Maker, Published, keys
 
 FREE = {"rayleigh": 1000.0, "wavenumber": 2.5, "prandtl": 0.71, "lower": "free", "upper": "free"}
-FREE_GROWTH_RATE = 2.973306944007456  # gallery.benard.free_growth_rate of these
+FREE_GROWTH_RATE = 2.973306944007456  # derived: gallery.benard.free_growth_rate of these
 
 
 def _describe(values: Mapping[str, Any]) -> Description:

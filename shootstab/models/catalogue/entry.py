@@ -13,7 +13,7 @@ from shootstab.core.scene_keys import Description, Keys
 if TYPE_CHECKING:
     from shootstab.problems.protocol import Problem
 
-WAVE = "σ of exp(σt + iαx)"
+WAVE_FORM = "σ of exp(σt + iαx)"
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Any
 from shootstab.core.scene_keys import Description
 from shootstab.models.catalogue.entry import Entry, Maker, Published, keys
 
-MACK = 2 / 15  # second coefficient of viscosity, in μ, for Mack's ratio 1.2
+MACK_VISCOSITY = 2 / 15  # derived: second coefficient of viscosity, in μ, for Mack's ratio 1.2
 
 
 def _describe(values: Mapping[str, Any]) -> Description:
@@ -20,8 +20,8 @@ def _describe(values: Mapping[str, Any]) -> Description:
     return Description(order, unknowns, "half line y > 0, all modes", scales, f"α of {wave}" if spatial else f"σ = -iω of {wave}")
 
 
-_MALIK_3 = {"second": MACK, "mach": 2.5, "far_temperature": 600 / 1.8 / 2.25, "reynolds": 3e3, "alpha": 0.06, "beta": 0.1}
-_MALIK_6 = {"second": MACK, "mach": 4.5, "far_temperature": 1100 / 1.8 / 5.05, "reynolds": 1.5e3, "omega": 0.23}
+_MALIK_3 = {"second": MACK_VISCOSITY, "mach": 2.5, "far_temperature": 600 / 1.8 / 2.25, "reynolds": 3e3, "alpha": 0.06, "beta": 0.1}
+_MALIK_6 = {"second": MACK_VISCOSITY, "mach": 4.5, "far_temperature": 1100 / 1.8 / 5.05, "reynolds": 1.5e3, "omega": 0.23}
 ENTRIES = (
     Entry(
         name="plate",

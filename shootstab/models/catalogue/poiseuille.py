@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from shootstab.core.scene_keys import Description
-from shootstab.models.catalogue.entry import WAVE, Entry, Maker, Published, keys
+from shootstab.models.catalogue.entry import WAVE_FORM, Entry, Maker, Published, keys
 
 
 def _describe(values: Mapping[str, Any]) -> Description:
     half = "half channel 0 < y < 1, even φ only" if values.get("half", False) else "whole channel -1 < y < 1, both parities"
-    return Description(4, "φ, φ′, φ″, φ‴", half, "lengths in half-widths, velocities U(0)", WAVE)
+    return Description(4, "φ, φ′, φ″, φ‴", half, "lengths in half-widths, velocities U(0)", WAVE_FORM)
 
 
 ENTRIES = (

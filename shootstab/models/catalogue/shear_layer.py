@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from shootstab.core.scene_keys import Description
-from shootstab.models.catalogue.entry import WAVE, Entry, Maker, Published, keys
+from shootstab.models.catalogue.entry import WAVE_FORM, Entry, Maker, Published, keys
 
-INVISCID = Description(2, "φ, φ′", "whole line, all modes", "lengths δ and velocities U∞ of U = tanh y", WAVE)
+INVISCID = Description(2, "φ, φ′", "whole line, all modes", "lengths δ and velocities U∞ of U = tanh y", WAVE_FORM)
 ENTRIES = (
     Entry(
         name="shear-layer",

@@ -18,11 +18,12 @@ from shootstab.models.chute.registry import CHUTE, names
 from shootstab.models.chute.steady_flow import Flow, descend
 
 ASIDE = 1e-4  # of x, for d ln Q0/dx: chosen, scouting flows of 1e-9 leave five digits of it
-FARTHEST = 0.1  # |Δx| of one step: chosen, a tenth of what separates the branches of the paper's flows where they are nearest
-STEADY = 2.0  # ratio of the slopes d ln Q0/dx at the ends of a step, at most: next to a fold steps then shrink with the way left to it
-SMALLEST = 1e-6  # step, of the whole way: a fold lies no farther ahead than a few of these (chosen)
-NEWTONS, SETTLED = 4, 1e-8
-NEIGHBOURHOOD = 1e-5  # of x, around what scouting flows gave: there lies the flow that the best integration gives
+LONGEST_STEP = 0.1  # |Δx| of one step: chosen, a tenth of what separates the branches of the paper's flows where they are nearest
+STEADY = 2.0  # chosen: ratio of the slopes d ln Q0/dx at the ends of a step, at most: next to a fold steps shrink with the way left to it
+SMALLEST_STEP = 1e-6  # step, of the whole way: a fold lies no farther ahead than a few of these (chosen)
+# chosen: steps of Newton to a point of the branch, and the relative step that ends them; more mean a shorter step along it
+BRANCH_NEWTONS, BRANCH_SETTLED = 4, 1e-8
+SCOUTED_WITHIN = 1e-5  # chosen: of x, around what scouting flows gave: there lies the flow that the best integration gives
 
 
 def continued(flow: Flow, chute: Chute, mass_flux: float) -> Flow:
@@ -39,7 +40,7 @@ def continued(flow: Flow, chute: Chute, mass_flux: float) -> Flow:
         ahead = 1.0 if step >= 1.0 - place else place + step
         flux = flow.mass_flux ** (1 - ahead) * mass_flux**ahead
         found = _settled(_between(flow.chute, chute, ahead), flux, x + rate * (ahead - place))
-        if found is not None and abs(found[0] - x) <= FARTHEST and 1 / STEADY <= found[1] / slope <= STEADY:
+        if found is not None and abs(found[0] - x) <= LONGEST_STEP and 1 / STEADY <= found[1] / slope <= STEADY:
             rate, done = (found[0] - x) / (ahead - place), ahead - place
             flatter = (found[1] / slope) ** 2
             (x, slope), place = found, ahead
@@ -47,9 +48,9 @@ def continued(flow: Flow, chute: Chute, mass_flux: float) -> Flow:
             step = min(2 * done, 0.7 * done * flatter / (1 - flatter)) if flatter < 1.0 else 2 * done
             continue
         step /= 2
-        if step < SMALLEST:
+        if step < SMALLEST_STEP:
             _ended(place, flow.mass_flux ** (1 - place) * mass_flux**place)
-    return solve_between(chute, mass_flux, x - NEIGHBOURHOOD, x + NEIGHBOURHOOD)
+    return solve_between(chute, mass_flux, x - SCOUTED_WITHIN, x + SCOUTED_WITHIN)
 
 
 def _between(one: Chute, other: Chute, place: float) -> Chute:
@@ -64,13 +65,13 @@ def _settled(chute: Chute, mass_flux: float, x: float) -> tuple[float, float] | 
     """(x, d ln Q0/dx) of the flow next to x, by Newton; None where it does not settle, or no flow exists."""
     goal = math.log(mass_flux)
     try:
-        for _ in range(NEWTONS):
+        for _ in range(BRANCH_NEWTONS):
             here, aside = (math.log(descend(chute, math.exp(at), SCOUTING).mass_flux) for at in (x, x + ASIDE))
             slope = (aside - here) / ASIDE
-            if abs(goal - here) <= SETTLED * abs(slope):
+            if abs(goal - here) <= BRANCH_SETTLED * abs(slope):
                 return x + (goal - here) / slope, slope
             change = (goal - here) / slope if slope else math.inf
-            if not abs(change) <= FARTHEST:
+            if not abs(change) <= LONGEST_STEP:
                 return None
             x += change
     except (NoFlowError, ValueError):  # a flow without a positive mass flux has no logarithm

@@ -34,8 +34,8 @@ from shootstab.spectral.qz import Spectrum
 
 Matrix = NDArray[Any]
 Way = Callable[[int, complex], tuple[complex, int]]
-FIELDS = 5
-PHASE = 1j  # v̂ = PHASE · (the unknown)
+FIELDS = 5  # exact: ν, u, v, w, T
+PHASE = 1j  # exact: v̂ = PHASE · (the unknown)
 
 
 def window(

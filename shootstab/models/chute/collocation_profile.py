@@ -15,9 +15,9 @@ from shootstab.models.chute.steady_flow import Flow
 from shootstab.spectral import chebyshev
 from shootstab.spectral.chebyshev import Array
 
-NU_TRUNCATED = 1e-14  # ν0(z_m); (2.20)–(2.22) cost a relative error in σ of 10 to 1500 ν0(z_m), as measured on the paper's flows
-FOCI = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0)
-PROBE = 64  # the degree at which candidate grids are compared
+NU_TRUNCATED = 1e-14  # chosen: ν0(z_m); (2.20)–(2.22) cost a relative error in σ of 10 to 1500 ν0(z_m) on the paper's flows
+FOCI = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0)  # chosen: of candidate grids, among which the profile decides
+COMPARED_DEGREE = 64  # chosen: the degree at which candidate grids are compared
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +96,7 @@ def clustering(
     """
     heights = z_max * np.geomspace(0.05, 0.7, 13) if z_half is None else [z_half]
     pairs = product(heights, FOCI if focus is None else (focus,))
-    best = min(pairs, key=lambda pair: _area(flow, chebyshev.malik(PROBE, z_max, *pair).z, kx, ky))
+    best = min(pairs, key=lambda pair: _area(flow, chebyshev.malik(COMPARED_DEGREE, z_max, *pair).z, kx, ky))
     return float(best[0]), float(best[1])
 
 

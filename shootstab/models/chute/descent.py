@@ -12,7 +12,7 @@ from shootstab.kernels.tableau import E3, E5, STAGES, A, B
 from shootstab.models.chute import constitutive as law
 from shootstab.models.chute.balance import slip, slopes
 
-SIZE = 6  # ln ν, T, u, Q, ∫p, ∫νu
+DESCENT_SIZE = 6  # exact: ln ν, T, u, Q, ∫p, ∫νu
 FILLED = 0.9999  # of the densest packing: a flow is not followed beyond it (chosen: g0 is above 1e6 there, and steps are lost to it)
 
 # chute, here: the array Chute.numbers, (η_p, tanθ, r, Δ, *radial_law)
@@ -46,14 +46,14 @@ def energy_defect(y, chute):  # type: ignore[no-untyped-def]
 def step(y, h, chute, stages, out):  # type: ignore[no-untyped-def]
     """One Runge–Kutta step of length h (complex); returns its error relative to the tolerance."""
     for i in range(STAGES):
-        for c in range(SIZE):
+        for c in range(DESCENT_SIZE):
             total = 0j
             for j in range(i):
                 total += A[i, j] * stages[j, c]
             out[c] = y[c] + h * total
         rhs(out, chute, stages[i])
     worst = 0.0
-    for c in range(SIZE):
+    for c in range(DESCENT_SIZE):
         total, error5, error3 = 0j, 0j, 0j
         for j in range(STAGES):
             total += B[j] * stages[j, c]
@@ -79,8 +79,8 @@ def step(y, h, chute, stages, out):  # type: ignore[no-untyped-def]
 def descend(y0, chute, far_temperature, tolerance, z, states):  # type: ignore[no-untyped-def]
     """Follow the flow down from z = 0 until the base lies inside a step. Returns (steps taken, found)."""
     states[0] = y0
-    stages = np.empty((STAGES, SIZE), dtype=np.complex128)
-    trial = np.empty(SIZE, dtype=np.complex128)
+    stages = np.empty((STAGES, DESCENT_SIZE), dtype=np.complex128)
+    trial = np.empty(DESCENT_SIZE, dtype=np.complex128)
     h = -0.3 * far_temperature
     count = 0
     side = energy_defect(y0, chute) > 0.0
@@ -108,8 +108,8 @@ def follow(y, start, nodes, chute, tolerance, out):  # type: ignore[no-untyped-d
 
     Returns the number of nodes reached.
     """
-    stages = np.empty((STAGES, SIZE), dtype=np.complex128)
-    trial = np.empty(SIZE, dtype=np.complex128)
+    stages = np.empty((STAGES, DESCENT_SIZE), dtype=np.complex128)
+    trial = np.empty(DESCENT_SIZE, dtype=np.complex128)
     current = y.copy()
     here = start
     longest = np.inf

@@ -13,8 +13,8 @@ from shootstab.models.chute.parameters import Chute
 from shootstab.models.chute.registry import BRANCHES, BY_NAME
 from shootstab.models.chute.steady_flow import TOLERANCE, Flow, descend
 
-SCAN = (1e-2, 1e3, 121)  # T_∞ from, to, points: 24 a decade
-SCOUTING = 1e-9  # the tolerance of flows that only tell where to look
+SCAN = (1e-2, 1e3, 121)  # chosen: T_∞ from, to, points: 24 a decade
+SCOUTING = 1e-9  # chosen: the tolerance of flows that only tell where to look
 DOUBT = 1e-5  # of the mass flux: where a scouting flow comes nearer to it, its error could decide whether a flow is there (chosen)
 
 

@@ -27,9 +27,9 @@ from shootstab.models.chute.parameters import Chute
 
 ComplexArray = NDArray[np.complex128]
 Terms = NDArray[np.inexact]
-TERMS = 12  # more cost more than the steps they save
+FAR_TERMS = 12  # chosen: more cost more than the steps they save
 # With v̂ and all that goes with it multiplied by i the series is real where k_x and σ's imaginary part are zero
-TURNED_STATES, TURNED_EQUATIONS, TURNED_SOLUTIONS = [2, 6], [2, 6], [1]
+TURNED_STATES, TURNED_EQUATIONS, TURNED_SOLUTIONS = [2, 6], [2, 6], [1]  # exact: what of states, equations and solutions goes with v̂
 
 
 def flow_series(chute: Chute, far_temperature: Any, far_velocity: Any, terms: int, pi: Any) -> tuple[Series, Series, Series, Series]:
@@ -52,7 +52,7 @@ def flow_series(chute: Chute, far_temperature: Any, far_velocity: Any, terms: in
 @lru_cache(maxsize=16)
 def _far_background(chute: Chute, far_temperature: float, far_velocity: float) -> Background:
     """The steady flow far up, in doubles: the same for all waves on it."""
-    return background(chute, *flow_series(chute, far_temperature, far_velocity, TERMS, math.pi), math.pi)
+    return background(chute, *flow_series(chute, far_temperature, far_velocity, FAR_TERMS, math.pi), math.pi)
 
 
 class FarField:
@@ -101,7 +101,7 @@ class FarField:
         return P, pole
 
     def terms(self, sigma: complex, tangent: bool = True) -> tuple[Terms, Terms]:
-        """P_m and, if tangent, dP_m/dσ, each (TERMS, 8, 4); with the phases of v̂, and real where they can be."""
+        """P_m and, if tangent, dP_m/dσ, each (FAR_TERMS, 8, 4); with the phases of v̂, and real where they can be."""
         sigma = complex(sigma)
         if self._real is not None and sigma.imag == 0.0:
             return self._real.terms(sigma.real, sigma.real, tangent)
@@ -110,7 +110,7 @@ class FarField:
     def reach(self, sigma: complex, tolerance: float) -> float:
         """The largest ν0 at which the terms left out stay below the tolerance, row by row."""
         sizes = _row_sizes(self.terms(sigma, False)[0])
-        m = np.arange(TERMS - 4, TERMS)
+        m = np.arange(FAR_TERMS - 4, FAR_TERMS)
         with np.errstate(divide="ignore"):
             bounds = np.where(sizes[m] > 0.0, (tolerance / sizes[m]) ** (1.0 / m), np.inf)
         return float(min(bounds.min(), 1e-2))
@@ -119,7 +119,7 @@ class FarField:
         """Σ P_m ν0^m, its σ-derivative, and a bound on its relative error from the last terms."""
         P, dP = self.terms(sigma)
         sizes = _row_sizes(P)
-        tail = max(sizes[m] * nu**m for m in range(TERMS - 4, TERMS))
+        tail = max(sizes[m] * nu**m for m in range(FAR_TERMS - 4, FAR_TERMS))
         return series_value(P, nu) * self._back, series_value(dP, nu) * self._back, float(tail)
 
 
@@ -136,7 +136,7 @@ class _Series(NamedTuple):
 
     def terms(self, sigma: complex, omega: complex, tangent: bool) -> tuple[Terms, Terms]:
         """P_m and, if tangent, dP_m/dσ."""
-        P = np.zeros((TERMS, SIZE, DECAYING), dtype=self.constant.dtype)
+        P = np.zeros((FAR_TERMS, SIZE, DECAYING), dtype=self.constant.dtype)
         dP = np.zeros_like(P)
         first = self.pole / omega
         P[0], dP[0] = self.constant + first, first / -omega
@@ -174,8 +174,8 @@ def _row_sizes(P: Terms) -> NDArray[np.float64]:
 
 
 def _matrices(entries: dict[tuple[int, int], Any]) -> ComplexArray:
-    """(TERMS, 8, 8) from entries that are series in ν0."""
-    out = np.zeros((TERMS, SIZE, SIZE), dtype=np.complex128)
+    """(FAR_TERMS, 8, 8) from entries that are series in ν0."""
+    out = np.zeros((FAR_TERMS, SIZE, SIZE), dtype=np.complex128)
     for (i, j), entry in entries.items():
         out[:, i, j] = [complex(c) for c in entry.coefficients]
     return out

@@ -14,8 +14,8 @@ from typing import Any
 from shootstab.core.series import Series
 from shootstab.models.chute.background import Background
 
-SIZE = 8
-DECAYING = 4
+SIZE = 8  # exact: states of the first-order system, of which half decay
+DECAYING = 4  # exact: as many rows at the wall
 Entries = dict[tuple[int, int], Any]
 
 

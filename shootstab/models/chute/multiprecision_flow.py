@@ -21,9 +21,9 @@ from shootstab.multiprecision.arithmetic import TAIL_TERMS, Arithmetic
 from shootstab.multiprecision.relaxed_series import RelaxedSeries, RelaxedSystem
 from shootstab.multiprecision.settings import Settings, step_limit
 
-NEWTONS = 60
-HIGHEST = -7.0  # log2 of the ν0 at which the way down begins, at most
-FLUX = 4  # the place of Φ in a state (ν, T, u, Q, Φ)
+FLOW_NEWTONS = 60  # chosen: at most; each step of Newton doubles the digits
+HIGHEST_START = -7.0  # chosen: log2 of the ν0 at which the way down begins, at most
+FLUX = 4  # exact: the place of Φ in a state (ν, T, u, Q, Φ)
 State = list[Any]
 
 
@@ -120,7 +120,7 @@ class Descent:
         slopes_of = [[m * c for m, c in enumerate(y)][1:] for y in series[:4]]
         goal = -0.9 * arithmetic.log2(arithmetic.number(10)) * self.settings.digits + math.log2(abs(self.remaining) + 1e-300)
         best = math.inf
-        for _ in range(NEWTONS):
+        for _ in range(FLOW_NEWTONS):
             pairs = [Series((evaluate(arithmetic, y, x), evaluate(arithmetic, s, x))) for y, s in zip(series, slopes_of, strict=False)]
             defect = energy_defect(self.chute, pairs[0], pairs[1], pairs[3], arithmetic.pi)
             step = arithmetic.rounded(defect[0] / defect[1])
@@ -157,7 +157,7 @@ def start_of(arithmetic: Arithmetic, series: list[list[Any]], settings: Settings
     log_T = arithmetic.log2(T)
     scales = (log_T, log_T / 2, 1.5 * log_T)
     limits = [_limit(arithmetic, c, s, settings.far_tolerance) for c, s in zip(series[1:4], scales, strict=True)]
-    return min(*limits, HIGHEST) - settings.far_shift
+    return min(*limits, HIGHEST_START) - settings.far_shift
 
 
 def _limit(arithmetic: Arithmetic, series: list[Any], scale: float, tolerance: float) -> float:

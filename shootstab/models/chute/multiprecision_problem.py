@@ -26,10 +26,10 @@ from shootstab.multiprecision.secant import Secant, Values
 from shootstab.multiprecision.settings import Settings, step_limit
 from shootstab.multiprecision.taylor import Taylor, real_series
 
-SPANWISE = (2, 6)  # v̂ and v̂′, which k_x = 0 makes imaginary
-ROUGH = 0.72  # of the digits of a flow, those at which its response to T_∞ is found first
-WANDER = 1e-6  # relative change of T_∞ beyond which the double-precision flow was another one
-FLATTEST = 1e-5  # |d ln Q0/d ln T_∞| below which a flow lies at a fold of the family: doubles cannot tell there which one is meant
+SPANWISE = (2, 6)  # exact: v̂ and v̂′, which k_x = 0 makes imaginary
+RESPONSE_DIGITS = 0.72  # chosen: of the digits of a flow, those at which its response to T_∞ is found first
+FLOW_WANDER = 1e-6  # chosen: relative change of T_∞ beyond which the double-precision flow was another one
+FLATTEST = 1e-5  # chosen: |d ln Q0/d ln T_∞| below which a flow lies at a fold of the family: doubles cannot tell there which one is meant
 
 
 class ChuteDigits:
@@ -70,12 +70,12 @@ class ChuteDigits:
             return T, arithmetic.to_mpmath(end(settings, T).far_velocity)
         secant = self._secant or Secant(mpmath.mpf(flow.far_temperature))
         try:
-            for at in (settings,) if self._secant else (Settings.of(ROUGH * settings.tolerance + 1.0), settings):
+            for at in (settings,) if self._secant else (Settings.of(RESPONSE_DIGITS * settings.tolerance + 1.0), settings):
                 with arithmetic.working(at.digits), mpmath.workdps(at.digits):
                     secant.settle(partial(found, at), at.tolerance)
         except ConvergenceError:
             raise self._undetermined(secant) from None
-        if not abs(secant.slope * secant.x) > FLATTEST or not abs(secant.x / flow.far_temperature - 1) < WANDER:
+        if not abs(secant.slope * secant.x) > FLATTEST or not abs(secant.x / flow.far_temperature - 1) < FLOW_WANDER:
             raise self._undetermined(secant)
         self._secant = secant
         return secant.x, *secant.others

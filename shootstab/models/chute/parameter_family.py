@@ -16,9 +16,9 @@ from shootstab.models.chute.perturbations import Perturbations
 from shootstab.models.chute.registry import BY_NAME, SWEPT, names
 from shootstab.models.chute.steady_flow import Flow, descend
 
-WAVE = names(registry.WAVE)
+WAVE_NAMES = names(registry.WAVE)
 GRAINS = tuple(p.name for p in SWEPT if p.of == registry.CHUTE)
-NAMES = tuple(p.name for p in SWEPT)
+SWEPT_NAMES = tuple(p.name for p in SWEPT)
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class ChuteFamily:
     @property
     def sharing(self) -> tuple[str, ...]:
         """k_x and k_y: all waves have one steady flow."""
-        return WAVE
+        return WAVE_NAMES
 
     @classmethod
     def around(
@@ -50,8 +50,8 @@ class ChuteFamily:
         InputError for a parameter that cannot be swept, for one that comes twice, and for far_temperature beside mass_flux.
         """
         for name in swept:
-            if name not in NAMES:
-                raise InputError(f"{name}: cannot be swept: allowed is one of {', '.join(NAMES)}")
+            if name not in SWEPT_NAMES:
+                raise InputError(f"{name}: cannot be swept: allowed is one of {', '.join(SWEPT_NAMES)}")
             if swept.count(name) > 1:
                 raise InputError(f"{name}: given {swept.count(name)} times: allowed is once")
         if "far_temperature" in swept and "mass_flux" in swept:
@@ -95,7 +95,7 @@ class ChuteFamily:
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON: what the members have in common."""
-        common = {name: getattr(self, name) for name in (*WAVE, "far_temperature", "mass_flux")}
+        common = {name: getattr(self, name) for name in (*WAVE_NAMES, "far_temperature", "mass_flux")}
         origin = None if self.origin is None else self.origin.far_temperature
         return {"chute": asdict(self.chute), **common, "continues_far_temperature": origin}
 

@@ -17,7 +17,7 @@ from typing import Any
 from shootstab.core.errors import InputError
 
 RADIAL = ("lun-savage", "carnahan-starling")  # their order is the number by which compiled code knows them
-WALLS = ("printed", "isotropic")
+WALL_FORMS = ("printed", "isotropic")
 BRANCHES = ("high", "mid", "low")
 REQUIRED = object()  # the default of a parameter that has none
 CHUTE, WAVE, FLOW = "chute", "wave", "flow"
@@ -91,7 +91,7 @@ PARAMETERS: tuple[Parameter, ...] = (
         default=0.62,
     ),
     Parameter("radial", CHUTE, "$g_0$", "", "radial distribution at contact", choices=RADIAL, default="lun-savage", swept=False),
-    Parameter("wall", CHUTE, "$S_z$", "", "normal stress of the base", choices=WALLS, default="printed", swept=False),
+    Parameter("wall", CHUTE, "$S_z$", "", "normal stress of the base", choices=WALL_FORMS, default="printed", swept=False),
 )
 BY_NAME = {p.name: p for p in PARAMETERS}
 SWEPT = tuple(p for p in PARAMETERS if p.swept)

@@ -11,7 +11,7 @@ from shootstab.core.errors import InputError
 from shootstab.core.scene_keys import BuiltIn, Description, Keys, Made, Tables
 from shootstab.models.chute.registry import BY_NAME, CHUTE, FLOW, REQUIRED, WAVE, names
 
-UNIT = "√(g cosθ/d)"
+GROWTH_UNIT = "√(g cosθ/d)"
 
 
 def _keys(table: str, parameters: tuple[str, ...], either: tuple[str, ...] = ()) -> Keys:
@@ -58,7 +58,7 @@ class ChuteScenes:
         from shootstab.models import chute
 
         flow = chute.steady(**values)
-        return Made(chute.problem(flow, **wave), self.details(tables), UNIT, flow)
+        return Made(chute.problem(flow, **wave), self.details(tables), GROWTH_UNIT, flow)
 
     def _wave(self, tables: Tables) -> dict[str, Any]:
         wave = WAVE_KEYS.checked(tables)

@@ -12,17 +12,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from shootstab.analyses.refine import refine
-from shootstab.analyses.sweep.dominance import FLOOR, DominantModes, count_dominant, lowest_floor, suggested
+from shootstab.analyses.sweep.dominance import GROWTH_FLOOR, DominantModes, count_dominant, lowest_floor, suggested
 from shootstab.core.errors import ConvergenceError
-from shootstab.core.records import Mode
+from shootstab.core.records import UNRESOLVED, Mode
 from shootstab.models.chute.chute_problem import ChuteProblem
 from shootstab.models.chute.steady_flow import Flow
 
-STABLE, UNSTABLE, UNRESOLVED = "stable", "unstable", "unresolved"
-EXTENT = (1e-3, 1.0)  # wavenumbers times the height of the centre of mass
-PER_AXIS = 10
-OBLIQUE = 0.1  # k_x/k_y of the oblique waves: where the paper finds them, k_y is about ten times k_x
-RTOL = 1e-6  # of the mode that proves an instability
+STABLE, UNSTABLE = "stable", "unstable"
+EXTENT = (1e-3, 1.0)  # chosen: wavenumbers times the height of the centre of mass
+PER_AXIS = 10  # chosen: wavenumbers along an axis, over the three decades of EXTENT
+OBLIQUE = 0.1  # chosen: k_x/k_y of the oblique waves: where the paper finds them, k_y is about ten times k_x
+STABILITY_RTOL = 1e-6  # chosen: of the mode that proves an instability
 
 Wave = tuple[float, float]
 
@@ -48,7 +48,7 @@ def waves(flow: Flow, per_axis: int = PER_AXIS) -> list[list[Wave]]:
     return [[(0.0, float(k)) for k in ks], [(float(k), 0.0) for k in ks], [(OBLIQUE * float(k), float(k)) for k in ks]]
 
 
-def stability(flow: Flow, lines: Sequence[Sequence[Wave]] | None = None, floor: float = FLOOR) -> Stability:
+def stability(flow: Flow, lines: Sequence[Sequence[Wave]] | None = None, floor: float = GROWTH_FLOOR) -> Stability:
     """Look for a growing mode at every wave, and count the modes of all where none is found.
 
     lines hold waves in the order of neighbours, by default those of `waves`. The search begins where k h0 is about 0.1.
@@ -83,7 +83,7 @@ def stability(flow: Flow, lines: Sequence[Sequence[Wave]] | None = None, floor: 
 def _grows(problem: ChuteProblem, guesses: Sequence[complex], floor: float) -> Mode | None:
     """A mode next to one of the guesses that grows by more than its error, with its proof."""
     for guess in guesses:
-        mode = refine(problem, guess, RTOL)
+        mode = refine(problem, guess, STABILITY_RTOL)
         if mode.converged and complex(mode.sigma).real - float(mode.error) > floor:
             return mode
     return None

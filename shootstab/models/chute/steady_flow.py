@@ -20,12 +20,12 @@ from shootstab.kernels.tableau import STAGES
 from shootstab.models.chute import constitutive as law
 from shootstab.models.chute import descent
 from shootstab.models.chute.balance import slip, slopes
-from shootstab.models.chute.descent import SIZE
+from shootstab.models.chute.descent import DESCENT_SIZE
 from shootstab.models.chute.parameters import Chute
 from shootstab.models.chute.registry import BY_NAME
 
-NU_TOP = 1e-18
-TOLERANCE = 2e-14
+NU_TOP = 1e-18  # chosen: ν0 where the integration begins; what the first order in ν0 leaves out is below rounding there
+TOLERANCE = 2e-14  # chosen: local error of the best flow, some hundred units of rounding, below which steps are lost to noise
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,7 @@ class Flow:
         """
         z = np.asarray(z)
         flat = np.ravel(z).astype(np.complex128)
-        out = np.empty((flat.size, SIZE), dtype=np.complex128)
+        out = np.empty((flat.size, DESCENT_SIZE), dtype=np.complex128)
         if order == "path":
             self._continue(flat, out)
         else:
@@ -57,7 +57,7 @@ class Flow:
             sorted_out = np.empty_like(out)
             self._near_nodes(flat[ranks], sorted_out)
             out[ranks] = sorted_out
-        return out.reshape(*z.shape, SIZE)
+        return out.reshape(*z.shape, DESCENT_SIZE)
 
     def _continue(self, z: NDArray[np.complex128], out: NDArray[np.complex128]) -> None:
         first = z[:1]
@@ -74,7 +74,7 @@ class Flow:
         inside = np.flatnonzero(~above)
         # nodes descend: the last node with nodes[i] ≥ Re z
         place = np.clip(np.searchsorted(-self.nodes, -z[inside].real, side="right") - 1, 0, len(self.nodes) - 1)
-        points, found = z[inside], np.empty((inside.size, SIZE), dtype=np.complex128)
+        points, found = z[inside], np.empty((inside.size, DESCENT_SIZE), dtype=np.complex128)
         reached = descent.from_nodes(self.nodes, self.states, place, points, self.chute.numbers, self.tolerance, found)
         if reached < inside.size:
             raise ConvergenceError(f"the steady flow cannot be continued to z = {points[reached]:.6g}: a singularity of the flow lies near")
@@ -152,7 +152,7 @@ def top_state(chute: Chute, far_temperature: float, log_nu: NDArray[np.complex12
     nu = np.exp(log_nu)
     c = law.coefficients(0.0, chute.ep, chute.radial_law, math.pi)
     g2, g3, g4, f5 = (float(g[0]) for g in (c.g2, c.g3, c.g4, c.f5))
-    out = np.empty((len(nu), SIZE), dtype=np.complex128)
+    out = np.empty((len(nu), DESCENT_SIZE), dtype=np.complex128)
     out[:, 0] = log_nu
     out[:, 1] = far_temperature * (1 + g4 / g3 * nu)
     out[:, 2] = -chute.tan_theta / g2 * far_temperature**1.5 * nu
@@ -171,7 +171,7 @@ def descend(chute: Chute, far_temperature: float, tolerance: float = TOLERANCE) 
     if law.slip_coefficient(chute.r) == 0.0:
         raise NoFlowError(f"r = {chute.r:g}: no steady flow, for a smooth base bears no shear; r must be above 0")
     z = np.zeros(6000)
-    states = np.empty((z.size, SIZE), dtype=np.complex128)
+    states = np.empty((z.size, DESCENT_SIZE), dtype=np.complex128)
     y0 = top_state(chute, far_temperature, np.array([math.log(NU_TOP) + 0j]))[0]
     count, found = descent.descend(y0, chute.numbers, far_temperature, tolerance, z, states)
     if not found:
@@ -189,7 +189,7 @@ def _place_base(chute: Chute, z: NDArray[np.float64], states: NDArray[np.complex
     """Shorten the last step so that it ends where the energy defect vanishes."""
     from scipy.optimize import brentq
 
-    stages, trial = np.empty((STAGES, SIZE), dtype=np.complex128), np.empty(SIZE, dtype=np.complex128)
+    stages, trial = np.empty((STAGES, DESCENT_SIZE), dtype=np.complex128), np.empty(DESCENT_SIZE, dtype=np.complex128)
     start, length = states[-2], z[-1] - z[-2]
 
     def defect(fraction: float) -> float:

@@ -18,9 +18,10 @@ from shootstab.problems import Infinity, LinearProblem, Wall
 from shootstab.problems.linear_problem import problem
 from shootstab.problems.protocol import ComplexArray
 
-STEP, TERMS = 0.25, 26  # the nearest singularity of f is 5.69 away from the wall, and farther from every other point
-END = 20.0  # where 1 − U, about exp(−(η−1.7)²/4), is far below the last place
-ROUNDING = 1e-16
+# chosen: the nearest singularity of f is 5.69 away from the wall, and farther from every other point
+TAYLOR_LENGTH, TAYLOR_TERMS = 0.25, 26
+PROFILE_END = 20.0  # derived: where 1 − U, about exp(−(η−1.7)²/4), is far below the last place
+BLASIUS_ROUNDING = 1e-16  # chosen, a unit of rounding: relative error of the profile
 
 
 def blasius(reynolds: complex = 580.0, alpha: complex = 0.179, accuracy: float = 0.0) -> LinearProblem:
@@ -33,7 +34,7 @@ def blasius(reynolds: complex = 580.0, alpha: complex = 0.179, accuracy: float =
         return U(y), U_yy(y)
 
     def coarser(factor: float) -> LinearProblem:
-        return blasius(reynolds, alpha, ROUNDING * factor)
+        return blasius(reynolds, alpha, BLASIUS_ROUNDING * factor)
 
     pencil = orr_sommerfeld(profile, reynolds, alpha)
     return problem(4, pencil, Wall(0.0, CLAMPED), Infinity(), vectorized=True, coarser=coarser if accuracy == 0.0 else None)
@@ -46,21 +47,21 @@ def flow() -> Piecewise:
     If g solves the equation with g″(0) = 1, so does f(η) = A g(Aη) for every A, and f′(∞) = 1 for A = g′(∞)^(−1/2): no shooting (Töpfer
     1912).
     """
-    g = _march(1.0, STEP, int(40 / STEP))
+    g = _march(1.0, TAYLOR_LENGTH, int(40 / TAYLOR_LENGTH))
     A = float(g[-1, 1]) ** -0.5
-    f = _march(A**3, STEP, int(END / STEP))
-    m = np.arange(1, TERMS)
-    return Piecewise(STEP, f[:, 1:] * m, 1.0)
+    f = _march(A**3, TAYLOR_LENGTH, int(PROFILE_END / TAYLOR_LENGTH))
+    m = np.arange(1, TAYLOR_TERMS)
+    return Piecewise(TAYLOR_LENGTH, f[:, 1:] * m, 1.0)
 
 
 def _march(curvature: float, h: float, pieces: int) -> NDArray[np.float64]:
-    """Taylor coefficients (pieces, TERMS) of f with f(0) = f′(0) = 0 and f″(0) as given."""
-    m = np.arange(TERMS)
-    out = np.empty((pieces, TERMS))
+    """Taylor coefficients (pieces, TAYLOR_TERMS) of f with f(0) = f′(0) = 0 and f″(0) as given."""
+    m = np.arange(TAYLOR_TERMS)
+    out = np.empty((pieces, TAYLOR_TERMS))
     state = np.array([0.0, 0.0, curvature / 2])
     for row in out:
         row[:3] = state
-        for j in range(TERMS - 3):
+        for j in range(TAYLOR_TERMS - 3):
             # (j+1)(j+2)(j+3) f_{j+3} = −½ Σ_i f_{j−i} (i+1)(i+2) f_{i+2}
             i = np.arange(j + 1)
             row[j + 3] = -0.5 * np.sum(row[j - i] * (i + 1) * (i + 2) * row[i + 2]) / ((j + 1) * (j + 2) * (j + 3))

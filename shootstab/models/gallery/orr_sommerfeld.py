@@ -18,7 +18,7 @@ from shootstab.problems.protocol import ComplexArray
 Profile = Callable[[ComplexArray], tuple[ComplexArray, ComplexArray]]  # U, U″ at points
 Matrices = Callable[[ComplexArray], tuple[ComplexArray, ComplexArray]]  # D0, D1
 
-CLAMPED = np.eye(2, 4)  # φ = φ′ = 0
+CLAMPED = np.eye(2, 4)  # exact: φ = φ′ = 0
 
 
 def orr_sommerfeld(profile: Profile, reynolds: complex, alpha: complex, V: float = 0.0) -> Matrices:

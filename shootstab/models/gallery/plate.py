@@ -14,18 +14,18 @@ import numpy as np
 from shootstab.core.errors import InputError
 from shootstab.models.gallery.orr_sommerfeld import require_positive
 from shootstab.models.gallery.plate_flow import Gas, PlateFlow, plate_flow
-from shootstab.models.gallery.plate_system import SIZE, Entries, background, system
+from shootstab.models.gallery.plate_system import PLATE_SIZE, Entries, background, system
 from shootstab.problems import Infinity, LinearProblem, Wall
 from shootstab.problems.linear_problem import problem
 from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.quadratic import affine, with_zeros
 
-STOKES = -2 / 3  # second coefficient of viscosity, in μ
-MACK = 2 / 3 * (1.2 - 1)  # Mack's ratio 1.2
-RANKINE = 1 / 1.8  # kelvin
-STILL = np.eye(SIZE)[[0, 2, 4, 6]]  # u = v = θ = w = 0
-SQUARED = [0, 2, 3, 4, 6]  # u, v, p, θ, w: what α² acts on
-ROUNDING = 1e-16
+STOKES = -2 / 3  # exact: second coefficient of viscosity, in μ, by Stokes' hypothesis
+MACK = 2 / 3 * (1.2 - 1)  # derived: the same for Mack's ratio 1.2 of bulk viscosity
+RANKINE = 1 / 1.8  # exact: kelvin
+STILL_WALL = np.eye(PLATE_SIZE)[[0, 2, 4, 6]]  # exact: u = v = θ = w = 0
+SQUARED = [0, 2, 3, 4, 6]  # exact: u, v, p, θ, w, what α² acts on
+PLATE_ROUNDING = 1e-16  # chosen, a unit of rounding: relative error of the profile
 
 Matrices = Callable[[ComplexArray], tuple[Any, ...]]
 
@@ -50,10 +50,10 @@ def plate_temporal(
         return matrices
 
     def coarser(factor: float) -> LinearProblem:
-        return plate_temporal(gas, reynolds, alpha, beta, second, factor * ROUNDING)
+        return plate_temporal(gas, reynolds, alpha, beta, second, factor * PLATE_ROUNDING)
 
     made = None if accuracy else coarser
-    return problem(SIZE, pencil(_flow(gas, accuracy)), Wall(0.0, STILL), Infinity(), vectorized=True, coarser=made)
+    return problem(PLATE_SIZE, pencil(_flow(gas, accuracy)), Wall(0.0, STILL_WALL), Infinity(), vectorized=True, coarser=made)
 
 
 def plate_spatial(
@@ -73,9 +73,9 @@ def plate_spatial(
         return matrices
 
     def coarser(factor: float) -> LinearProblem:
-        return plate_spatial(gas, reynolds, omega, beta, second, factor * ROUNDING)
+        return plate_spatial(gas, reynolds, omega, beta, second, factor * PLATE_ROUNDING)
 
-    size, rows = SIZE + len(SQUARED), with_zeros(STILL, len(SQUARED))
+    size, rows = PLATE_SIZE + len(SQUARED), with_zeros(STILL_WALL, len(SQUARED))
     made, end = None if accuracy else coarser, Wall(0.0, rows)
     # c = 0.91: between the acoustic spectra, c < 1 − 1/M and c > 1 + 1/M, and beside that of vorticity, c = 1
     return problem(size, pencil(_flow(gas, accuracy)), end, Infinity(), reference=1.1 * omega, vectorized=True, coarser=made)
@@ -118,7 +118,7 @@ def _flow(gas: Gas, accuracy: float) -> PlateFlow:
 
 def _dense(entries: Entries, at: Mapping[tuple[int, int], complex], powers: tuple[tuple[int, int], ...], points: int) -> ComplexArray:
     """Σ over these powers of α and σ of the coefficients, (points, 8, 8), at the values given for them."""
-    out = np.zeros((points, SIZE, SIZE), dtype=np.complex128)
+    out = np.zeros((points, PLATE_SIZE, PLATE_SIZE), dtype=np.complex128)
     for (i, j), polynomial in entries.items():
         for power in powers:
             if power in polynomial:

@@ -24,14 +24,14 @@ from shootstab.core.errors import InputError, NoFlowError
 from shootstab.models.gallery.profiles import off_by
 from shootstab.problems.protocol import ComplexArray
 
-NODES = 24
-PIECE = 0.5  # length of a piece, in √(ν_∞ x/U_∞) and wall temperature
-NOTHING = 1e-21  # of the wall shear: the shear stress far away
-LONGEST = 1.1
-FARTHEST = 400  # pieces
-NEWTON, PICARD = 30, 40
-STEEP, STEP = 5.0, 1.1  # Mach number beyond which the flow at a smaller one, by this factor, is the first guess
-SETTLED = 2e-15
+NODES = 24  # chosen: Chebyshev points of an interval
+INTERVAL = 0.5  # chosen: length of an interval, in √(ν_∞ x/U_∞) and wall temperature
+NOTHING = 1e-21  # chosen: of the wall shear: the shear stress far away
+LONGEST_INTERVAL = 1.1  # chosen: the same at most, where the wall is hot
+MOST_INTERVALS = 400  # chosen: after so many the shear stress has not died away, and there is no boundary layer
+NEWTON, PICARD = 30, 40  # chosen: iterations at most of Newton for the wall's values, and of Picard on an interval
+STEEP, MACH_STEP = 5.0, 1.1  # chosen: Mach number beyond which the flow at a smaller one, by this factor, is the first guess
+PLATE_SETTLED = 2e-15  # chosen, ten units of rounding: of the recovery temperature, what a step may leave
 
 
 @dataclass(frozen=True)
@@ -121,10 +121,10 @@ def plate_flow(gas: Gas) -> PlateFlow:
     recovery = 1 + 0.5 * np.sqrt(gas.prandtl) * (gas.gamma - 1) * gas.mach**2
     shear = 0.33
     if gas.mach > STEEP:
-        hotter, shear = plate_flow(replace(gas, mach=gas.mach / STEP)).wall
-        recovery = recovery if gas.wall is not None else 1 + (hotter - 1) * STEP**2
+        hotter, shear = plate_flow(replace(gas, mach=gas.mach / MACH_STEP)).wall
+        recovery = recovery if gas.wall is not None else 1 + (hotter - 1) * MACH_STEP**2
     free = np.array([shear, recovery if gas.wall is None else shear * (recovery - gas.wall) * gas.prandtl ** (-2 / 3)])
-    length = min(PIECE * max(recovery, gas.wall or 0.0) ** 0.5, LONGEST)
+    length = min(INTERVAL * max(recovery, gas.wall or 0.0) ** 0.5, LONGEST_INTERVAL)
 
     def begin(x: NDArray[np.float64]) -> NDArray[np.float64]:
         log_S = float(np.log(x[0]))
@@ -141,7 +141,7 @@ def plate_flow(gas: Gas) -> PlateFlow:
             jacobian[:, j] = (_march(gas, begin(free + step), length, pieces)[0] - reached)[[1, 3]] / step[j]
         move = np.linalg.solve(jacobian, -missed)
         free = free + move * min(1.0, 0.3 / max(np.abs(move / (np.abs(free) + 0.1)).max(), 1e-300))
-        if min(np.abs(missed).max(), np.abs(move).max()) < SETTLED * recovery:
+        if min(np.abs(missed).max(), np.abs(move).max()) < PLATE_SETTLED * recovery:
             return PlateFlow(gas, length, found)
         if np.abs(missed).max() > 1e-3:
             pieces = None
@@ -154,7 +154,7 @@ def _march(gas: Gas, state: NDArray[Any], length: float, pieces: int | None) -> 
     to_coefficients = np.linalg.inv(chebyshev.chebvander(x, NODES - 1))
     least = state[2] + np.log(NOTHING)
     out: list[NDArray[np.float64]] = []
-    while len(out) < FARTHEST and (pieces is None or len(out) < pieces):
+    while len(out) < MOST_INTERVALS and (pieces is None or len(out) < pieces):
         values = np.repeat(state[:, None], NODES, axis=1)
         for _ in range(PICARD):  # Picard's iteration, which a short piece makes fast
             slopes = to_coefficients @ gas.slopes(values).T

@@ -23,7 +23,7 @@ from typing import Any
 
 from shootstab.models.gallery.plate_flow import Gas, PlateFlow
 
-SIZE = 8
+PLATE_SIZE = 8  # exact: states of the first-order system
 Polynomial = dict[tuple[int, int], Any]  # coefficients of α^i σ^j
 Entries = dict[tuple[int, int], Polynomial]
 
@@ -71,12 +71,12 @@ def system(bg: Mapping[str, Any], gas: Gas, reynolds: Any, beta: Any, m: Any) ->
     b: Polynomial = {(0, 0): 1j * beta}
     k2: Polynomial = {(2, 0): 1.0, (0, 0): beta * beta}
     L: Polynomial = {(0, 1): 1.0, (1, 0): 1j * U}  # Λ
-    u, u_y, v, p, th, th_y, w, w_y = range(SIZE)
+    u, u_y, v, p, th, th_y, w, w_y = range(PLATE_SIZE)
 
     Delta: dict[int, Polynomial] = {v: total((T_y / T, one)), p: total((-g, L)), th: total((1 / T, L))}
     v_y = {**Delta, u: total((-1, a)), w: total((-1, b))}
 
-    C: Entries = {(i, i): one for i in range(SIZE)}
+    C: Entries = {(i, i): one for i in range(PLATE_SIZE)}
     C[p, p] = total((1, one), (c * g / r, L))  # the row divided by r
     D: Entries = {(u, u_y): one, (w, w_y): one, (th, th_y): one}
     D.update({(v, j): e for j, e in v_y.items()})

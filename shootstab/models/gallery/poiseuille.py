@@ -22,7 +22,7 @@ from shootstab.problems.closed_form import Exact
 from shootstab.problems.linear_problem import problem
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
 
-OUTWARDS = 2.0**-20  # chosen: the margin of the region that holds all growing modes, far above rounding
+REGION_MARGIN = 2.0**-20  # chosen: the margin of the region that holds all growing modes, far above rounding
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class PlanePoiseuille:
         low, high = -self.alpha, self.alpha / (root * root + a2)
         if not floor < top:
             raise InputError(f"floor = {floor!r}: allowed is a number below {top:.6g}, above which no mode grows")
-        return Rectangle(complex(floor, low - OUTWARDS), complex(top + OUTWARDS, high + OUTWARDS))
+        return Rectangle(complex(floor, low - REGION_MARGIN), complex(top + REGION_MARGIN, high + REGION_MARGIN))
 
     @property
     def certified(self) -> dict[str, Any]:

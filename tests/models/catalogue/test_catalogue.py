@@ -13,7 +13,7 @@ from shootstab.core.errors import InputError
 from shootstab.io.scenes import load
 from shootstab.models.catalogue import entries
 from shootstab.models.catalogue.benard import FREE, FREE_GROWTH_RATE
-from shootstab.models.catalogue.plate import MACK
+from shootstab.models.catalogue.plate import MACK_VISCOSITY
 from shootstab.models.gallery.benard import free_growth_rate
 from shootstab.models.gallery.poiseuille import PlanePoiseuille
 
@@ -23,7 +23,7 @@ plate: Any = import_module("shootstab.models.gallery.plate")
 def test_numbers_that_stand_here_are_those_of_the_equations() -> None:
     rayleigh, wavenumber, prandtl = (FREE[name] for name in ("rayleigh", "wavenumber", "prandtl"))
     assert free_growth_rate(float(rayleigh), float(wavenumber), float(prandtl)) == pytest.approx(FREE_GROWTH_RATE, rel=1e-15, abs=0.0)
-    assert pytest.approx(MACK, rel=1e-15, abs=0.0) == plate.MACK
+    assert pytest.approx(MACK_VISCOSITY, rel=1e-15, abs=0.0) == plate.MACK
     scenes = entries()["plate"].scenes
     for name, mach, stagnation in (("malik-3", 2.5, 600.0), ("malik-6", 4.5, 1100.0)):
         far = plate.stagnation(mach, stagnation) * plate.RANKINE
@@ -39,8 +39,8 @@ def test_every_entry_reads_its_own_scenes() -> None:
 
 def test_the_order_of_a_plate_is_told_before_it_is_made() -> None:
     describe = entries()["plate"].describe
-    assert describe({"alpha": 0.1}).order == plate.SIZE
-    assert describe({"omega": 0.1}).order == plate.SIZE + len(plate.SQUARED)
+    assert describe({"alpha": 0.1}).order == plate.PLATE_SIZE
+    assert describe({"omega": 0.1}).order == plate.PLATE_SIZE + len(plate.SQUARED)
 
 
 def test_poiseuille_is_the_whole_channel_and_half_of_it_where_that_is_asked_for(tmp_path: Any) -> None:
