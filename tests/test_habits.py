@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -96,3 +97,46 @@ def test_a_constant_has_one_name_and_one_value() -> None:
         for name in {name for name, _, _ in _constants(path)} - {"ENTRIES", "MODEL", "_HOMES"}:
             homes.setdefault(name, []).append(path.relative_to(ROOT))
     assert {name: paths for name, paths in homes.items() if len(paths) > 1} == {}
+
+
+ARRAY = re.compile(r"\b(NDArray|ComplexArray|RealArray|Array|Matrix|Terms)\b")
+LENGTH = r"[\w…′]+(?: ?[+·−] ?[\w…′]+)*"
+SHAPE = re.compile(rf"\({LENGTH}(?:,|(?:, {LENGTH})+)\)|\b\w×\w\b")
+
+
+def test_the_pattern_for_a_shape_takes_shapes_and_no_prose() -> None:
+    shapes = "(m,)", "(n, k)", "(…, 6)", "(2N + 1,)", "(E + E1,)", "(MOST_TERMS, n, n)", "n×k"
+    assert [said for said in shapes if not SHAPE.search(f"a mesh {said} of nodes")] == []
+    prose = "(A 9)", "(2.13)", "(see there)", "(m)", "of n", "(here, but not there)"
+    assert [said for said in prose if SHAPE.search(f"a mesh {said}")] == []
+
+
+def _documented(tree: ast.Module) -> Iterator[tuple[str, bool, ast.FunctionDef]]:
+    """Public functions and methods: name, whether a protocol states it, and the definition."""
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
+            yield node.name, False, node
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+            stated = any(ast.unparse(base) == "Protocol" for base in node.bases)
+            for method in node.body:
+                if isinstance(method, ast.FunctionDef) and (not method.name.startswith("_") or method.name == "__call__"):
+                    yield method.name, stated, method
+
+
+def _takes_or_returns_arrays(function: ast.FunctionDef) -> bool:
+    arguments = [*function.args.args, *function.args.kwonlyargs]
+    annotations = [a.annotation for a in arguments if a.annotation is not None] + [function.returns] * (function.returns is not None)
+    return any(ARRAY.search(ast.unparse(a)) for a in annotations)
+
+
+def test_shapes_stand_in_every_public_docstring_with_arrays() -> None:
+    """In its own, or for a method in that of the protocol which it carries out."""
+    found = [(path, *entry) for path in SOURCES for entry in _documented(ast.parse(path.read_text()))]
+    promised = {name for _, name, stated, function in found if stated and SHAPE.search(ast.get_docstring(function) or "")}
+    silent = [
+        f"{path.relative_to(ROOT)}: {name}"
+        for path, name, stated, function in found
+        if _takes_or_returns_arrays(function) and (stated or name not in promised) and not SHAPE.search(ast.get_docstring(function) or "")
+    ]
+    assert len(promised) > 5
+    assert silent == []

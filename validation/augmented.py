@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,11 +57,9 @@ class Augmented:
             return self
         return self._crude.setdefault(factor, Augmented(crude, self.drive))
 
-    def heights(self, points: int) -> NDArray[np.float64] | None:
-        return self.single.heights(points)
-
-    def continuum_at(self, z: ComplexArray) -> ComplexArray:
-        return self.single.continuum_at(z)
+    @property
+    def continuum(self) -> Any:
+        return self.single.continuum
 
 
 def _blocks(M: ComplexArray) -> ComplexArray:

@@ -68,7 +68,7 @@ def judged(M: int, modes: NDArray[np.complex128]) -> Iterator[Case]:
     ]
     yield Case(f"M = {M}: confirmed wrongly", "none", "none" if not wrong else str(len(wrong)), 0.0)
     # `continuum` is said at the ends of the curve only
-    ends = p.continuum_at(np.array([0.0 + 0j, p.flow.height(1e-14) + 0j]))
+    ends = p.continuum(np.array([0.0 + 0j, p.flow.height(1e-14) + 0j]))
     away = [v for v in report.verdicts if v.verdict == "continuum" and np.abs(ends - v.claimed).min() > 10.0**-DIGITS * abs(v.claimed) * 10]
     yield Case(f"M = {M}: continuum, but not at an end", "none", "none" if not away else str(len(away)), 0.0)
 

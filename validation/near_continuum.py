@@ -28,7 +28,7 @@ def costs(name: str, quick: bool) -> Iterator[Case]:
         for side in (1, -1):
             steps = []
             for offset in OFFSETS:
-                sigma = complex(p.continuum_at(np.array([z + 1j * side * offset * curve.scale(z)]))[0])
+                sigma = complex(p.continuum(np.array([z + 1j * side * offset * curve.scale(z)]))[0])
                 branch = Continuation(p, st.Frame(rtol=1e-9)).at(sigma)
                 branch.discriminant(sigma)
                 steps.append(branch.discriminant.steps)

@@ -22,7 +22,7 @@ from shootstab.analyses.accuracy import Sample, require_accurate
 from shootstab.core.discriminant import Value
 from shootstab.core.regions import Disc, Region
 from shootstab.discriminants.continuation import Branch, Continuation, Undecidable
-from shootstab.essential_spectrum.interior import Continuum
+from shootstab.essential_spectrum.interior import SampledContinuum
 from shootstab.roots.winding import Pieces, change, follow, whole_turns
 
 END_RADIUS = 1e-5  # chosen: radius of the circles around the ends, in the extent of the curve
@@ -60,7 +60,8 @@ class _Contour:
 
     def on_the_curve(self, z: float, side: int) -> Value:
         """D at σ_c(z), continued from the side of singular points above (+1) or below (−1) the real z-axis."""
-        sigma = complex(self.continuation.problem.continuum_at(np.array([z + 0j]))[0])
+        assert self.continuation.continuum is not None
+        sigma = self.continuation.continuum.at(z)
         return self._value(self.continuation.beside(z, sigma, side), sigma)
 
     def follow(self, sign: int, evaluate: Callable[[float], Value], stops: Sequence[float], closed: bool = False) -> None:
@@ -119,7 +120,7 @@ def _follow_boundary(contour: _Contour, region: Region, stops: Sequence[float], 
     contour.follow(1, lambda t: contour.off_the_curve(region.boundary(t % 1.0)), stops, closed)
 
 
-def parts_inside(curve: Continuum, region: Region) -> list[tuple[float, float]]:
+def parts_inside(curve: SampledContinuum, region: Region) -> list[tuple[float, float]]:
     """Intervals of z over which σ_c lies inside the region."""
     held = np.array([region.contains(complex(s)) for s in curve.sigma])
     flips = np.flatnonzero(held[1:] != held[:-1])
@@ -128,7 +129,7 @@ def parts_inside(curve: Continuum, region: Region) -> list[tuple[float, float]]:
     return list(zip(bounds[::2], bounds[1::2], strict=True))
 
 
-def _crossing(curve: Continuum, region: Region, low: float, high: float) -> float:
+def _crossing(curve: SampledContinuum, region: Region, low: float, high: float) -> float:
     """The z between two samples at which the curve crosses the boundary."""
     at_low = region.contains(curve.at(low))
     for _ in range(60):
@@ -140,7 +141,7 @@ def _crossing(curve: Continuum, region: Region, low: float, high: float) -> floa
     return (low + high) / 2
 
 
-def _between_crossings(curve: Continuum, region: Region, inside: list[tuple[float, float]]) -> list[tuple[float, float]]:
+def _between_crossings(curve: SampledContinuum, region: Region, inside: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """Intervals of t on the boundary from just behind one crossing of the curve to just before the next."""
     ends = {float(curve.z[0]), float(curve.z[-1])}
     ts = sorted(region.parameter(curve.at(z)) for part in inside for z in part if z not in ends)
@@ -149,7 +150,7 @@ def _between_crossings(curve: Continuum, region: Region, inside: list[tuple[floa
     return [(a + OFF, b - OFF) for a, b in pairwise([*ts, ts[0] + 1.0])]
 
 
-def ends_inside(curve: Continuum, region: Region) -> list[tuple[Disc, complex]]:
+def ends_inside(curve: SampledContinuum, region: Region) -> list[tuple[Disc, complex]]:
     """A circle around each end of the curve inside the region, and the point where the curve leaves it."""
     found = []
     for disc, order in zip(end_discs(curve), (1, -1), strict=True):
@@ -161,13 +162,13 @@ def ends_inside(curve: Continuum, region: Region) -> list[tuple[Disc, complex]]:
     return found
 
 
-def end_discs(curve: Continuum) -> tuple[Disc, Disc]:
+def end_discs(curve: SampledContinuum) -> tuple[Disc, Disc]:
     """The circles around the ends at the wall and at infinity, inside of which nothing is counted."""
     radius = END_RADIUS * float(np.abs(curve.sigma - curve.sigma[-1]).max())
     return Disc(complex(curve.sigma[0]), radius), Disc(complex(curve.sigma[-1]), radius)
 
 
-def _leaves(curve: Continuum, disc: Disc, order: int) -> complex:
+def _leaves(curve: SampledContinuum, disc: Disc, order: int) -> complex:
     """Where the curve, followed from its end in the disc, crosses the circle."""
     outside = np.flatnonzero(np.abs(curve.sigma - disc.centre) >= disc.radius)
     i = int(outside[0] if order > 0 else outside[-1])
@@ -175,7 +176,7 @@ def _leaves(curve: Continuum, disc: Disc, order: int) -> complex:
     return curve.at(_crossing(curve, disc, low, high))
 
 
-def outside_ends(curve: Continuum, low: float, high: float, ends: list[tuple[Disc, complex]]) -> tuple[float, float]:
+def outside_ends(curve: SampledContinuum, low: float, high: float, ends: list[tuple[Disc, complex]]) -> tuple[float, float]:
     """The interval of z without what lies in the circles around the ends."""
     for disc, crossing in ends:
         z = curve.nearest(crossing)[1]
@@ -186,7 +187,7 @@ def outside_ends(curve: Continuum, low: float, high: float, ends: list[tuple[Dis
     return low, high
 
 
-def _runs_over_itself(curve: Continuum) -> bool:
+def _runs_over_itself(curve: SampledContinuum) -> bool:
     """Whether the curve turns back along itself, as σ_c on the real axis does when it is not monotonic."""
     d = np.diff(curve.sigma)
     forward = (d[1:] * d[:-1].conj()).real

@@ -8,6 +8,7 @@ from shootstab.analyses.cut_region import ends_inside, outside_ends, parts_insid
 from shootstab.analyses.zeros import search_on
 from shootstab.core.regions import Polygon, Region, size
 from shootstab.discriminants.continuation import Continuation
+from shootstab.problems.capabilities import Continuum
 from shootstab.roots.iterations import newton
 from shootstab.roots.search import find
 
@@ -35,7 +36,7 @@ def find_resonances(continuation: Continuation, region: Region) -> list[complex]
             scale = curve.scale(z)
             width = min(STRIDE * scale, high - z)
             for side in (1, -1):
-                strip = _image(continuation, z, width, -side * DEPTH * scale)
+                strip = _image(curve.curve, z, width, -side * DEPTH * scale)
                 middle = curve.at(z + width / 2)
                 branch = continuation.beside(z + width / 2, middle, side, max(abs(v - middle) for v in strip.vertices))
                 for zero in find(search_on(continuation.problem, branch), strip):
@@ -48,8 +49,8 @@ def find_resonances(continuation: Continuation, region: Region) -> list[complex]
     return found
 
 
-def _image(continuation: Continuation, z: float, width: float, depth: float) -> Polygon:
+def _image(curve: Continuum, z: float, width: float, depth: float) -> Polygon:
     """σ_c of the rectangle from z to z + width and from the real axis to depth·i."""
     along, down = np.linspace(0.0, width, EDGE), np.linspace(0.0, depth, EDGE)
     rim = np.concatenate((z + along, z + width + 1j * down[1:], z + 1j * depth + along[::-1][1:], z + 1j * down[::-1][1:-1]))
-    return Polygon(tuple(continuation.problem.continuum_at(rim.astype(np.complex128)).tolist()))
+    return Polygon(tuple(curve(rim.astype(np.complex128)).tolist()))

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from shootstab.core.errors import InputError
 from shootstab.core.records import CONFIRMED, CONTINUUM, INACCURATE, SPURIOUS, UNRESOLVED, Report
 from shootstab.io.files import write_whole
+from shootstab.problems.capabilities import INTERIOR
 
 if TYPE_CHECKING:
     from shootstab.io.scenes import Scene
@@ -55,8 +56,8 @@ def draw(report: Report, scene: Scene) -> Any:
     """The picture, as a matplotlib Figure."""
     from matplotlib.figure import Figure
 
-    heights = scene.problem.heights(CONTINUUM_POINTS)
-    line = None if heights is None else scene.problem.continuum_at(heights.astype(np.complex128))
+    curve = INTERIOR.of(scene.problem)
+    line = None if curve is None else curve(curve.heights(CONTINUUM_POINTS).astype(np.complex128))
     modes = np.array([complex(v.sigma) for v in report.verdicts if v.sigma is not None], dtype=np.complex128)
     missing = np.array([complex(m.sigma) for m in report.missing], dtype=np.complex128)
     near = _magnified(line, np.concatenate([modes, missing]), report)

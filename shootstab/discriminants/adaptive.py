@@ -68,7 +68,7 @@ class SubsystemMeshes:
 
     @property
     def nodes(self) -> dict[Cell | None, ComplexArray]:
-        """The nodes of the cells that are known by now."""
+        """The nodes (N + 1,) of the cells that are known by now."""
         return {key: made.sampled.nodes for key, made in self._kept.items() if isinstance(made, Shooting) and not isinstance(key, complex)}
 
     def _cells(self, sigma: complex) -> list[Cell | None]:

@@ -17,7 +17,7 @@ LONGER, STEP_CUTS = 4.0, 6  # chosen: by what a step grows at most, and into how
 def redistribute(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolerance: float) -> NDArray[np.complex128]:
     """A mesh on the same polygon on which the local errors, which go with a power of the step, are alike and meet the tolerance.
 
-    The corners of the polygon stay nodes.
+    From nodes (N + 1,) and the errors (N,) of their steps to nodes (M + 1,). The corners of the polygon stay nodes.
     """
     h = np.diff(nodes)
     lengths = np.abs(h)
@@ -35,7 +35,10 @@ def redistribute(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tol
 
 
 def subdivide(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolerance: float) -> NDArray[np.complex128]:
-    """Only the steps whose error exceeds the tolerance, each cut into as many equal parts as the error asks for, two at least."""
+    """Nodes (M + 1,) from nodes (N + 1,) whose steps err by errors (N,): steps whose error exceeds the tolerance are cut.
+
+    Each falls into as many equal ones as its error asks for, two at least.
+    """
     pieces = [nodes[:1]]
     for start, end, error in zip(nodes[:-1], nodes[1:], errors, strict=True):
         parts = 1
@@ -47,7 +50,10 @@ def subdivide(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolera
 
 
 def halved(nodes: NDArray[np.complex128], seed: int | None = None) -> NDArray[np.complex128]:
-    """Every step cut in two, in the middle; with a seed a little off it, at random, for another mesh as good that rounds otherwise."""
+    """Nodes (2N + 1,) from nodes (N + 1,): every step cut in two, in the middle.
+
+    With a seed it is cut a little off the middle, at random, for another mesh as good that rounds otherwise.
+    """
     cuts = 0.5 if seed is None else 0.5 + OFF_MIDDLE * (2 * np.random.default_rng(seed).random(len(nodes) - 1) - 1)
     out = np.empty(2 * len(nodes) - 1, dtype=np.complex128)
     out[::2] = nodes

@@ -62,7 +62,7 @@ def sample_system(problem: Problem, nodes: NDArray[np.complexfloating]) -> Sampl
 
 
 def resample(problem: Problem, nodes: NDArray[np.complexfloating], known: SampledSystem) -> SampledSystem:
-    """The same as `sample_system`, with the steps copied that another mesh of the same path has too."""
+    """The same as `sample_system` on nodes (N + 1,), with the steps copied that another mesh of the same path has too."""
     at: ComplexArray = np.asarray(nodes, dtype=np.complex128)
     places = {step: i for i, step in enumerate(pairwise(known.nodes.tolist()))}
     old = np.array([places.get(step, -1) for step in pairwise(at.tolist())])

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError, ShootstabError
-from shootstab.problems.capabilities import GENERIC
+from shootstab.problems.capabilities import GENERIC, INTERIOR, Continuum
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil, Problem
 
 PATTERN_SAMPLES = 9  # chosen: points at which the pencil is asked which entries it has
@@ -32,7 +32,8 @@ class Coupled(InputError):  # noqa: N818 - it is a finding, not a fault
 class Subsystem:
     """Some states of a problem with the equations, decaying solutions and wall rows that belong to them, each with a phase 0 or 1.
 
-    Again a problem: state j of the whole is i^phase times that of the subsystem, and so for the rest.
+    Again a problem: state j of the whole is i^phase times that of the subsystem, and so for the rest. states and equations (n,), solutions
+    and rows (k,) are their places in the whole; phases are those of states, equations, solutions and rows, of the same lengths.
     """
 
     whole: Problem
@@ -57,7 +58,10 @@ class Subsystem:
         return (1 + 0j, 1j, -1 + 0j, -1j)[turns]
 
     def pencil(self, z: ComplexArray) -> Pencil:
-        """Raises Coupled where a state of the part meets an equation outside it: the samples have missed that."""
+        """The matrices (m, n, n) of the subsystem.
+
+        Raises Coupled where a state of it meets an equation outside it: the samples have missed that.
+        """
         of_states, of_equations = self.phases[:2]
         turn = I_POWERS[of_equations].conj()[:, None] * I_POWERS[of_states]
         matrices = self.whole.pencil(z)
@@ -72,7 +76,7 @@ class Subsystem:
         return self.whole.start(sigma, tolerance)
 
     def far_frame(self, z: float, sigma: complex) -> FarFrame:
-        """The scale goes with the parts' number of solutions: only its sum over the parts counts."""
+        """The scale goes with the subsystem's number of solutions: only its sum over all subsystems counts."""
         far = _far_frame(self.whole, z, sigma)
         share = far.log_scale * len(self.solutions) / self.whole.decaying
         turn, frame, tangent = self._turn_of_frame, far.frame, far.tangent
@@ -83,7 +87,7 @@ class Subsystem:
 
     @cached_property
     def _turn_of_frame(self) -> ComplexArray:
-        """The phases (n, k) that make of the whole's frame that of the part."""
+        """The phases (n, k) that make of the whole's frame that of the subsystem."""
         return np.asarray(I_POWERS[self.phases[0]].conj()[:, None] * I_POWERS[self.phases[2]])
 
     def mesh(self, start: float) -> NDArray[np.float64]:
@@ -100,11 +104,11 @@ class Subsystem:
         crude = self.whole.with_base_flow_error(factor)
         return self if crude is self.whole else replace(self, whole=crude)
 
-    def heights(self, points: int) -> NDArray[np.float64] | None:
-        return self.whole.heights(points)
-
-    def continuum_at(self, z: ComplexArray) -> ComplexArray:
-        return self.whole.continuum_at(z)
+    @property
+    def continuum(self) -> Continuum | None:
+        """That of the whole: where C is singular in another subsystem, a path around it does no harm."""
+        curve: Continuum | None = INTERIOR.of(self.whole)
+        return curve
 
 
 def _require_apart(name: str, matrices: ComplexArray, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> None:

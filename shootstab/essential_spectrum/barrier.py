@@ -32,7 +32,7 @@ class Barrier:
 
     @property
     def points(self) -> ComplexArray:
-        """Points on all curves."""
+        """Points (m,) on all curves."""
         return np.concatenate([curve.begin for curve in self.curves])
 
     @property

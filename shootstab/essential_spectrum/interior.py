@@ -10,6 +10,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from shootstab.problems.capabilities import INTERIOR, Continuum
 from shootstab.problems.protocol import ComplexArray, Problem
 
 CURVE_SAMPLES = 2001  # chosen: samples of the curve; its scale and slope are differences of them
@@ -17,16 +18,16 @@ CURVE_NEWTON_STEPS = 30  # chosen: at most; each is held to half the curve's sca
 
 
 @dataclass(frozen=True, eq=False)
-class Continuum:
-    """σ_c sampled at real heights z (m,), from the wall up."""
+class SampledContinuum:
+    """σ_c as a function of z, and sampled: sigma (m,) at real heights z (m,), from the wall up."""
 
-    problem: Problem
+    curve: Continuum
     z: NDArray[np.float64]
     sigma: ComplexArray
 
     def at(self, z: float) -> complex:
         """σ_c at a real height."""
-        return complex(self.problem.continuum_at(np.array([z + 0j]))[0])
+        return complex(self.curve(np.array([z + 0j]))[0])
 
     def nearest(self, sigma: complex) -> tuple[float, float]:
         """The distance of σ to the curve, and the real height at which it comes so near."""
@@ -76,7 +77,7 @@ class Continuum:
         scale = self.scale(z.real)
         step = 1e-4 * scale
         for _ in range(CURVE_NEWTON_STEPS):
-            here, ahead, behind = self.problem.continuum_at(np.array([z, z + step, z - step]))
+            here, ahead, behind = self.curve(np.array([z, z + step, z - step]))
             slope = (ahead - behind) / (2 * step)
             change = (sigma - complex(here)) / complex(slope) if slope != 0.0 else math.inf
             if not cmath.isfinite(change):
@@ -106,7 +107,10 @@ class Continuum:
 
 
 @lru_cache(maxsize=32)
-def continuum_of(problem: Problem) -> Continuum | None:
+def continuum_of(problem: Problem) -> SampledContinuum | None:
     """The continuous spectrum of a problem, None if it has none."""
-    z = problem.heights(CURVE_SAMPLES)
-    return None if z is None else Continuum(problem, z, problem.continuum_at(z.astype(np.complex128)))
+    curve: Continuum | None = INTERIOR.of(problem)
+    if curve is None:
+        return None
+    z = curve.heights(CURVE_SAMPLES)
+    return SampledContinuum(curve, z, curve(z.astype(np.complex128)))

@@ -67,7 +67,10 @@ class Collocation:
         return {"qz": lambda M, guess: (qz.nearest(self.spectrum(M, filtered=False), guess), 1)}
 
     def assembled(self, N: int) -> tuple[Matrix, Matrix, NDArray[np.float64]]:
-        """A, B with A x = σ B x, and scales: Chebyshev coefficients = scale · x. Where σ occurs to higher powers, x goes on with σ x, …"""
+        """A, B (N′, N′) with A x = σ B x, and scales (N′,): Chebyshev coefficients = scale · x.
+
+        Where σ occurs to higher powers, x goes on with σ x, …
+        """
         powers = self._powers(N)
         size = np.abs(powers).max(axis=0)
         scale = np.ones(size.shape[1])

@@ -48,7 +48,7 @@ class InteriorSpectrum:
             return np.broadcast_to(np.asarray(on_arrays(z, self.domain.given)(self.expression), dtype=np.complex128), np.shape(z)).copy()
 
     def branches(self, z: ComplexArray) -> list[ComplexArray]:
-        """The σ_c of several curves at points along a line, each followed from point to point."""
+        """The σ_c (m,) of several curves at points z (m,) along a line, each followed from point to point."""
         at = on_arrays(z, self.domain.given)
         coefficients = [np.broadcast_to(at(self.determinant.get(k, number(0))), z.shape) for k in range(self._degree, -1, -1)]
         found = np.array([np.roots(c) for c in np.array(coefficients).T])

@@ -31,6 +31,7 @@ from shootstab.problems.ends import Infinity, Wall
 from shootstab.problems.linear_problem import MOST_STATES, LinearProblem
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray
+from shootstab.problems.singular_curve import ContinuumOnLine
 from shootstab.problems.two_point import reduce_to_two_points
 
 
@@ -44,8 +45,10 @@ class EquationProblem(LinearProblem):
     affine: AffineSystem
     spectrum_inside: InteriorSpectrum
 
-    def heights(self, points: int) -> NDArray[np.float64] | None:
-        return super().heights(points) if self.spectrum_inside.single else None
+    @property
+    def continuum(self) -> ContinuumOnLine | None:
+        """As for any problem; None where C is singular on several curves, which are crossings."""
+        return super().continuum if self.spectrum_inside.single else None
 
     @property
     def explanation(self) -> Lines:
@@ -84,7 +87,7 @@ class EquationProblem(LinearProblem):
 
     @property
     def crossings(self) -> tuple[tuple[NDArray[np.float64], ComplexArray], ...]:
-        """As for any problem; where C is singular on several curves, all of them."""
+        """As for any problem, (z, σ_c(z)), each (m,); where C is singular on several curves, all of them."""
         if self.spectrum_inside.single or not self.spectrum_inside.curves:
             return super().crossings
         return tuple((z.real, branch) for z in self.reduction.lines for branch in self.spectrum_inside.branches(z))

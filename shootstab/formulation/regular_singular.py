@@ -81,7 +81,7 @@ class RegularSingularEnd:
 
     @cached_property
     def arrays(self) -> list[NDArray[np.complex128]]:
-        """The series of Ĉ0, Ĉ1, D̂0, D̂1, (MOST_TERMS, n, n) each."""
+        """The series of Ĉ0, Ĉ1, D̂0, D̂1, each (MOST_TERMS, n, n)."""
         return coefficient_arrays(self.parts, len(self.shifts), MOST_TERMS, self.length)
 
 
@@ -130,7 +130,7 @@ def coefficient_arrays(parts: Scaled, n: int, terms: int, length: float = 1.0) -
 
 
 def blocks(arrays: Sequence[NDArray[np.complex128]], shifts: Sequence[int], family: complex, count: int) -> list[NDArray[np.complex128]]:
-    """The matrices before σ⁰ and σ¹ of all equations for m < count, (count n, count n)."""
+    """The matrices before σ⁰ and σ¹ of all equations for m < count, (count·n, count·n)."""
     n, S = len(shifts), np.diag(np.array(shifts, dtype=float))
     out = []
     for C, D in ((arrays[0], arrays[2]), (arrays[1], arrays[3])):

@@ -59,7 +59,7 @@ def pairs(names: Sequence[str]) -> list[tuple[str, str, str]]:
 
 
 def with_pairs(arrays: Mapping[str, Array], lone_stem: str) -> dict[str, Array]:
-    """The arrays, where those that are a real and an imaginary part have become one of the name of their stem."""
+    """The arrays, of any shape (a, b, …), where a real and an imaginary part have become one of the name of their stem."""
     out = dict(arrays)
     for stem, re_name, im_name in pairs(list(arrays)):
         first, second = arrays[re_name], arrays[im_name]
@@ -77,12 +77,14 @@ def _joined(first: Array, second: Array, names: tuple[str, str]) -> Any:
 
 
 def spectrum_in(arrays: Mapping[str, Array], wanted: Wanted, there: Sequence[str]) -> NDArray[np.complex128]:
-    """The eigenvalues in the array that is meant. Raises ValueError that lists what is there."""
+    """The eigenvalues (m,) in the array that is meant. Raises ValueError that lists what is there."""
     return as_complex(arrays[choose(arrays, wanted.dataset, there)].load(), wanted.row)
 
 
 def choose(arrays: Mapping[str, Array], dataset: str | None, there: Sequence[str]) -> str:
-    """Which array is meant: the one asked for; else eigenvalues or sigma; else the only one; else the only complex vector.
+    """The name of the array (a, b, …) that is meant.
+
+    It is the one asked for; else eigenvalues or sigma; else the only one; else the only complex vector.
 
     Raises ValueError that lists what is there.
     """

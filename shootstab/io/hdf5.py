@@ -25,7 +25,7 @@ def is_hdf5(data: bytes) -> bool:
 
 
 def from_hdf5(data: bytes, wanted: Wanted, largest: int) -> NDArray[np.complex128]:
-    """The eigenvalues in a dataset (complex, of fields re and im, or of two columns), or in two, such as re and im or omega_r and omega_i.
+    """The eigenvalues (m,) in a dataset (complex, of fields re and im, or of two columns), or in two, as re and im or omega_r and omega_i.
 
     Without a path the one that io/arrays.py chooses is meant. Raises ValueError.
     """

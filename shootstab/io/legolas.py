@@ -65,7 +65,7 @@ def is_legolas(data: bytes) -> bool:
 
 
 def from_legolas(data: bytes, _: object = None) -> NDArray[np.complex128]:
-    """The eigenvalues in the bytes of a Legolas file, as frequencies. Raises ValueError."""
+    """The eigenvalues (m,) in the bytes of a Legolas file, as frequencies. Raises ValueError."""
     import numpy as np
 
     stream, count = _named(data) if data.startswith(LEGOLAS_MAGIC) else _unnamed(data)

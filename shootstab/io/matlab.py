@@ -23,7 +23,7 @@ MOST_CELL_ARRAYS = 1000  # chosen: arrays in them
 
 
 def from_mat(data: bytes, wanted: Wanted, largest: int) -> NDArray[np.complex128]:
-    """The eigenvalues in the bytes of a v5 file: a variable s, a field s.lambda, an entry c{2} of a cell. Raises ValueError."""
+    """The eigenvalues (m,) in the bytes of a v5 file: a variable s, a field s.lambda, an entry c{2} of a cell. Raises ValueError."""
     import scipy.io
 
     _require_small(data, largest)

@@ -23,7 +23,7 @@ _BROKEN_ZIP = (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError
 
 
 def from_npy(data: bytes, wanted: Wanted) -> NDArray[np.complex128]:
-    """The eigenvalues in the bytes of an npy file. Raises ValueError."""
+    """The eigenvalues (m,) in the bytes of an npy file. Raises ValueError."""
     return as_complex(_loaded(data), wanted.row)
 
 
@@ -44,7 +44,7 @@ def _words(error: Exception) -> str:
 
 
 def from_npz(data: bytes, wanted: Wanted, largest: int) -> NDArray[np.complex128]:
-    """The eigenvalues in the bytes of an npz file, in the array that is meant. Raises ValueError."""
+    """The eigenvalues (m,) in the bytes of an npz file, in the array that is meant. Raises ValueError."""
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             members = {info.filename.removesuffix(".npy"): info for info in archive.infolist()}

@@ -38,12 +38,12 @@ class ReducedSystem(NamedTuple):
 
     @property
     def structure(self) -> tuple[NDArray[np.uint64], ...]:
-        """The lists."""
+        """The lists start (n + m + 1,), column (E,), linear (E1,), quadratic (E2,) and carries (v,)."""
         return self[:5]
 
     @property
     def numbers(self) -> tuple[NDArray[np.inexact], ...]:
-        """P, V, G."""
+        """P (N, 12, E + E1 + E2), V (N, 12, v, m), G (N, 12, 2, m, m)."""
         return self[5:]
 
     def in_real_numbers(self) -> ReducedSystem | None:

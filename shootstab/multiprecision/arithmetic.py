@@ -107,11 +107,11 @@ class Arithmetic(Protocol):
         ...
 
     def multiplier(self, A: Matrix) -> Callable[[Matrix], Matrix]:
-        """B ↦ A B, rounded."""
+        """B (m, l) ↦ A B, rounded, for A (n, m)."""
         ...
 
     def inverse(self, A: Matrix) -> Matrix:
-        """A⁻¹. Raises ZeroDivisionError where A is singular as far as the precision can tell."""
+        """A⁻¹ of A (n, n). Raises ZeroDivisionError where A is singular as far as the precision can tell."""
         ...
 
 

@@ -167,7 +167,7 @@ class Products:
         self.push_packed(self.packed(term))
 
     def packed(self, term: Matrix) -> Any:
-        """As one real matrix. The first one decides whether Y is complex."""
+        """As one real matrix (n, m). The first one decides whether Y is complex."""
         if not self._last:
             self._k = len(term[0])
             self.wide = self.wide or any(isinstance(x, acb) for row in term for x in row)
@@ -202,7 +202,7 @@ class Products:
         return [[acb(re[q] - im[k + q], re[k + q] + im[q]) for q in range(k)] for re, im in pairs]
 
     def after(self, left: Matrix, part: range) -> tuple[Any, Any]:
-        """U, V with left · (this part of the rows of Σ_j A_j Y_{m−j}) = U P + V (iP), P being `sums`."""
+        """U, V (r, n) with left · (these rows of Σ_j A_j Y_{m−j}) = U P + V (iP), where left is (r, s) and P is `sums`."""
         U, V = ([[arb(0)] * self._rows for _ in left] for _ in range(2))
         for u, v, row in zip(U, V, left, strict=True):
             for place, x in zip((self._places[i] for i in part), row, strict=True):
@@ -218,7 +218,7 @@ class Products:
         return arb_mat([[(j == i + k) - (i == j + k) for j in range(2 * k)] for i in range(2 * k)])
 
     def unpacked(self, term: Any) -> Matrix:
-        """As numbers."""
+        """As numbers (n, m)."""
         k, rows = self._k, term.mid().tolist()
         return [[acb(x, y) for x, y in zip(row[:k], row[k:], strict=True)] for row in rows] if self.wide else rows
 

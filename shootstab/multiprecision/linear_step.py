@@ -64,7 +64,7 @@ def carried(arithmetic: Arithmetic, n: int, C: Entries, D: Entries, Y: Matrix, t
 
 
 def leading(arithmetic: Arithmetic, C: Entries, rows: Sequence[int], unknowns: Sequence[int]) -> Matrix:
-    """C_0 of one part."""
+    """C_0 (n, n) of one subsystem."""
     return [[C[i, j].coefficients(1)[0] if (i, j) in C else arithmetic.number(0) for j in unknowns] for i in rows]
 
 

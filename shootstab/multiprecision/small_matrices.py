@@ -10,17 +10,17 @@ from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
 
 
 def product(arithmetic: Arithmetic, A: Matrix, B: Matrix) -> Matrix:
-    """A B."""
+    """A B for A (n, m) and B (m, l)."""
     return arithmetic.multiplier(A)(B)
 
 
 def combined(A: Matrix, B: Matrix, factor: Any) -> Matrix:
-    """A + factor B."""
+    """A + factor B, both (n, m)."""
     return [[a + factor * b for a, b in zip(x, y, strict=True)] for x, y in zip(A, B, strict=True)]
 
 
 def scaled(A: Matrix, factor: Any) -> Matrix:
-    """factor A."""
+    """factor A, (n, m)."""
     return [[factor * a for a in row] for row in A]
 
 
@@ -30,7 +30,7 @@ def vanishes(x: Any) -> bool:
 
 
 def inverse(arithmetic: Arithmetic, A: Matrix) -> Matrix:
-    """A⁻¹, after the rows and columns of A were scaled to size one.
+    """A⁻¹ (n, n), after the rows and columns of A were scaled to size one.
 
     Raises ConvergenceError where A is singular.
     """
@@ -51,13 +51,13 @@ def _unit(arithmetic: Arithmetic, numbers: Sequence[Any]) -> Any:
 
 
 def eliminated(arithmetic: Arithmetic, A: Matrix) -> Matrix:
-    """A⁻¹ by elimination. Raises ZeroDivisionError where a pivot vanishes."""
+    """A⁻¹ (n, n) by elimination. Raises ZeroDivisionError where a pivot vanishes."""
     n = len(A)
     return solve(arithmetic, A, [[arithmetic.number(int(i == j)) for j in range(n)] for i in range(n)])
 
 
 def solve(arithmetic: Arithmetic, A: Matrix, B: Matrix) -> Matrix:
-    """A⁻¹ B by elimination with partial pivoting."""
+    """A⁻¹ B for A (n, n) and B (n, m) by elimination with partial pivoting."""
     n = len(A)
     rows = [[*a, *b] for a, b in zip(A, B, strict=True)]
     for i in range(n):
@@ -73,7 +73,7 @@ def solve(arithmetic: Arithmetic, A: Matrix, B: Matrix) -> Matrix:
 
 
 def determinant(arithmetic: Arithmetic, A: Matrix) -> Any:
-    """det A by elimination with partial pivoting, after the rows were scaled to size one."""
+    """det A of A (n, n) by elimination with partial pivoting, after the rows were scaled to size one."""
     rows, n = [list(row) for row in A], len(A)
     det: Any = arithmetic.number(1)
     for i in range(n):

@@ -10,8 +10,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from shootstab.core.errors import InputError
-from shootstab.problems.protocol import GENERIC_SIGMA, Problem
+from shootstab.problems.protocol import GENERIC_SIGMA, ComplexArray, Problem
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,18 @@ class Capability:
         if offered is None:
             raise InputError(f"{self.refusal} ({type(problem).__name__} has no `{self.name}`)")
         return offered
+
+
+class Continuum(Protocol):
+    """σ_c(z), analytic in z, with det(C0 + σ_c C1) = 0: real z give the continuous spectrum, and paths lead around a z with σ_c(z) = σ."""
+
+    def heights(self, points: int) -> NDArray[np.float64]:
+        """Real z (points,), rising from the wall, over which σ_c is the spectrum."""
+        ...
+
+    def __call__(self, z: ComplexArray) -> ComplexArray:
+        """σ_c (m,) at points z (m,), real or complex."""
+        ...
 
 
 class Pseudospectral(Protocol):
@@ -80,6 +95,8 @@ class Family(Protocol):
 GENERIC = Capability("generic_sigma", GENERIC_SIGMA, "this problem names no generic sigma")
 # pairs of the limiting pencil of an end at infinity and the number of solutions that decay there
 ASYMPTOTICS = Capability("asymptotics", (), "this problem has no end at infinity with a limit")
+# the curve of continuous spectrum that paths lead around, a Continuum
+INTERIOR = Capability("continuum", None, "this problem has no continuous spectrum that a path could lead around")
 # pairs (z, σ_c(z)) of continuous spectra inside that no deformed path leads around
 CROSSINGS = Capability("crossings", (), "this problem has no continuous spectrum between interfaces")
 # the same problem, on the same line, with every wall that approximates a singular point twice as far from it

@@ -95,12 +95,6 @@ class ClosedProblem:
         """Itself: the base flow is in closed form."""
         return self
 
-    def heights(self, points: int) -> NDArray[np.float64] | None:
-        return None
-
-    def continuum_at(self, z: ComplexArray) -> ComplexArray:
-        return np.empty(0, dtype=np.complex128)
-
     @property
     def closed_form(self) -> ClosedForm:
         """The form, for more digits than a double holds."""

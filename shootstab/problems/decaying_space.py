@@ -62,7 +62,10 @@ class AtInfinity:
 
 @dataclass(frozen=True, eq=False)
 class DecayingSpace:
-    """The decaying space at an end at infinity, begun at z: of the limit there (tail: what the coefficients still lack), or frozen."""
+    """The decaying space at an end at infinity, begun at z: of the limit there, or frozen.
+
+    tail is bounds (…, n, n) on what C0, C1, D0, D1 differ from their limits by; None where the pencil is frozen.
+    """
 
     kato_frame: KatoFrame
     pencil: PencilFunction

@@ -107,7 +107,7 @@ def _rows(
 
 
 def as_matrix(values: ArrayLike, shape: tuple[int | None, int], named: str) -> ComplexArray:
-    """A finite complex matrix of this shape; None stands for any number above 0. Raises InputError."""
+    """A finite complex matrix (n, m) of this shape; None stands for any number above 0. Raises InputError."""
     allowed = f"({'m' if shape[0] is None else shape[0]}, {shape[1]})"
     try:
         matrix = np.array(values, dtype=np.complex128)
@@ -122,7 +122,7 @@ def as_matrix(values: ArrayLike, shape: tuple[int | None, int], named: str) -> C
 
 
 def require_independent(W0: ComplexArray, W1: ComplexArray, named: str) -> None:
-    """Raise InputError if the rows of W0 + σ W1 are dependent whatever σ is."""
+    """Raise InputError if the rows of W0 + σ W1, (k, n), are dependent whatever σ is."""
     sizes = np.maximum(np.abs(W0).max(axis=1), np.abs(W1).max(axis=1))
     with np.errstate(invalid="ignore", divide="ignore"):
         rank = 0 if (sizes == 0.0).any() else int(np.linalg.matrix_rank((W0 + GENERIC_SIGMA * (1 + 1j) * W1) / sizes[:, None]))

@@ -16,7 +16,7 @@ from shootstab.problems.decaying_space import AtInfinity, DecayingSpace
 from shootstab.problems.ends import Infinity, Interface, Wall
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
-from shootstab.problems.singular_curve import CURVE_PROBES, SingularCurve, singular_curves
+from shootstab.problems.singular_curve import CURVE_PROBES, ContinuumOnLine, SingularCurve, singular_curves
 from shootstab.problems.splitting import AsymptoticPencil
 from shootstab.problems.subdomains import blocks, frames
 from shootstab.problems.two_point import TwoPointReduction, reduce_to_two_points
@@ -124,7 +124,7 @@ class LinearProblem:
         return len(self.reduction.rows[0])
 
     def pencil(self, z: ComplexArray) -> Pencil:
-        """At points z of the line on which the problem is laid out: the user's own if it has one subdomain."""
+        """At points z (m,) of the line on which the problem is laid out: the user's own if it has one subdomain."""
         return blocks([subdomain.pencil(self.function, z) for subdomain in self.reduction.subdomains])
 
     def start(self, sigma: complex, tolerance: float) -> float:
@@ -136,7 +136,7 @@ class LinearProblem:
         return frames([subdomain.frame(sigma) for subdomain in self.reduction.subdomains])
 
     def mesh(self, start: float) -> NDArray[np.float64]:
-        """Points from start to the end, denser there if another end is at infinity."""
+        """Points (m,) from start to the end, denser there if another end is at infinity."""
         end, x = self.reduction.end, np.linspace(1.0, 0.0, FIRST_MESH)
         graded = np.sinh(GRADING * x) / math.sinh(GRADING) if self.at_infinity else x
         return np.asarray(end + (start - end) * graded)
@@ -152,21 +152,10 @@ class LinearProblem:
             self._crude[factor] = self.coarser(factor)
         return self._crude[factor]
 
-    def heights(self, points: int) -> NDArray[np.float64] | None:
-        """Real points, rising; None where the problem has no continuum or more than one subdomain, whose curves are crossings."""
-        if self.curve is None or len(self.reduction.subdomains) > 1:
-            return None
-        low, high = sorted((self.reduction.start, self.reduction.end))
-        return np.linspace(low, high, points)
-
-    def continuum_at(self, z: ComplexArray) -> ComplexArray:
-        if self.curve is None:
-            return np.empty(0, dtype=np.complex128)
-        given = self.curve(z) if self.function.vectorized else [self.curve(p) for p in z.tolist()]
-        sigma = np.asarray(given, dtype=np.complex128)
-        if sigma.shape != z.shape or not np.isfinite(sigma).all():
-            raise InputError("continuum(z) is not a finite number for every z: allowed is a function that gives σ_c at z")
-        return sigma
+    @property
+    def continuum(self) -> ContinuumOnLine | None:
+        """σ_c(z); None where the problem has none, or more than one subdomain, whose curves are crossings."""
+        return self._on_line if len(self.reduction.subdomains) == 1 else None
 
     @property
     def asymptotics(self) -> tuple[tuple[AsymptoticPencil, int], ...]:
@@ -176,9 +165,10 @@ class LinearProblem:
     @property
     def crossings(self) -> Crossings:
         """(z, σ_c(z)), each (m,), of every curve that no path in z leads around: in several subdomains, or of several curves in one."""
-        if self.curve is None or self.heights(2) is not None:
+        curve = self._on_line
+        if curve is None or self.continuum is not None:
             return self.fixed
-        return tuple((z.real, self.continuum_at(z)) for z in self.reduction.lines)
+        return tuple((z.real, curve(z)) for z in self.reduction.lines)
 
     @property
     def at_infinity(self) -> tuple[DecayingSpace, ...]:
@@ -193,6 +183,11 @@ class LinearProblem:
     def ends(self, sigma: complex) -> tuple[AtInfinity, ...]:
         """How solutions behave at the ends at infinity: rates, how many decay, and the gap by which they are told apart."""
         return tuple(end.at(complex(sigma)) for end in self.at_infinity)
+
+    @property
+    def _on_line(self) -> ContinuumOnLine | None:
+        low, high = sorted((self.reduction.start, self.reduction.end))
+        return None if self.curve is None else ContinuumOnLine(self.curve, self.function.vectorized, low, high)
 
     @cached_property
     def _crude(self) -> dict[float, LinearProblem]:

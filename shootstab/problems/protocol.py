@@ -63,7 +63,7 @@ class Problem(Protocol):
         ...
 
     def mesh(self, start: float) -> NDArray[np.float64]:
-        """Points from start to the wall, both included, roughly as dense as the solutions vary: a first mesh."""
+        """Points (m,) from start to the wall, both included, roughly as dense as the solutions vary: a first mesh."""
         ...
 
     def wall_rows(self) -> tuple[ComplexArray, ComplexArray]:
@@ -72,12 +72,4 @@ class Problem(Protocol):
 
     def with_base_flow_error(self, factor: float) -> Problem:
         """The same problem with its base flow computed less accurately by this factor; itself if the base flow is in closed form."""
-        ...
-
-    def heights(self, points: int) -> NDArray[np.float64] | None:
-        """So many real points, rising from the wall, over which σ_c(z) is the continuous spectrum; None if there is none."""
-        ...
-
-    def continuum_at(self, z: ComplexArray) -> ComplexArray:
-        """σ_c at points z, real or complex; empty if there is no continuous spectrum."""
         ...

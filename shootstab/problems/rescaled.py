@@ -7,9 +7,23 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from shootstab.problems.capabilities import ASYMPTOTICS, CROSSINGS, FARTHER_WALLS, GENERIC
+from shootstab.problems.capabilities import ASYMPTOTICS, CROSSINGS, FARTHER_WALLS, GENERIC, INTERIOR, Continuum
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil, Problem
 from shootstab.problems.splitting import AsymptoticPencil
+
+
+@dataclass(frozen=True, eq=False)
+class RescaledContinuum:
+    """σ_c(z)/unit."""
+
+    curve: Continuum
+    unit: complex
+
+    def heights(self, points: int) -> NDArray[np.float64]:
+        return self.curve.heights(points)
+
+    def __call__(self, z: ComplexArray) -> ComplexArray:
+        return np.asarray(self.curve(z) / self.unit)
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,12 +71,6 @@ class Rescaled:
             self._crude[factor] = Rescaled(crude, self.unit)
         return self._crude[factor]
 
-    def heights(self, points: int) -> NDArray[np.float64] | None:
-        return self.problem.heights(points)
-
-    def continuum_at(self, z: ComplexArray) -> ComplexArray:
-        return np.asarray(self.problem.continuum_at(z) / self.unit)
-
     @property
     def unscaled(self) -> tuple[Problem, complex]:
         """The problem in σ, and σ/v."""
@@ -77,7 +85,13 @@ class Rescaled:
         return tuple((pencil.rescaled(self.unit), k) for pencil, k in ASYMPTOTICS.of(self.problem))
 
     @property
+    def continuum(self) -> RescaledContinuum | None:
+        curve = INTERIOR.of(self.problem)
+        return None if curve is None else RescaledContinuum(curve, self.unit)
+
+    @property
     def crossings(self) -> tuple[tuple[NDArray[np.float64], ComplexArray], ...]:
+        """(z, σ_c(z)/unit), each (m,)."""
         return tuple((z, sigma / self.unit) for z, sigma in CROSSINGS.of(self.problem))
 
     @property

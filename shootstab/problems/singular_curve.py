@@ -10,6 +10,7 @@ which a singular C1 has many, ever enters, and σ_c is as analytic in z as the p
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +19,7 @@ import scipy.linalg
 import scipy.optimize
 from numpy.typing import NDArray
 
+from shootstab.core.errors import InputError
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray
 
@@ -25,7 +27,7 @@ PROBE_SIGMAS = np.array([0.83 + 1.31j, -1.17 + 0.59j, 0.41 - 1.73j])  # chosen: 
 TRACE_NOISE = 1e-9  # chosen: relative, what is told from 0 or from another number in the trace; a solve of a good C leaves 1e-14
 CURVE_PROBES = 65  # chosen: of a subdomain at which the pencil is asked for curves
 DIFFERENCE_STEP = 1e-5  # chosen: of the subdomain, by which derivatives along and across the real axis are compared
-ANALYTIC_TOLERANCE = 1e-4  # chosen: relative; differences err by STEP² and by rounding over DIFFERENCE_STEP
+ANALYTIC_TOLERANCE = 1e-4  # chosen: relative; differences err by DIFFERENCE_STEP² and by rounding over DIFFERENCE_STEP
 COMPARED_AT = (0.137, 0.419, 0.731)  # chosen: where in the subdomain they are compared
 
 
@@ -42,6 +44,27 @@ class SingularCurve:
         sigma, points = self.scale * PROBE_SIGMAS[0], np.atleast_1d(np.asarray(z, dtype=np.complex128))
         curve = sigma - self.multiplicity / traces(self.pencil, points, np.array([sigma]))[0]
         return np.asarray(curve.reshape(np.shape(z)))
+
+
+@dataclass(frozen=True, eq=False)
+class ContinuumOnLine:
+    """σ_c(z) as somebody gave it, or a SingularCurve; the spectrum is its image of the real line from low to high."""
+
+    curve: Callable[[Any], Any]
+    vectorized: bool
+    low: float
+    high: float
+
+    def heights(self, points: int) -> NDArray[np.float64]:
+        return np.linspace(self.low, self.high, points)
+
+    def __call__(self, z: ComplexArray) -> ComplexArray:
+        """σ_c (m,) at points z (m,). Raises InputError where the function gives no numbers."""
+        given = self.curve(z) if self.vectorized else [self.curve(p) for p in z.tolist()]
+        sigma = np.asarray(given, dtype=np.complex128)
+        if sigma.shape != z.shape or not np.isfinite(sigma).all():
+            raise InputError("continuum(z) is not a finite number for every z: allowed is a function that gives σ_c at z")
+        return sigma
 
 
 def traces(function: PencilFunction, z: ComplexArray, sigmas: ComplexArray) -> ComplexArray:

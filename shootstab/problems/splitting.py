@@ -45,7 +45,7 @@ class AsymptoticPencil:
     direction: int
 
     def matrix(self, sigma: complex) -> tuple[ComplexArray, ComplexArray]:
-        """direction·C⁻¹D and its σ-derivative: in either direction what decays has a negative real part.
+        """direction·C⁻¹D and its σ-derivative, each (n, n): in either direction what decays has a negative real part.
 
         Raises Undecidable where C is singular.
         """
@@ -62,7 +62,7 @@ class AsymptoticPencil:
         return replace(self, C1=unit * self.C1, D1=unit * self.D1)
 
     def rates(self, sigma: complex) -> ComplexArray:
-        """The n rates, by rising real part."""
+        """The rates (n,), by rising real part."""
         rates = np.linalg.eigvals(self.matrix(sigma)[0])
         return np.asarray(rates[np.argsort(rates.real)])
 
@@ -112,7 +112,7 @@ def _rounding(T: ComplexArray, k: int) -> float:
 
 
 def sylvester(T: ComplexArray, U: ComplexArray, right: ComplexArray) -> ComplexArray:
-    """T S − S U = right for triangular T and U."""
+    """S (k, l) with T S − S U = right, for triangular T (k, k) and U (l, l)."""
     solved, scale, _ = scipy.linalg.lapack.ztrsyl(T, U, right, isgn=-1)
     return np.asarray(solved / scale)
 
@@ -150,15 +150,15 @@ class SpectralSplitting:
         return self.X @ M, self.X @ (self.G @ (self.left2 @ R)) + self.X2 @ (self.H @ M)
 
     def slope(self, R: ComplexArray) -> complex:
-        """tr[(ℓR)⁻¹ ℓ P′ R]: see kato_frame.py."""
+        """tr[(ℓR)⁻¹ ℓ P′ R] for R (n, k): see kato_frame.py."""
         return complex(np.trace(np.linalg.solve(self.left @ R, self.G @ (self.left2 @ R))))
 
 
 def decaying_count(rates: NDArray[np.complex128]) -> int:
-    """How many rates decay."""
+    """How many of the rates (n,) decay."""
     return int((rates.real < 0.0).sum())
 
 
 def gap(rates: NDArray[np.complex128], k: int) -> float:
-    """The distance of the real parts of the k-th and the next rate; infinite if one of the two spaces is empty."""
+    """The distance of the real parts of the k-th and the next of the rates (n,); infinite if one of the two spaces is empty."""
     return float(rates[k].real - rates[k - 1].real) if 0 < k < len(rates) else np.inf

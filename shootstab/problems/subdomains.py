@@ -51,7 +51,7 @@ class Subdomain:
         return z
 
     def pencil(self, function: PencilFunction, t: ComplexArray) -> Pencil:
-        """Of ψ, and of a before it if the subdomain is augmented."""
+        """The matrices (m, N, N) of ψ, and of a before it if the subdomain is augmented."""
         p = function(self.points(t))
         own = p if self.scale == 1.0 else Pencil(p.C0, p.C1, self.scale * p.D0, self.scale * p.D1)
         if not self.augmented:

@@ -90,7 +90,7 @@ def tails(pencil: PencilFunction, limit: AsymptoticPencil, origin: float, distan
 
 
 def tail_error(limit: AsymptoticPencil, tail: tuple[NDArray[np.float64], ...], split: SpectralSplitting, sigma: complex) -> float:
-    """The relative error of the frame, largest over its rows, that coefficients off their limit make."""
+    """The relative error of the frame, largest over its rows, that coefficients off their limit by a tail (n, n) each make."""
     if not any(part.any() for part in tail):
         return 0.0
     moved = _moved(limit, tail, split, sigma, abs(sigma))

@@ -84,7 +84,7 @@ def wind(discriminant: Discriminant, region: Region, pieces: int = FIRST_SEGMENT
 
 
 def power_sums(pieces: Pieces, centre: complex, scale: float, most: int) -> NDArray[np.complex128]:
-    """s_k = Σ ((z − centre)/scale)^k over the zeros z inside, for k = 0 … most: (1/2πi)∮ ((σ − centre)/scale)^k d ln D.
+    """s_k = Σ ((z − centre)/scale)^k over the zeros z inside, (most + 1,): (1/2πi)∮ ((σ − centre)/scale)^k d ln D.
 
     Between two samples ln D is the cubic with its values and derivatives at both ends, and σ runs straight; that is integrated exactly.
     """

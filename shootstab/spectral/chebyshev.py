@@ -49,7 +49,7 @@ def differentiation(degree: int) -> Array:
 
 
 def interpolation(degree: int, y: Array) -> Array:
-    """(len(y), N + 1): values on the extrema → values at y, by the second barycentric formula."""
+    """The matrix (m, N + 1) from values on the extrema to values at y (m,), by the second barycentric formula."""
     nodes, j = extrema(degree), np.arange(degree + 1)
     weights = (-1.0) ** j * np.where((j == 0) | (j == degree), 0.5, 1.0)
     differences = np.subtract.outer(np.asarray(y, dtype=np.float64), nodes)
@@ -68,7 +68,7 @@ def coefficients(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def values(coefficients: NDArray[Any]) -> NDArray[Any]:
-    """The inverse of `coefficients`: Σ a_n T_n at the extrema, (…, N + 1)."""
+    """The inverse of `coefficients`: Σ a_n T_n at the extrema, both of shape (…, N + 1)."""
     degree = coefficients.shape[-1] - 1
     return np.asarray(coefficients @ _cosines(degree))
 

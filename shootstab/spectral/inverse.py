@@ -31,7 +31,7 @@ class Refined:
 
 
 def refine(A: Matrix, B: Matrix, guess: complex, max_iterations: int = 40) -> Refined:
-    """The eigenvalue next to guess by two-sided Rayleigh quotient iteration: x ← (A − σB)⁻¹Bx, y ← (A − σB)⁻ᴴBᴴy,
+    """The eigenvalue of A, B (n, n) next to guess by two-sided Rayleigh quotient iteration: x ← (A − σB)⁻¹Bx, y ← (A − σB)⁻ᴴBᴴy,
     σ ← σ + yᴴ(A − σB)x/(yᴴBx). A step falls as the cube of the one before.
 
     Source: A. M. Ostrowski, Arch. Rational Mech. Anal. 1–4 (1958–59). Raises ConvergenceError if the steps do not die out.

@@ -11,7 +11,7 @@ import shootstab as st
 from shootstab.analyses.claims import radius_of
 from shootstab.analyses.error_budget import displacement
 from shootstab.analyses.reference import claims, spectrum
-from shootstab.essential_spectrum.interior import Continuum, continuum_of
+from shootstab.essential_spectrum.interior import SampledContinuum, continuum_of
 from shootstab.models.chute import ChuteProblem
 from shootstab.models.chute import collocation as pseudospectral
 from shootstab.models.gallery.poiseuille import PlanePoiseuille
@@ -165,7 +165,7 @@ def test_a_removed_mode_is_missing(scenes: dict[str, ChuteProblem]) -> None:
 def test_claims_on_the_continuous_spectrum(scenes: dict[str, ChuteProblem]) -> None:
     """On the curve D is counted from both sides; only at its ends is there nothing to count."""
     problem = scenes["fig2"]
-    inside, base, infinity = (complex(problem.continuum_at(np.array([z + 0j]))[0]) for z in (15.0, 0.0, problem.flow.height(1e-14)))
+    inside, base, infinity = (complex(problem.continuum(np.array([z + 0j]))[0]) for z in (15.0, 0.0, problem.flow.height(1e-14)))
     report = st.verify(problem, [inside])
     assert report.verdicts[0].verdict == "spurious"
     assert report.verdicts[0].continuum_distance < 1e-6 * abs(inside)
@@ -210,7 +210,7 @@ def test_poiseuille_through_the_same_doors() -> None:
 
 
 def test_distances_to_the_continuous_spectrum(scenes: dict[str, ChuteProblem]) -> None:
-    bent = Continuum(scenes["fig2"], np.array([0.0, 1.0, 3.0]), np.array([0, 1, 1 + 1j]))
+    bent = SampledContinuum(scenes["fig2"].continuum, np.array([0.0, 1.0, 3.0]), np.array([0, 1, 1 + 1j]))
     assert bent.distance(0.5 + 0.25j) == pytest.approx(0.25)
     assert bent.distance(-3 - 4j) == pytest.approx(5.0)
     assert bent.nearest(1.5 + 0.5j) == pytest.approx((0.5, 2.0))

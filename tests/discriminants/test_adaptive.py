@@ -43,7 +43,7 @@ def test_D_at_one_sigma_is_unaffected_by_evaluations_elsewhere(make, method) -> 
 
 def test_the_paths_around_a_continuous_spectrum_do_not_depend_on_the_order_of_questions(scenes) -> None:
     problem = scenes["fig2"]
-    curve = [complex(problem.continuum_at(np.array([z + 0j]))[0]) for z in (5.0, 9.0, 15.0, 15.6, 30.0)]
+    curve = [complex(problem.continuum(np.array([z + 0j]))[0]) for z in (5.0, 9.0, 15.0, 15.6, 30.0)]
     near = [s * (1 + 1e-3) for s in curve]
     forth, back = (Continuation(problem, st.Frame(rtol=1e-9)) for _ in range(2))
     values = {s: forth.at(s).discriminant.with_derivative(s) for s in near}

@@ -25,7 +25,7 @@ def fig2(scenes: dict[str, ChuteProblem]) -> ChuteProblem:
 
 
 def sigma_at(problem: ChuteProblem, z: complex) -> complex:
-    return complex(problem.continuum_at(np.array([z]))[0])
+    return complex(problem.continuum(np.array([z]))[0])
 
 
 def test_a_bend_keeps_the_ends_of_the_path() -> None:

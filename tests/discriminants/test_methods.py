@@ -68,7 +68,7 @@ def test_the_methods_have_one_D(problems: dict[str, Problem], name: str) -> None
 def test_the_methods_have_one_D_along_a_bent_path_too(scenes: dict[str, ChuteProblem], distance: float) -> None:
     """Next to the continuous spectrum, and on it, where the real axis leads nowhere."""
     problem = scenes["fig2"]
-    sigma = complex(problem.continuum_at(np.array([15.0 + 0j]))[0]) * (1 + distance)
+    sigma = complex(problem.continuum(np.array([15.0 + 0j]))[0]) * (1 + distance)
     charts = [Continuation(problem, method).at(sigma) for method in METHODS]
     reference, *others = (chart.discriminant.with_derivative(sigma) for chart in charts)
     for chart, other in zip(charts[1:], others, strict=True):

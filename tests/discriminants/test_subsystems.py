@@ -96,12 +96,6 @@ class Chains:
     def with_base_flow_error(self, factor: float) -> Chains:
         return self
 
-    def heights(self, points: int) -> None:
-        return None
-
-    def continuum_at(self, z: np.ndarray) -> np.ndarray:
-        return np.empty(0, complex)
-
 
 def test_parts_of_a_shuffled_problem_keep_the_sign_of_D() -> None:
     problem = Chains()

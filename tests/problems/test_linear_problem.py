@@ -234,7 +234,7 @@ def test_around_the_singular_point_of_ones_own_continuum() -> None:
 
 def test_with_a_fold_the_continuum_is_a_barrier() -> None:
     problem = st.gallery.shear_layer(0.4446)
-    assert problem.heights(5) is None
+    assert problem.continuum is None
     report = st.verify(problem, [0.18970, 0.2j], digits=4)
     assert [v.verdict for v in report.verdicts] == ["confirmed", "continuum"]
     with pytest.raises(Undecidable, match="enters the region"):

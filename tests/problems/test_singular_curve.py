@@ -118,7 +118,7 @@ def test_the_same_verdicts_with_and_without_continuum() -> None:
     for make, curve, claims in cases:
         told, found = make(curve), make(None)
         z = np.array([0.2, 0.6 + 0.1j])
-        np.testing.assert_allclose(found.continuum_at(z), told.continuum_at(z), rtol=1e-12)
+        np.testing.assert_allclose(found.continuum(z), told.continuum(z), rtol=1e-12)
         verdicts = [
             [v.verdict for v in st.verify(p, claims, digits=4, region=st.Rectangle(0.5 - 1j, 1 + 1j)).verdicts] for p in (told, found)
         ]

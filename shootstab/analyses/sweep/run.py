@@ -46,7 +46,7 @@ class Swept:
         return ((p, self.outcomes[p]) for p in self.grid.points if p in self.outcomes)
 
     def array(self, of: Callable[[Outcome], Any], dtype: Any = np.float64, absent: Any = np.nan) -> NDArray[Any]:
-        """A quantity on the grid, one dimension an axis; `absent` where it is None."""
+        """A quantity on the grid, (a, b, …) with the numbers of values of the axes; `absent` where it is None."""
         values = [of(self.outcomes[p]) for p in self.grid.points]
         flat = np.array([absent if v is None else v for v in values], dtype=dtype)
         return flat.reshape([len(axis.values) for axis in self.axes])
@@ -58,7 +58,7 @@ class Swept:
 
     @property
     def growth(self) -> NDArray[np.float64]:
-        """Re σ of the dominant mode; NaN where none grows or none is known."""
+        """Re σ of the dominant mode, (a, b, …) as `array` has it; NaN where none grows or none is known."""
         return self.array(lambda o: o.growth)
 
     @property

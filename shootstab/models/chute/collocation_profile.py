@@ -52,12 +52,12 @@ class Profile:
 
     @property
     def nu_z(self) -> Array:
-        """ν0′."""
+        """ν0′ (m,)."""
         return self.nu * self.log_nu_z
 
 
 def profile(flow: Flow, z: Array) -> Profile:
-    """The steady flow at the points z."""
+    """The steady flow at the points z (m,)."""
     chute = flow.chute
     states = flow.at(z).real
     nu, T, u, Q = np.exp(states[:, 0]), states[:, 1], states[:, 2], states[:, 3]

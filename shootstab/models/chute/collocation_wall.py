@@ -39,7 +39,7 @@ class Trace(NamedTuple):
 
 
 def conditions(chute: Chute, flow: Profile, at: Trace) -> tuple[Row, Row, Row]:
-    """Three rows that vanish: the tractions along x and y, and the energy balance q_z = −M·u − ΔΦT^{3/2}. The fourth is w = 0."""
+    """Three rows (n,) that vanish: the tractions along x and y, and the energy balance q_z = −M·u − ΔΦT^{3/2}. The fourth is w = 0."""
     r, pi = chute.r, math.pi
     nu, T, u, u_z, p = (float(f[0]) for f in (flow.nu, flow.T, flow.u, flow.u_z, flow.p))
     g0 = law.radial(Series((nu, 1.0)), chute.radial_law)[0]

@@ -116,7 +116,7 @@ class FarField:
         return float(min(bounds.min(), 1e-2))
 
     def at(self, nu: float, sigma: complex) -> tuple[ComplexArray, ComplexArray, float]:
-        """Σ P_m ν0^m, its σ-derivative, and a bound on its relative error from the last terms."""
+        """Σ P_m ν0^m and its σ-derivative, each (8, 4), and a bound on its relative error from the last terms."""
         P, dP = self.terms(sigma)
         sizes = _row_sizes(P)
         tail = max(sizes[m] * nu**m for m in range(FAR_TERMS - 4, FAR_TERMS))

@@ -48,7 +48,7 @@ class Chute:
 
     @cached_property
     def numbers(self) -> NDArray[np.float64]:
-        """(η_p, tanθ, r, Δ, *radial_law), as kernels take them."""
+        """Numbers (m,) as kernels take them: η_p, tanθ, r, Δ, and those of radial_law."""
         delta = law.wall_dissipation(self.r, self.e_w, math.pi)
         return np.array([self.ep, self.tan_theta, self.r, delta, *self.radial_law])
 

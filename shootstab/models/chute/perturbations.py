@@ -19,6 +19,26 @@ from shootstab.models.chute.steady_flow import Flow
 from shootstab.models.chute.wall import wall_rows
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
 
+NU_OUTERMOST = 1e-14  # chosen: ν0 where the continuous spectrum ends; beyond, σ_c differs from its limit by less than rounding
+
+
+@dataclass(frozen=True)
+class ChuteContinuum:
+    """σ_c(z) of (2.13)."""
+
+    flow: Flow
+    kx: float
+
+    def heights(self, points: int) -> NDArray[np.float64]:
+        """From the base to ν0 = NU_OUTERMOST."""
+        return np.linspace(0.0, self.flow.height(NU_OUTERMOST), points)
+
+    def __call__(self, z: ComplexArray) -> ComplexArray:
+        """σ_c (m,) at points z (m,)."""
+        log_nu, T, u, Q = self.flow.at(z)[:, :4].T
+        values = fields(self.flow.chute, np.exp(log_nu), T, u, Q, math.pi)
+        return np.asarray(system.continuum(values, self.kx), dtype=np.complex128)
+
 
 @dataclass(frozen=True, eq=False)
 class Perturbations:
@@ -49,7 +69,7 @@ class Perturbations:
         return system.DECAYING
 
     def pencil(self, z: ComplexArray) -> Pencil:
-        """The scaled first-order system (see system.py); off the real axis the flow is continued along the path of the points."""
+        """The scaled first-order system (see first_order_system.py) at z (m,); off the real axis the flow is continued along z."""
         return Pencil(*(_dense(e, len(z)) for e in system.pencil_entries(self._background(z), self.flow.chute.tan_theta, self.kx, self.ky)))
 
     def start(self, sigma: complex, tolerance: float) -> float:
@@ -65,7 +85,7 @@ class Perturbations:
         return FarFrame(frame, tangent, log_scale, error)
 
     def mesh(self, start: float) -> NDArray[np.float64]:
-        """Every eighth point of the steady flow's own integration."""
+        """Every eighth point, (m,) in all, of the steady flow's own integration."""
         inside = self.flow.nodes[self.flow.nodes < start]
         return np.concatenate(([start], inside[:-1][::8], [0.0]))
 
@@ -79,15 +99,10 @@ class Perturbations:
             self._crude[factor] = type(self)(with_base_flow_error(self.flow, factor), self.kx, self.ky)
         return self._crude[factor]
 
-    def heights(self, points: int) -> NDArray[np.float64]:
-        """From the base to ν0 = 1e−14."""
-        return np.linspace(0.0, self.flow.height(1e-14), points)
-
-    def continuum_at(self, z: ComplexArray) -> ComplexArray:
-        """σ_c of (2.13) at the points z."""
-        log_nu, T, u, Q = self.flow.at(z)[:, :4].T
-        values = fields(self.flow.chute, np.exp(log_nu), T, u, Q, math.pi)
-        return np.asarray(system.continuum(values, self.kx), dtype=np.complex128)
+    @property
+    def continuum(self) -> ChuteContinuum:
+        """σ_c(z), where det C = 0 (A 9)."""
+        return ChuteContinuum(self.flow, self.kx)
 
     def _background(self, z: ComplexArray) -> Background:
         return _along_path(self.flow, np.ascontiguousarray(z, dtype=np.complex128).tobytes())

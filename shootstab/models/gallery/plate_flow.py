@@ -55,7 +55,7 @@ class Gas:
             raise InputError(f"wall = {self.wall!r}: allowed is a finite number above 0, or none for an adiabatic wall")
 
     def viscosity(self, T: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
-        """μ = T^{3/2} (1 + s)/(T + s), s = S/T_∞, with dμ/dT and d²μ/dT²."""
+        """μ = T^{3/2} (1 + s)/(T + s), s = S/T_∞, with dμ/dT and d²μ/dT², each (m,) as T is."""
         s = self.sutherland / self.far_temperature
         T = np.where(T.real > 0.0, T, np.nan)
         mu = T**1.5 * (1 + s) / (T + s)
@@ -63,7 +63,7 @@ class Gas:
         return mu, mu * first, mu * (first**2 - 1.5 / T**2 + 1 / (T + s) ** 2)
 
     def slopes(self, state: NDArray[Any]) -> NDArray[Any]:
-        """d/dy of (f, U, ln S, T, Q), each along the second axis."""
+        """d/dy of (f, U, ln S, T, Q), (5, m) as the state is."""
         f, U, log_S, T, Q = state
         mu, S = self.viscosity(T)[0], np.exp(log_S)
         heating = (self.gamma - 1) * self.mach**2

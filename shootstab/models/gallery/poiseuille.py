@@ -133,12 +133,6 @@ class PlanePoiseuille:
         """Itself: the base flow is in closed form."""
         return self
 
-    def heights(self, points: int) -> NDArray[np.float64] | None:
-        return None
-
-    def continuum_at(self, z: ComplexArray) -> ComplexArray:
-        return np.empty(0, dtype=np.complex128)
-
 
 def plane_poiseuille(reynolds: complex = 10000.0, alpha: complex = 1.0) -> LinearProblem:
     """The even modes in half the channel, for complex R and α too: the same equation, written down with `problem`."""

@@ -51,5 +51,5 @@ class Piecewise:
 
 
 def off_by(numbers: NDArray[np.float64], relative: float) -> NDArray[np.float64]:
-    """Each changed by a random relative amount, always the same one, no larger than this."""
+    """Numbers (…, m), each changed by a random relative amount, always the same one, no larger than this."""
     return np.asarray(numbers * (1 + relative * (2 * np.random.default_rng(1).random(numbers.shape) - 1)))
