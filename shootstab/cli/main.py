@@ -12,17 +12,19 @@ import os
 import re
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NoReturn
 
 from shootstab import __version__
-from shootstab.cli import commands, explain_command, guide_command, prove_command
+from shootstab.cli import commands, explain_command, guide_command, prove_command, signals
 from shootstab.cli import sweep_command as sweeping
 from shootstab.cli import trade_command as trading
 from shootstab.cli.help import DOORS, STATUSES, epilog, with_nearest
 from shootstab.cli.selection import SORTS
 from shootstab.core.errors import InputError, OutputError, ShootstabError
 from shootstab.core.records import VERDICTS
+from shootstab.core.threads import one_thread_from_here
 from shootstab.io.notation import complex_from, floats_from
 
 # defined by the contract: exit statuses of a command that did not; the last two are 128 plus the signal
@@ -36,6 +38,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # a σ must not stop a terminal that has none
+    one_thread_from_here()
     words = _with_values(sys.argv[1:] if argv is None else argv)
     try:
         if not words:
@@ -43,8 +46,9 @@ def main(argv: Sequence[str] | None = None) -> int:
             return commands.DONE
         options = parser().parse_args(words)
         commands.prepare(options)
-        status: int = options.run(options)
-        sys.stdout.flush()
+        with signals.raised():
+            status: int = options.run(options)
+            sys.stdout.flush()
         return status
     except InputError as error:
         return _say(error, BAD_INPUT)
@@ -52,6 +56,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _say(error, NOT_WRITTEN)
     except ShootstabError as error:
         return _say(error, commands.BAD_NEWS)
+    except signals.Ended as ended:
+        return _say(ended, ended.status)
     except KeyboardInterrupt:
         return _say("interrupted", INTERRUPTED)
     except BrokenPipeError:
@@ -79,7 +85,9 @@ def _internal(error: Exception) -> int:
 
 
 def _say(error: object, status: int) -> int:
-    print("shootstab:", " ".join(str(error).split()), file=sys.stderr)
+    with suppress(OSError):  # nobody listens: the status says it
+        if sys.stderr is not None:
+            print("shootstab:", " ".join(str(error).split()), file=sys.stderr, flush=True)
     return status
 
 

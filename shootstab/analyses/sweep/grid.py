@@ -91,19 +91,21 @@ class Grid:
         return list(product(*(axis.values for axis in self.axes)))
 
     def lines(self, done: Sequence[Point] = ()) -> list[Line]:
-        """What is not done yet, in lines of at most LONGEST_LINE points.
+        """Lines of at most LONGEST_LINE points, those that are done wholly left out.
 
         They run along a wavenumber where one varies, so that all points of a line share their steady flow: along the longest such axis.
+        The cuts do not depend on what is done: a line is walked from its first point on, and another first point would be another walk.
         """
         along = self._along
         k = self.names.index(along)
         known, lines = set(done), []
         for others in product(*(axis.values if axis.name != along else (math.nan,) for axis in self.axes)):
             run = [(*others[:k], v, *others[k + 1 :]) for v in self.axes[k].values]
-            left = [p for p in run if p not in known]
-            pieces = -(-len(left) // LONGEST_LINE)
-            for i in range(pieces):
-                lines.append(Line(along, self.names, tuple(left[i * len(left) // pieces : (i + 1) * len(left) // pieces])))
+            cuts = -(-len(run) // LONGEST_LINE)
+            for i in range(cuts):
+                points = tuple(run[i * len(run) // cuts : (i + 1) * len(run) // cuts])
+                if not known.issuperset(points):
+                    lines.append(Line(along, self.names, points))
         return lines
 
     @property

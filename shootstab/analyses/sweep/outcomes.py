@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from shootstab.core.records import UNRESOLVED
+
 PROVED = "proved"
 FOLLOWED = "followed"
 NONE_GROWS = "no growing mode"
 NO_WAVE = "no wave"
 NO_FLOW = "no flow"
+OUTCOMES = (PROVED, FOLLOWED, NONE_GROWS, NO_WAVE, NO_FLOW, UNRESOLVED)
 
 
 @dataclass(frozen=True)

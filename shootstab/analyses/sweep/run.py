@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from shootstab.analyses.processes import in_processes
 from shootstab.analyses.sweep.grid import Axis, Grid, Line, Point
-from shootstab.analyses.sweep.outcomes import FOLLOWED, NO_FLOW, NO_WAVE, NONE_GROWS, PROVED, Outcome
+from shootstab.analyses.sweep.outcomes import OUTCOMES, Outcome
 from shootstab.analyses.sweep.store import Store
 from shootstab.analyses.sweep.walk import Settings, walk
-from shootstab.analyses.sweep.workers import in_processes, on_cluster, serially
+from shootstab.analyses.sweep.workers import on_cluster, serially
 from shootstab.core.errors import InputError
 from shootstab.core.records import UNRESOLVED
 from shootstab.problems.capabilities import FAMILY, Family
@@ -70,9 +71,8 @@ class Swept:
     @property
     def summary(self) -> dict[str, int]:
         """How many points have each status, and at how many dominance, or that nothing grows, is proved by a count there."""
-        kinds = (PROVED, FOLLOWED, NONE_GROWS, NO_WAVE, NO_FLOW, UNRESOLVED)
         said = [o.status.partition(":")[0] for o in self.outcomes.values()]
-        return {**{kind: said.count(kind) for kind in kinds}, "counted": sum(o.proved for o in self.outcomes.values())}
+        return {**{kind: said.count(kind) for kind in OUTCOMES}, "counted": sum(o.proved for o in self.outcomes.values())}
 
     def bad_news(self) -> bool:
         """Whether a point is unresolved."""
@@ -99,7 +99,9 @@ def sweep(
 
     workers: processes of this machine, None: one a core; cluster: the address of a Dask scheduler, in place of them. With `out`, results
     go to an SQLite file as they come (see store.py), and what is there already is not done again. progress(done, total).
-    Raises InputError for what cannot be swept.
+    The lines do not depend on what is there, so an interrupted sweep ends with the values of one that was not. A worker that dies is
+    replaced (see processes.py). Raises InputError for what cannot be swept and for a file of something else, OutputError where results
+    cannot be written.
     """
     family_of = FAMILY.required(problem)
     if workers is not None and not 1 <= workers <= 1024:
@@ -108,7 +110,7 @@ def sweep(
     family = family_of(tuple(axes))
     grid = Grid.of(axes, family)
     with Store(None if out is None else Path(out), grid.names, _definition(grid, family, settings)) as store:
-        lines = grid.lines(store.done())
+        lines = grid.lines(store.done(grid))
         done = len(grid) - sum(len(line.points) for line in lines)
         if progress is not None:
             progress(done, len(grid))

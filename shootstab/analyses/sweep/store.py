@@ -1,21 +1,24 @@
 """The results of a sweep in an SQLite file, as they come: a sweep that was interrupted goes on where it stopped.
 
 Table `sweep` holds one row, the definition as JSON; table `points` one row a point, with the swept parameters as its key, then re, im,
-error, status, proved, floor, evaluations. A line of points is written in one transaction, so a line is there whole or not at all.
+error, status, proved, floor, evaluations. A line of points is written in one transaction, so a line is there whole or not at all,
+whatever ends the process. A point that another run on the same file has written meanwhile is left as it is: its values are the same.
+What is read is held against what a sweep can have written: the tables to the letter, the points to the grid, each value to its kind.
 """
 
 from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, NoReturn
 
-from shootstab.analyses.sweep.grid import Point
-from shootstab.analyses.sweep.outcomes import Outcome
-from shootstab.core.errors import InputError
+from shootstab.analyses.sweep.grid import Grid, Point
+from shootstab.analyses.sweep.outcomes import OUTCOMES, Outcome
+from shootstab.core.errors import InputError, OutputError, shortened
 
 STORED_COLUMNS = {
     "re": "REAL",
@@ -27,62 +30,112 @@ STORED_COLUMNS = {
     "evaluations": "INTEGER",
     "beside": "TEXT",
 }
+ALLOWED_STORE = "allowed is a new file or one of `shootstab sweep`"
+SWEEP = "CREATE TABLE sweep (definition TEXT NOT NULL)"
 
 
 class Store:
-    """An open file of results; in memory if there is no path. Only one process writes."""
+    """An open file of results; in memory if there is no path."""
 
     def __init__(self, path: Path | None, names: Sequence[str], definition: dict[str, Any]) -> None:
         """Open or make the file. Raises InputError where it holds something else, or another sweep."""
         self._path, self._names = path, tuple(names)
+        if path is not None and path.exists() and not path.is_file():
+            raise InputError(f"{path}: is no regular file: {ALLOWED_STORE}")
+        with self._refusing():
+            self._base = sqlite3.connect(":memory:" if path is None else path.absolute(), isolation_level=None)
         try:
-            self._base = sqlite3.connect(":memory:" if path is None else path, isolation_level=None)
             self._begin(definition)
-        except sqlite3.Error as error:
-            raise InputError(f"{path}: cannot be used for results: {error}: allowed is a new file or one of `shootstab sweep`") from error
+        except BaseException:
+            self.close()
+            raise
 
     def _begin(self, definition: dict[str, Any]) -> None:
         text = json.dumps(definition, sort_keys=True)
-        with self._base:
+        with self._refusing(), self._base:
             self._base.execute("BEGIN IMMEDIATE")
-            tables = {row[0] for row in self._base.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
-            if not tables:
-                self._base.execute("CREATE TABLE sweep (definition TEXT NOT NULL)")
+            there = dict(self._base.execute("SELECT name, sql FROM sqlite_master WHERE sql IS NOT NULL"))
+            if not there:
+                self._base.execute(SWEEP)
                 self._base.execute("INSERT INTO sweep VALUES (?)", (text,))
-                keys = ", ".join(f'"{n}"' for n in self._names)
-                columns = [f'"{n}" REAL NOT NULL' for n in self._names] + [f"{n} {kind}" for n, kind in STORED_COLUMNS.items()]
-                self._base.execute(f"CREATE TABLE points ({', '.join(columns)}, PRIMARY KEY ({keys})) WITHOUT ROWID")
-                self._base.execute("COMMIT")
-                return
-            if not {"sweep", "points"} <= tables:
-                raise InputError(f"{self._path}: holds other tables: allowed is a new file or one of `shootstab sweep`")
-            (found,) = self._base.execute("SELECT definition FROM sweep").fetchone()
-            self._base.execute("COMMIT")
-        if found != text:
-            other = _differences(json.loads(found), definition)
-            raise InputError(f"{self._path}: holds another sweep, of other {other}: allowed is a new file")
+                self._base.execute(self._points)
+            elif set(there) != {"sweep", "points"} or there["sweep"] != SWEEP:
+                raise InputError(f"{self._path}: holds other tables: {ALLOWED_STORE}")
+            else:
+                self._require_same(definition, text)
+                if there["points"] != self._points:
+                    self._broken("its table of points has other columns")
 
-    def done(self) -> list[Point]:
-        """The points that have a result."""
-        keys = ", ".join(f'"{n}"' for n in self._names)
-        return list(self._base.execute(f"SELECT {keys} FROM points"))
+    @property
+    def _points(self) -> str:
+        """The table of points in SQL."""
+        columns = [f'"{n}" REAL NOT NULL' for n in self._names] + [f"{n} {kind}" for n, kind in STORED_COLUMNS.items()]
+        return f"CREATE TABLE points ({', '.join(columns)}, PRIMARY KEY ({self._keys})) WITHOUT ROWID"
+
+    @property
+    def _keys(self) -> str:
+        return ", ".join(f'"{n}"' for n in self._names)
+
+    def _require_same(self, definition: dict[str, Any], text: str) -> None:
+        rows = self._base.execute("SELECT definition FROM sweep LIMIT 2").fetchall()
+        if rows == [(text,)]:
+            return
+        try:
+            ((words,),) = rows
+            found = json.loads(words)
+        except (ValueError, TypeError, RecursionError):
+            found = None
+        if not isinstance(found, dict):
+            self._broken("it does not say which sweep it holds")
+        raise InputError(f"{self._path}: holds another sweep, of other {_differences(found, definition)}: allowed is a new file")
+
+    def _broken(self, why: str) -> NoReturn:
+        raise InputError(f"{self._path}: is not as a sweep leaves it: {why}: {ALLOWED_STORE}")
+
+    @contextmanager
+    def _refusing(self) -> Iterator[None]:
+        """What SQLite says of a file that it cannot use, as InputError."""
+        try:
+            yield
+        except sqlite3.Error as error:
+            raise InputError(f"{self._path}: cannot be used for results: {error}: {ALLOWED_STORE}") from error
+        except UnicodeDecodeError:
+            self._broken("a text in it is not UTF-8")
+
+    def done(self, grid: Grid) -> list[Point]:
+        """The points that have a result. Raises InputError for one that is not of the grid."""
+        values = [frozenset(axis.values) for axis in grid.axes]
+        with self._refusing():
+            points: list[Point] = list(self._base.execute(f"SELECT {self._keys} FROM points"))
+        for point in points:
+            if not all(place in axis for place, axis in zip(point, values, strict=True)):
+                self._broken(f"{shortened(point)} is no point of its grid")
+        return points
 
     def add(self, points: Sequence[Point], outcomes: Sequence[Outcome]) -> None:
-        """Results of one line of points, all or none. Raises InputError where they cannot be written."""
+        """Results of one line of points, all or none. Raises OutputError where they cannot be written."""
         marks = ", ".join("?" * (len(self._names) + len(STORED_COLUMNS)))
+        insert = f"INSERT OR IGNORE INTO points VALUES ({marks})"
         try:
             self._base.execute("BEGIN IMMEDIATE")
-            self._base.executemany(f"INSERT INTO points VALUES ({marks})", [(*p, *_row(o)) for p, o in zip(points, outcomes, strict=True)])
+            self._base.executemany(insert, [(*p, *_row(o)) for p, o in zip(points, outcomes, strict=True)])
             self._base.execute("COMMIT")
         except sqlite3.Error as error:
             if self._base.in_transaction:
                 self._base.execute("ROLLBACK")
-            raise InputError(f"{self._path}: results cannot be written: {error}") from error
+            raise OutputError(f"{self._path}: results cannot be written: {error}: what is there already is kept") from error
 
     def results(self) -> dict[Point, Outcome]:
-        """Everything that is there."""
+        """Everything that is there. Raises InputError for a row that no sweep has written."""
         n = len(self._names)
-        return {row[:n]: _outcome(row[n:]) for row in self._base.execute("SELECT * FROM points")}
+        found: dict[Point, Outcome] = {}
+        with self._refusing():
+            for row in self._base.execute("SELECT * FROM points"):
+                try:
+                    found[row[:n]] = _outcome(row[n:])
+                except (ValueError, TypeError, AttributeError, RecursionError):
+                    self._broken(f"{shortened(row)} is no result")
+        return found
 
     def close(self) -> None:
         """Close the file."""
@@ -102,8 +155,17 @@ def _row(outcome: Outcome) -> tuple[Any, ...]:
 
 
 def _outcome(row: Sequence[Any]) -> Outcome:
+    """The outcome of a row. Raises ValueError, TypeError or AttributeError where it is none."""
     re, im, error, status, proved, floor, evaluations, beside = row
-    return Outcome(status, bool(proved), None if re is None else complex(re, im), error, floor, evaluations, json.loads(beside))
+    if status.partition(":")[0] not in OUTCOMES or proved not in (0, 1) or not isinstance(evaluations, int):
+        raise ValueError
+    for number in (re, im, error, floor):
+        if not isinstance(number, float | None):
+            raise TypeError
+    said = json.loads(beside)
+    if (re is None) != (im is None) or not all(isinstance(value, float) for value in said.values()):
+        raise ValueError
+    return Outcome(status, bool(proved), None if re is None else complex(re, im), error, floor, evaluations, said)
 
 
 def _differences(found: dict[str, Any], wanted: dict[str, Any]) -> str:

@@ -1,15 +1,10 @@
-"""Who does the work: this process, processes of this machine, or a Dask cluster. Each yields jobs with their results as they are done."""
+"""Who does the work: this process, processes of this machine (processes.py), or a Dask cluster. Each yields jobs with their results."""
 
 from __future__ import annotations
 
-import os
-import signal
 from collections.abc import Callable, Generator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import CancelledError
 from importlib import import_module
-from multiprocessing import active_children, get_context, parent_process
-from threading import Thread
 from typing import Any, TypeVar
 
 from shootstab.core.errors import InputError, ShootstabError
@@ -17,7 +12,6 @@ from shootstab.core.errors import InputError, ShootstabError
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 CONNECT = 15  # chosen: seconds to wait for a cluster
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 def serially(work: Callable[[Job], Result], jobs: Sequence[Job]) -> Generator[tuple[Job, Result], None, None]:
@@ -26,53 +20,11 @@ def serially(work: Callable[[Job], Result], jobs: Sequence[Job]) -> Generator[tu
         yield job, work(job)
 
 
-def in_processes(work: Callable[[Job], Result], jobs: Sequence[Job], workers: int) -> Generator[tuple[Job, Result], None, None]:
-    """In so many new processes, each with one thread: the matrices are small, and threads only cost.
-
-    They are started afresh, so a program that asks for them must guard its own start by `if __name__ == "__main__"`.
-    """
-    before = {name: os.environ.get(name) for name in THREADS}
-    os.environ.update(dict.fromkeys(THREADS, "1"))
-    others = set(active_children())
-    pool = ProcessPoolExecutor(min(workers, len(jobs) or 1), mp_context=get_context("spawn"), initializer=_depend_on_the_parent)
-    finished = False
-    try:
-        futures = {pool.submit(work, job): job for job in jobs}
-        for future in as_completed(futures):
-            yield futures[future], future.result()
-        finished = True
-    except BrokenProcessPool as error:
-        raise ShootstabError("a worker process died: its memory may have run out, or the program lacks a guard of its start") from error
-    finally:
-        if not finished:  # interrupted: do not wait for what is under way
-            for process in set(active_children()) - others:
-                process.terminate()
-        pool.shutdown(wait=True, cancel_futures=True)
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
-
-
-def _depend_on_the_parent() -> None:
-    """In a worker: interrupts are the parent's business, and where it dies, by whatever hand, the worker ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = parent_process()
-
-    def watch() -> None:
-        assert parent is not None
-        parent.join()
-        os._exit(1)
-
-    if parent is not None:
-        Thread(target=watch, daemon=True).start()
-
-
 def on_cluster(work: Callable[[Job], Result], jobs: Sequence[Job], address: str) -> Generator[tuple[Job, Result], None, None]:
-    """On the workers of a Dask cluster, given by the address of its scheduler.
+    """On the workers of a Dask cluster, given by the address of its scheduler, which gives the jobs of a dead worker to the others.
 
-    Raises InputError where dask is not installed or nothing answers at the address.
+    Raises InputError where dask is not installed or nothing answers at the address, ShootstabError where the scheduler is lost or one
+    job has cost more workers than the cluster allows.
     """
     try:
         distributed: Any = import_module("distributed")
@@ -83,6 +35,11 @@ def on_cluster(work: Callable[[Job], Result], jobs: Sequence[Job], address: str)
     except (OSError, ValueError) as error:
         raise InputError(f"{address}: no Dask scheduler answers: allowed is an address such as tcp://127.0.0.1:8786 ({error})") from error
     with client:
-        futures = {client.submit(work, job, pure=False): job for job in jobs}
-        for future in distributed.as_completed(list(futures)):
-            yield futures[future], future.result()
+        try:
+            futures = {client.submit(work, job, pure=False): job for job in jobs}
+            for future in distributed.as_completed(list(futures)):
+                yield futures[future], future.result()
+        except (CancelledError, OSError) as error:  # distributed's own errors of a connection are OSErrors
+            raise ShootstabError(f"{address}: the Dask scheduler is lost; the file of results keeps what was done") from error
+        except distributed.KilledWorker as error:
+            raise ShootstabError(f"{address}: the workers of the cluster died again and again at the same points: {error}") from error
