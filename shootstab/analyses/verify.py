@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from shootstab.analyses.assignment import Candidate, assign, shared
 from shootstab.analyses.claims import Circle, spurious, verdict_on
@@ -65,12 +69,12 @@ def verify(
     tolerance = max(10.0 ** -(digits + EXTRA_DIGITS), TIGHTEST)
     verifier = Verifier(problem, method_named(method, tolerance) or Frame(rtol=tolerance), digits, atol)
     seen: dict[int, Sighting] = {}
-    # neighbours share meshes, which are not kept for ever
-    for i in sorted(range(len(claims)), key=lambda i: abs(claims[i])):
+    # neighbours share meshes, which are not kept for ever; and in one order, whatever the list's, a mode is refined from the same place
+    for i in sorted(range(len(claims)), key=lambda i: (abs(claims[i]), claims[i].real, claims[i].imag)):
         seen[i] = verifier.look(claims[i])
         if progress is not None:
             progress(len(seen), len(claims))
-    verdicts = Assembly(verifier, [seen[i] for i in range(len(claims))]).verdicts()
+    verdicts = Assembly(verifier, seen).verdicts()
     lacking = Missing((), NOT_SEARCHED, ())
     if wish != NONE:
         try:
@@ -116,15 +120,16 @@ def _finite(eigenvalues: Any) -> list[complex]:
 class Assembly:
     """The modes around all claims, each with its error bar and computed once, and the claims that they answer."""
 
-    def __init__(self, verifier: Verifier, seen: list[Sighting]) -> None:
-        self._verifier, self._seen = verifier, seen
+    def __init__(self, verifier: Verifier, seen: Mapping[int, Sighting]) -> None:
+        """seen by the claim's place in the list, in the order in which the claims are to be gone through."""
+        self._verifier, self._seen = verifier, dict(seen)
         self._modes: list[Mode] = []
         self._known: list[dict[Zero, tuple[int, ...]]] = [{} for _ in seen]
         self._lost: dict[int, str] = {}  # claims around which a zero has no error bound, and why
 
     def verdicts(self) -> list[Verdict]:
         """The verdicts, in the order of the claims."""
-        for i, seen in enumerate(self._seen):
+        for i, seen in self._seen.items():
             if seen.zeros:
                 nearest = min(seen.zeros, key=lambda zero: abs(zero.sigma - seen.claim))
                 reach = max(CONFUSED_WITHIN * seen.radius, abs(nearest.sigma - seen.claim) + CONFUSED_WITHIN * seen.radius)
@@ -148,7 +153,8 @@ class Assembly:
                 self._seen[i] = self._verifier.look_further(self._seen[i])
                 self._learn_all(i, self._seen[i].zeros)
             given = assign(self._candidates())
-        return [self._verdict(i, given) for i in range(len(self._seen))]
+        sigmas, often = np.array([complex(mode.sigma) for mode in self._modes]), Counter(given)
+        return [self._verdict(i, given, sigmas, often) for i in range(len(self._seen))]
 
     def _learn_all(self, i: int, zeros: Sequence[Zero]) -> None:
         """The modes that several zeros are; those in one neighbourhood together, as iterations confuse them."""
@@ -184,18 +190,19 @@ class Assembly:
 
     def _candidates(self) -> list[list[Candidate]]:
         """For each claim the modes that it may mean."""
-        out = []
-        for i, seen in enumerate(self._seen):
-            numbers = [] if i in self._lost else sorted({j for some in self._known[i].values() for j in some})
-            out.append([self._candidate(j, seen) for j in numbers])
-        return out
+        return [self._candidates_of(i) for i in range(len(self._seen))]
+
+    def _candidates_of(self, i: int) -> list[Candidate]:
+        numbers = [] if i in self._lost else sorted({j for some in self._known[i].values() for j in some})
+        return [self._candidate(j, self._seen[i]) for j in numbers]
 
     def _candidate(self, j: int, seen: Sighting) -> Candidate:
         mode = self._modes[j]
         off = abs(complex(mode.sigma) - seen.claim)
         return Candidate(j, mode.multiplicity, off, float(mode.error), abs(complex(mode.sigma)), seen.radius)
 
-    def _verdict(self, i: int, given: Sequence[int | None]) -> Verdict:
+    def _verdict(self, i: int, given: Sequence[int | None], sigmas: NDArray[np.complex128], often: Mapping[int | None, int]) -> Verdict:
+        """sigmas are those of all modes, often says to how many claims each is given."""
         seen = self._seen[i]
         if seen.refusal is not None:
             return self._said(Verdict(seen.claim, *seen.refusal), seen)
@@ -203,17 +210,17 @@ class Assembly:
             return self._said(Verdict(seen.claim, UNRESOLVED, self._lost[i]), seen)
         number = given[i]
         if number is not None:
-            inside = {j for j in range(len(self._modes)) if self._candidate(j, seen).off <= seen.radius}
+            inside = np.flatnonzero(np.abs(sigmas - seen.claim) <= seen.radius).tolist()
             circle = Circle(
                 seen.radius,
                 seen.atol,
                 self._verifier.digits,
                 [self._modes[j] for j in inside],
-                sum(g in inside for g in given),
+                sum(often[j] for j in inside),
                 seen.counted <= seen.radius,
             )
             return self._said(verdict_on(seen.claim, self._modes[number], circle), seen)
-        rivals = self._candidates()[i]
+        rivals = self._candidates_of(i)
         if rivals:
             best = max(rivals, key=lambda c: c.worth)
             return self._said(spurious(seen.claim, self._taken(best, given)), seen)
@@ -257,13 +264,13 @@ def _unanswered(missing: Sequence[Mode], verdicts: Sequence[Verdict]) -> tuple[M
 
 def _with_nearest(verdicts: Sequence[Verdict], missing: Sequence[Mode]) -> list[Verdict]:
     """To every spurious verdict, where the nearest mode known is and how far the continuous spectrum."""
-    modes = [v.sigma for v in verdicts if v.sigma is not None] + [complex(m.sigma) for m in missing]
+    modes = np.array([complex(v.sigma) for v in verdicts if v.sigma is not None] + [complex(m.sigma) for m in missing])
     out = []
     for v in verdicts:
         if v.verdict == SPURIOUS:
             why = v.why
-            if modes:
-                nearest = min(modes, key=lambda sigma: abs(sigma - v.claimed))
+            if len(modes):
+                nearest = modes[np.abs(modes - v.claimed).argmin()]
                 why += f"; the nearest mode known here is {nearest:.6g}, {abs(nearest - v.claimed):.1e} away"
             if math.isfinite(v.continuum_distance):
                 why += f"; the continuous spectrum is {v.continuum_distance:.1e} away"
