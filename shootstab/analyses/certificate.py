@@ -6,7 +6,6 @@ claimed, and the settings with which the checker finds that it holds. The checke
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Mapping
 from importlib import import_module
@@ -16,7 +15,8 @@ from typing import Any
 from flint import acb
 
 from shootstab.analyses.prove import OUTER, Proof
-from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.errors import ConvergenceError, InputError, shortened
+from shootstab.core.reading import bytes_of, json_of, text_of
 from shootstab.multiprecision.enclosure import Enclosure, at_bits, decimal
 from shootstab.problems.capabilities import CERTIFIED, CLOSED_FORM
 from shootstab.problems.protocol import Problem
@@ -56,23 +56,19 @@ def check(certificate: Any) -> str | None:
     named = certificate.get("problem") if isinstance(certificate, dict) else None
     name = named.get("name") if isinstance(named, dict) else None
     if not isinstance(name, str) or name not in CHECKERS:
-        raise InputError(f"a certificate for {name!r}: allowed is one for {', '.join(CHECKERS)}")
+        raise InputError(f"a certificate for {shortened(name)}: allowed is one for {', '.join(CHECKERS)}")
     verdict: Callable[[Any], str | None] = import_module(CHECKERS[name]).check
     return verdict(certificate)
 
 
 def read(path: Path) -> Any:
-    """The JSON of a certificate. Raises InputError for a file that cannot be read, is too large or is no JSON."""
+    """The JSON of a certificate. Raises InputError for a file that cannot be read, is larger than 1 MB or is no JSON."""
     try:
-        with path.open("rb") as file:
-            data = file.read(LARGEST_CERTIFICATE + 1)
-        if len(data) > LARGEST_CERTIFICATE:
-            raise InputError(f"{path}: larger than 1 MB: allowed is a certificate of some kilobytes")
-        return json.loads(data.decode("utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror or error}: allowed is a certificate") from error
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: not JSON: {error}") from error
+        return json_of(text_of(bytes_of(path, LARGEST_CERTIFICATE, "a certificate")), "allowed is a certificate in JSON")
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError(f"{path}: {error}") from error
 
 
 def _log_size(problem: Problem, proof: Proof) -> float:

@@ -36,6 +36,7 @@ from typing import Any
 from mpmath import iv
 
 KEYS = {"format", "problem", "count", "disc", "outer", "weight", "points", "bits", "order", "steps"}
+MOST_CHECKING = 10**6  # chosen: points × steps × order, minutes; certificates of a thousand digits take 10⁵
 DECIMAL = re.compile(r"-?\d{1,2000}(\.\d{1,2000})?(e-?\d{1,4})?")
 ORIGIN = iv.mpc(0)
 
@@ -73,6 +74,8 @@ def _read(certificate: Any) -> tuple[Any, Any]:
             raise ValueError(f"{name} = {certificate[name]!r}")
     if not 1 <= len(certificate["steps"]) <= 10000:
         raise ValueError("steps")
+    if certificate["points"] * (len(certificate["steps"]) + 1) * certificate["order"] > MOST_CHECKING:
+        raise ValueError("points, steps and order ask for more work than any certificate needs")
     return problem, disc
 
 
@@ -195,7 +198,12 @@ def main() -> int:
     if len(sys.argv) != 2:
         print(str(__doc__).split("\n")[0])
         return 2
-    reason = check(json.loads(Path(sys.argv[1]).read_text(encoding="utf-8")))
+    try:
+        certificate = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        print(f"{sys.argv[1]}: not a certificate: {error}")
+        return 2
+    reason = check(certificate)
     print("proved" if reason is None else f"refused: {reason}")
     return int(reason is not None)
 

@@ -30,8 +30,11 @@ class Undecidable(ConvergenceError):  # noqa: N818 - it is a finding, not a faul
 
 
 def shortened(value: Any, longest: int = 40) -> str:
-    """A value as a refusal quotes it: its repr, not longer than a line can bear."""
-    text = repr(value)
+    """A value as a refusal quotes it: its repr, not longer than a line can bear; of one that has none, what it is."""
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):  # an integer of thousands of digits, a list a thousand deep
+        text = f"a {type(value).__name__} too large to be shown"
     return text if len(text) <= longest else text[:longest] + "…"
 
 

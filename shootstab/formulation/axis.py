@@ -37,10 +37,11 @@ class RegularSpace:
 
     def frame(self, sigma: complex) -> FarFrame:
         """Raises ConvergenceError where the series does not hold at x for this σ."""
-        parts = [self._family(family, sigma) for family in self.end.families]
+        with np.errstate(over="ignore", invalid="ignore"):  # too far out for a double: the error is infinite or no number
+            parts = [self._family(family, sigma) for family in self.end.families]
         frame, tangent = (np.concatenate([part[i] for part in parts], axis=1) for i in (0, 1))
-        error = max(part[2] for part in parts)
-        if error > WORST_START:
+        error = float(np.max([part[2] for part in parts]))
+        if not error <= WORST_START:
             raise ConvergenceError(f"at {self.where} the regular solutions are known to {error:.1e} only for sigma = {sigma:.6g}")
         return FarFrame(frame, tangent, 0.0, error)
 

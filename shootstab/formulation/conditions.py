@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from shootstab.core.errors import InputError
+from shootstab.core.errors import InputError, shortened
 from shootstab.formulation.names import Names
 from shootstab.formulation.system import Row, row_of
 from shootstab.problems.ends import Infinity
@@ -47,13 +47,13 @@ def end_of(given: Any, side: str) -> End:
     if isinstance(given, Infinity):
         return given
     if not isinstance(given, Conditions | Axis | Periodic):
-        raise InputError(f"{side} = {given!r}: allowed is st.Conditions(at, [...]), st.Axis(at), st.Periodic(at) or st.Infinity()")
+        raise InputError(f"{side} = {shortened(given)}: allowed is st.Conditions(at, [...]), st.Axis(at), st.Periodic(at) or st.Infinity()")
     if isinstance(given.at, bool) or not isinstance(given.at, int | float) or not math.isfinite(given.at):
-        raise InputError(f"{side}: at = {given.at!r}: allowed is a finite number, or st.Infinity()")
+        raise InputError(f"{side}: at = {shortened(given.at)}: allowed is a finite number, or st.Infinity()")
     if isinstance(given, Axis | Periodic):
         return given
     if isinstance(given.conditions, str) or not isinstance(given.conditions, Sequence):
-        raise InputError(f"{side}: conditions = {given.conditions!r}: allowed is a list of formulas")
+        raise InputError(f"{side}: conditions = {shortened(given.conditions)}: allowed is a list of formulas")
     return given
 
 

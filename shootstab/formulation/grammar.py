@@ -16,7 +16,7 @@ import re
 from collections.abc import Callable
 from fractions import Fraction
 
-from shootstab.core.errors import InputError
+from shootstab.core.errors import InputError, shortened
 from shootstab.formulation.expression import FUNCTIONS, Expression, function, number
 from shootstab.formulation.gaussian import ONE, I
 
@@ -24,6 +24,7 @@ TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?P<unit>[jJ](?!\w))?|(?P<name>[^\W\d]\w*)|(?P<sign>\*\*|[-+*/^(),=]))"
 )
 LONGEST_FORMULA = 20_000  # chosen: characters of one formula
+LONGEST_NUMBER = 1000  # chosen: characters of a number, more than any precision takes
 LARGEST_EXPONENT = 400  # chosen: of a number in decimal notation: what doubles hold, and more
 DEEPEST_NESTING = 60  # chosen: parentheses and signs within each other
 MOST_DERIVATIVES = 16  # chosen: the order of d(f, n); no equation of physics has a higher one
@@ -135,6 +136,8 @@ class Reader:
     def _number(self, token: str) -> Expression:
         imaginary = token[-1] in "jJ"
         digits = token[:-1] if imaginary else token
+        if len(digits) > LONGEST_NUMBER:
+            raise self._error(f"a number of {len(digits)} characters: allowed are {LONGEST_NUMBER}", self._at - 1)
         exponent = re.search(r"[eE]([+-]?\d+)", digits)
         if exponent and abs(int(exponent[1])) > LARGEST_EXPONENT:
             raise self._error(f"a number out of range: allowed are exponents up to {LARGEST_EXPONENT}", self._at - 1)
@@ -229,4 +232,4 @@ class Reader:
 
     def _token_at(self, at: int) -> str:
         kind, token, _ = self._tokens[at]
-        return token if kind == "end" else repr(token)
+        return token if kind == "end" else shortened(token)

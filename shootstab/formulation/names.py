@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from shootstab.core.errors import InputError
+from shootstab.core.errors import InputError, shortened
 from shootstab.formulation.atoms import Atom
 from shootstab.formulation.expression import FUNCTIONS, PI, Expression, Z, number, of_atom
 from shootstab.formulation.grammar import read
@@ -38,7 +38,9 @@ class Names:
         for kind, names in groups:
             for name in names:
                 if not isinstance(name, str) or not name.isidentifier():
-                    raise InputError(f"the {kind} {name!r}: allowed is a name of letters, digits and _, not beginning with a digit")
+                    raise InputError(
+                        f"the {kind} {shortened(name)}: allowed is a name of letters, digits and _, not beginning with a digit"
+                    )
                 if name in seen:
                     raise InputError(f"the name {name} is {seen[name]} and a {kind} too: allowed is one meaning")
                 seen[name] = f"a {kind}" if kind != "eigenvalue" else "the eigenvalue"

@@ -15,11 +15,11 @@ Further keys: eigenvalue and variable, their names (by default sigma and z), fol
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
-from shootstab.core.errors import InputError
+from shootstab.core.errors import InputError, shortened
+from shootstab.core.scene_keys import LARGEST_NUMBER
 from shootstab.formulation.conditions import Axis, Conditions, End, Periodic
 from shootstab.formulation.problem import EquationProblem, equations
 from shootstab.problems.ends import Infinity
@@ -32,15 +32,15 @@ def from_table(table: Mapping[str, Any]) -> EquationProblem:
     """The problem that the table means. Raises InputError, which names the key and what is allowed."""
     for key in table:
         if key not in NEEDED + OPTIONAL:
-            raise InputError(f"[problem] has the unknown key {key!r}: allowed are {', '.join(NEEDED + OPTIONAL)}")
+            raise InputError(f"[problem] has the unknown key {shortened(key)}: allowed are {', '.join(NEEDED + OPTIONAL)}")
     for key in NEEDED:
         if key not in table:
             raise InputError(f"[problem] lacks the key {key}: needed are {', '.join(NEEDED)}")
     fold, reference = table.get("fold", 0.0), table.get("reference")
     if not _is_number(fold):
-        raise InputError(f"[problem] fold = {fold!r}: allowed is a finite number")
+        raise InputError(f"[problem] fold = {shortened(fold)}: allowed is a finite number")
     if reference is not None and not (isinstance(reference, list) and len(reference) == 2 and all(map(_is_number, reference))):
-        raise InputError(f"[problem] reference = {reference!r}: allowed is [re, im]")
+        raise InputError(f"[problem] reference = {shortened(reference)}: allowed is [re, im]")
     return equations(
         _texts(table, "unknowns"),
         _texts(table, "equations"),
@@ -66,30 +66,30 @@ def _end(given: Any, side: str) -> End:
     if isinstance(given, dict) and set(given) == {"periodic"}:
         return Periodic(given["periodic"])
     if not isinstance(given, dict):
-        raise InputError(f"[problem] {side} = {given!r}: {allowed}")
+        raise InputError(f"[problem] {side} = {shortened(given)}: {allowed}")
     if given.get("infinity") is True and set(given) <= {"infinity", "start", "decaying"}:
         start, decaying = given.get("start"), given.get("decaying")
         if start is not None and not _is_number(start):
-            raise InputError(f"[problem] {side}: start = {start!r}: allowed is a finite number")
+            raise InputError(f"[problem] {side}: start = {shortened(start)}: allowed is a finite number")
         if decaying is not None and (not isinstance(decaying, int) or isinstance(decaying, bool)):
-            raise InputError(f"[problem] {side}: decaying = {decaying!r}: allowed is a count")
+            raise InputError(f"[problem] {side}: decaying = {shortened(decaying)}: allowed is a count")
         return Infinity(decaying=decaying, start=None if start is None else float(start))
     if set(given) != {"at", "conditions"}:
-        raise InputError(f"[problem] {side} has the keys {', '.join(given) or 'none'}: {allowed}")
+        raise InputError(f"[problem] {side} has the keys {', '.join(given)[:200] or 'none'}: {allowed}")
     return Conditions(given["at"], given["conditions"])
 
 
 def _texts(table: Mapping[str, Any], key: str) -> list[str]:
     value = table[key]
     if not isinstance(value, list) or not value or not all(isinstance(x, str) for x in value):
-        raise InputError(f"[problem] {key} = {value!r}: allowed is a list of strings")
+        raise InputError(f"[problem] {key} = {shortened(value)}: allowed is a list of strings")
     return value
 
 
 def _text(table: Mapping[str, Any], key: str, default: str) -> str:
     value = table.get(key, default)
     if not isinstance(value, str):
-        raise InputError(f"[problem] {key} = {value!r}: allowed is a name")
+        raise InputError(f"[problem] {key} = {shortened(value)}: allowed is a name")
     return value
 
 
@@ -97,12 +97,14 @@ def _table(table: Mapping[str, Any], key: str) -> dict[str, Any]:
     """Numbers or formulas by name."""
     value = table.get(key, {})
     if not isinstance(value, dict):
-        raise InputError(f"[problem] {key} = {value!r}: allowed is a table of names")
+        raise InputError(f"[problem] {key} = {shortened(value)}: allowed is a table of names")
     for name, x in value.items():
         if not (_is_number(x) or (key == "where" and isinstance(x, str))):
-            raise InputError(f"[problem] {key}: {name} = {x!r}: allowed is a finite number{' or a formula' if key == 'where' else ''}")
+            raise InputError(
+                f"[problem] {key}: {name} = {shortened(x)}: allowed is a finite number{' or a formula' if key == 'where' else ''}"
+            )
     return value
 
 
 def _is_number(x: Any) -> bool:
-    return isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x)
+    return isinstance(x, int | float) and not isinstance(x, bool) and abs(x) < LARGEST_NUMBER

@@ -16,7 +16,7 @@ MATLAB = b"MATLAB 7.3 MAT-file"
 # defined by the format: where the signature may stand; its longer user blocks are not looked into
 USERBLOCKS = (0, 512, 1024, 2048)
 MATLABS_OWN = ("#refs#", "#subsystem#")
-MOST_DATASETS = 10_000  # chosen: datasets in a file
+MOST_OBJECTS = 10_000  # chosen: groups and datasets in a file that are looked at
 
 
 def is_hdf5(data: bytes) -> bool:
@@ -49,19 +49,23 @@ def _values(dataset: Any, largest: int) -> Any:
     if dataset.is_virtual or dataset.external:
         raise ValueError(f"{dataset.name} keeps its numbers in another file: allowed are numbers in this one")
     if dataset.size * dataset.dtype.itemsize > largest:
-        raise ValueError(f"{dataset.name} is larger than 64 MB when unpacked: allowed is a smaller one")
+        raise ValueError(f"{dataset.name} is larger than 32 MB when unpacked: allowed is a smaller one")
     return _complex(dataset[()])
 
 
 def _complex(array: Any) -> Any:
     """Complex numbers from fields that are called so."""
+    import numpy as np
+
     names = array.dtype.names
     if names is None:
         return array
     for re, im in COMPLEX_PARTS:
-        if set(names) == {re, im}:
-            return array[re] + 1j * array[im]
-    raise ValueError(f"fields {', '.join(names)}: allowed are re and im")
+        if set(names) == {re, im} and all(array.dtype[part].kind in "iuf" for part in names):
+            out = np.empty(array.shape, dtype=np.complex128)
+            out.real, out.imag = array[re], array[im]
+            return out
+    raise ValueError(f"fields {', '.join(names)}: allowed are re and im, numbers both")
 
 
 def _found(file: Any, largest: int) -> dict[str, Array]:
@@ -73,12 +77,13 @@ def _found(file: Any, largest: int) -> dict[str, Array]:
 
     def note(name: str, item: Any) -> bool | None:
         nonlocal count
-        if isinstance(item, h5py.Dataset) and name.split("/")[0] not in MATLABS_OWN and item.dtype.kind in "iufcV":
+        count += 1
+        numbers = isinstance(item, h5py.Dataset) and item.shape is not None and item.dtype.kind in "iufcV"
+        if numbers and name.split("/")[0] not in MATLABS_OWN:
             group, _, last = name.rpartition("/")
             kind = "c" if item.dtype.kind == "V" else item.dtype.kind
             groups.setdefault(group, {})[last] = Array(kind, item.shape, lambda: _values(item, largest))
-            count += 1
-        return True if count > MOST_DATASETS else None
+        return True if count > MOST_OBJECTS else None
 
     file.visititems(note)
     found: dict[str, Array] = {}

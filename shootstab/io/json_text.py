@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 from shootstab.core.errors import shortened
+from shootstab.core.reading import json_of
 from shootstab.io.arrays import EIGENVALUE_NAMES, Wanted, pairs
-from shootstab.io.text import Placed, is_text, joined
+from shootstab.io.text import MOST_EIGENVALUES, Placed, decoded, is_text, joined
 
+MOST_JSON_PARTS = 10 * MOST_EIGENVALUES  # chosen: ten to an eigenvalue
 ALLOWED_JSON = 'allowed is a list of numbers, of [re, im] or of {"re": …, "im": …}, or such a list named "eigenvalues"'
 
 
 def from_json(data: bytes, wanted: Wanted) -> Placed:
     """Entry by entry. Raises ValueError."""
-    try:
-        document = json.loads(data.decode("utf-8-sig"))
-    except json.JSONDecodeError as error:
-        raise ValueError(f"line {error.lineno}: broken JSON: {error.msg}: {ALLOWED_JSON}") from None
-    except RecursionError:
-        raise ValueError(f"nested too deep: {ALLOWED_JSON}") from None
+    text = decoded(data)
+    if sum(text.count(mark) for mark in ",:[{") > MOST_JSON_PARTS:
+        raise ValueError(f"more than {MOST_JSON_PARTS} lists, records and numbers in it: allowed are {MOST_EIGENVALUES} eigenvalues")
+    document = json_of(text, ALLOWED_JSON)
     if wanted.row is not None:
         raise ValueError("--row: allowed for arrays in npy, npz, MATLAB and HDF5; this is json")
     if isinstance(document, dict):

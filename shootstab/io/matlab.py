@@ -19,7 +19,7 @@ COMPRESSED = 15  # defined by the format: miCOMPRESSED
 NUMERIC = ("double", "single", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64")
 NESTED = ("cell", "struct")
 DEEPEST_CELL = 4  # chosen: levels of cells and structures that are looked into
-MOST_CELL_ARRAYS = 1000  # chosen: arrays in them
+MOST_VARIABLES = 1000  # chosen: variables, and arrays in cells and structures
 
 
 def from_mat(data: bytes, wanted: Wanted, largest: int) -> NDArray[np.complex128]:
@@ -49,12 +49,12 @@ def _collect(name: str, value: Any, into: dict[str, Array], depth: int) -> None:
     """Every array of numbers in the value, by its name in MATLAB; a cell whose entries are numbers is one array."""
     import numpy as np
 
-    if depth < 0 or len(into) > MOST_CELL_ARRAYS or not isinstance(value, np.ndarray):
+    if depth < 0 or len(into) > MOST_VARIABLES or not isinstance(value, np.ndarray):
         return
     if value.dtype.kind in "iufc":
         into[name] = Array(value.dtype.kind, value.shape, lambda: value)
     elif value.dtype.names is not None:
-        for number, entry in enumerate(value.ravel()[:MOST_CELL_ARRAYS], 1):
+        for number, entry in enumerate(value.ravel()[:MOST_VARIABLES], 1):
             for field in value.dtype.names:
                 place = name if value.size == 1 else f"{name}({number})"
                 _collect(f"{place}.{field}", entry[field], into, depth - 1)
@@ -64,7 +64,7 @@ def _collect(name: str, value: Any, into: dict[str, Array], depth: int) -> None:
             whole = np.array([e.ravel()[0] for e in entries])
             into[name] = Array(whole.dtype.kind, whole.shape, lambda: whole)
             return
-        for number, entry in enumerate(entries[:MOST_CELL_ARRAYS], 1):
+        for number, entry in enumerate(entries[:MOST_VARIABLES], 1):
             if (isinstance(entry, np.ndarray) and entry.size > 1) or getattr(getattr(entry, "dtype", None), "names", None):
                 _collect(f"{name}{{{number}}}", entry, into, depth - 1)
 
@@ -72,8 +72,11 @@ def _collect(name: str, value: Any, into: dict[str, Array], depth: int) -> None:
 def _require_small(data: bytes, largest: int) -> None:
     """Raise ValueError if what is compressed unpacks to more than this, all of it together."""
     order = ">" if data[126:128] == b"MI" else "<"
-    at, unpacked = HEADER, 0
+    at, unpacked, elements = HEADER, 0, 0
     while at + 8 <= len(data):
+        elements += 1
+        if elements > MOST_VARIABLES:
+            raise ValueError(f"more than {MOST_VARIABLES} variables in it: allowed are {MOST_VARIABLES}")
         kind, size = struct.unpack(f"{order}2I", data[at : at + 8])
         at += 8
         if kind == COMPRESSED:
@@ -82,5 +85,5 @@ def _require_small(data: bytes, largest: int) -> None:
             except zlib.error as error:
                 raise ValueError(f"broken MATLAB file: {error}") from None
             if unpacked > largest:
-                raise ValueError("larger than 64 MB when unpacked: allowed is a smaller file")
+                raise ValueError("larger than 32 MB when unpacked: allowed is a smaller file")
         at += size

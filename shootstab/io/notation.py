@@ -17,6 +17,7 @@ _IMAGINARY = re.compile(rf"([+-]?)\s*({_SIZE})?\s*\*?\s*[ij]", _FLAGS)
 # NumPy's savetxt writes 1+-2j
 _BOTH = re.compile(rf"([+-]?(?:{_SIZE}))\s*([+-]\s*-?)\s*({_SIZE})?\s*\*?\s*[ij]", _FLAGS)
 
+LONGEST_NUMERAL = 1000  # chosen: characters of a number
 LONGEST_FIXED = 6  # chosen: decimal exponents of numbers that are printed without one, from SMALLEST_FIXED to below it
 SMALLEST_FIXED = -4  # chosen, as Python prints: 0.0001 and not 1e-4
 
@@ -26,6 +27,8 @@ def complex_from(text: str) -> complex:
 
     nan and inf are numbers here: whoever asks says whether they are allowed. Raises ValueError.
     """
+    if len(text) > LONGEST_NUMERAL:
+        raise ValueError(f"{shortened(text)} is not a number, it has {len(text)} characters")
     plain = text.strip().replace("−", "-")
     if plain.startswith("(") and plain.endswith(")"):
         plain = plain[1:-1].strip()

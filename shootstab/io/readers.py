@@ -4,19 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from shootstab.core.errors import InputError, shortened
+from shootstab.core.errors import InputError
+from shootstab.core.reading import bytes_of
 from shootstab.io import hdf5, json_text, legolas, matlab, numpy_files, text
 from shootstab.io.arrays import Wanted
-from shootstab.io.text import Placed
+from shootstab.io.text import MOST_EIGENVALUES, Placed
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-LARGEST_FILE = 64 * 2**20  # chosen: bytes of a file, far more than any list of eigenvalues has
+LARGEST_FILE = 64 * 2**20  # chosen: bytes of a file; binary ones may hold eigenvectors too
+UNPACKED = 32 * 2**20  # chosen: bytes of an array; with its file and what is made of it, it stays within 256 MiB
 # chosen: QZ gives infinities of a singular pencil as 1e16 and more times its norm, and Legolas writes 1e20 for them
 INFINITE = 1e15
 
@@ -72,17 +75,21 @@ def read(path: str | Path, dataset: str | None = None, row: int | None = None) -
     several. Entries that are infinite, NaN, or 1e15 and more are what codes write for the infinite eigenvalues of a singular pencil:
     they are left out and counted.
 
-    Raises InputError, whose one line names the file, for a file that is missing, empty, larger than 64 MB or malformed, and for
-    one that holds no finite eigenvalue.
+    Raises InputError, whose one line names the file, for a file that is missing, empty, larger than 64 MB (text: 16 MB) or malformed,
+    and for one that holds no finite eigenvalue or more than 100,000 of them.
     """
-    data = _bytes(Path(path))
+    data = bytes_of(Path(path), LARGEST_FILE, "a file of eigenvalues")
+    if not data.strip():
+        raise InputError(f"{path}: the file is empty: allowed is a file with at least one eigenvalue")
     reader = next((r for r in READERS if r.recognises(data)), None)
     if reader is None:
         known = ", ".join(r.name for r in READERS)
         raise InputError(f"{path}: not an eigenvalue file: allowed is {known}")
     _require_several(reader, path, dataset, row)
     try:
-        values = [value for _, value in reader.values(data, Wanted(dataset, row))]
+        values = [value for _, value in islice(reader.values(data, Wanted(dataset, row)), MOST_EIGENVALUES + 1)]
+        if len(values) > MOST_EIGENVALUES:
+            raise ValueError(f"more than {MOST_EIGENVALUES} eigenvalues: allowed is the part that is asked about")
     except ValueError as error:
         raise InputError(f"{path}: {error}") from error
     kept = [value for value in values if abs(value.real) < INFINITE and abs(value.imag) < INFINITE]
@@ -104,37 +111,22 @@ def _require_several(reader: Reader, path: str | Path, dataset: str | None, row:
         raise InputError(f"{path}: --row {row}: allowed for npy, {arrays}; this is {reader.name}")
 
 
-def _bytes(path: Path) -> bytes:
-    try:
-        with path.open("rb") as file:
-            data = file.read(LARGEST_FILE + 1)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror or error}: allowed is a file of eigenvalues") from error
-    except ValueError as error:  # a NUL in the name
-        raise InputError(f"{shortened(str(path))}: not the name of a file") from error
-    if len(data) > LARGEST_FILE:
-        raise InputError(f"{path}: larger than 64 MB: allowed is a smaller file")
-    if not data.strip():
-        raise InputError(f"{path}: the file is empty: allowed is a file with at least one eigenvalue")
-    return data
-
-
 # the table: the first that recognises a file reads it
 
 
 def _placed(values: Callable[[bytes, Wanted], NDArray[np.complex128]]) -> Callable[[bytes, Wanted], Placed]:
     def placed(data: bytes, wanted: Wanted) -> Placed:
-        for number, value in enumerate(values(data, wanted), 1):
-            yield f"entry {number}", complex(value)
+        for number, value in enumerate(values(data, wanted)[: MOST_EIGENVALUES + 1].tolist(), 1):
+            yield f"entry {number}", value
 
     return placed
 
 
 READERS = (
-    Reader("npy", lambda d: d.startswith(numpy_files.NUMPY_MAGIC), _placed(numpy_files.from_npy)),
-    Reader("npz", lambda d: d.startswith(numpy_files.MAGIC_ZIP), _placed(lambda d, w: numpy_files.from_npz(d, w, LARGEST_FILE)), True),
-    Reader("HDF5", hdf5.is_hdf5, _placed(lambda data, wanted: hdf5.from_hdf5(data, wanted, LARGEST_FILE)), True),
-    Reader("MATLAB", lambda d: d.startswith(matlab.MATLAB_MAGIC), _placed(lambda d, w: matlab.from_mat(d, w, LARGEST_FILE)), True),
+    Reader("npy", lambda data: data.startswith(numpy_files.NUMPY_MAGIC), _placed(numpy_files.from_npy)),
+    Reader("npz", lambda data: data.startswith(numpy_files.MAGIC_ZIP), _placed(lambda d, w: numpy_files.from_npz(d, w, UNPACKED)), True),
+    Reader("HDF5", hdf5.is_hdf5, _placed(lambda data, wanted: hdf5.from_hdf5(data, wanted, UNPACKED)), True),
+    Reader("MATLAB", lambda data: data.startswith(matlab.MATLAB_MAGIC), _placed(lambda d, w: matlab.from_mat(d, w, UNPACKED)), True),
     Reader("Legolas", legolas.is_legolas, _placed(legolas.from_legolas)),
     Reader("json", json_text.is_json, json_text.from_json, True),
     Reader("csv or text in UTF-8", text.is_text, lambda data, _: text.from_text(data)),

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shootstab.core.errors import InputError, shortened
+from shootstab.core.reading import bytes_of, text_of
 from shootstab.core.scene_keys import BuiltIn, Description, SceneModel
 from shootstab.io.conventions import Convention
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from shootstab.models.chute import Flow
     from shootstab.problems.protocol import Problem
 
+LARGEST_SCENE = 2**20  # chosen: bytes of a scene file; the longest equations take some kilobytes
 MODELS = ("shootstab.models.chute.scene", "shootstab.models.catalogue.scene")  # each has a SceneModel called MODEL
 
 
@@ -102,12 +104,15 @@ def load(name: str) -> Scene:
 
 
 def _toml(path: Path) -> dict[str, Any]:
+    data = bytes_of(path, LARGEST_SCENE, "a scene file")
     try:
-        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror or error}: allowed is a scene file") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError, ValueError) as error:
-        raise InputError(f"{path}: broken TOML: {error}") from error
+        return tomllib.loads(text_of(data))
+    except RecursionError:
+        raise InputError(f"{path}: broken TOML: nested too deep: allowed are the tables of a scene file") from None
+    except ValueError as error:
+        # Python reads integers of up to 4300 digits, and says so in words of its own
+        digits = not isinstance(error, tomllib.TOMLDecodeError) and "digits" in str(error)
+        raise InputError(f"{path}: broken TOML: {'an integer of thousands of digits' if digits else error}") from None
 
 
 def _from_tables(name: str, description: str, tables: Mapping[str, Any]) -> Scene:

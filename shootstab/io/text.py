@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import codecs
 import re
 from collections.abc import Iterator
 from typing import Any
 
 from shootstab.core.errors import shortened
+from shootstab.core.reading import text_of
 from shootstab.io.arrays import pairs
 from shootstab.io.notation import complex_from
 
 ALLOWED_TEXT = "allowed is one eigenvalue a line, as re,im or as 1+2j"
 # what a reader yields: where in the file, and the number there
 Placed = Iterator[tuple[str, complex]]
+
+MOST_EIGENVALUES = 100_000  # chosen: eigenvalues in a file; each takes milliseconds to be judged
+LARGEST_TEXT = 16 * 2**20  # chosen: bytes of text; more than so many eigenvalues of any precision take
+MOST_ROWS, LONGEST_ROW = 2 * MOST_EIGENVALUES, 10_000  # chosen
 
 _SPLIT = re.compile(r"\s*[,;\t]\s*")
 _DECIMAL_COMMA = re.compile(r"([+−-]?\d+),(\d+(?:[ed][+-]?\d+)?)", re.IGNORECASE | re.ASCII)
@@ -42,15 +48,29 @@ def from_text(data: bytes) -> Placed:
 
 
 def is_text(data: bytes) -> bool:
-    """Whether it is UTF-8 without a NUL."""
+    """Whether it begins as UTF-8 and holds no NUL."""
     try:
-        return "\0" not in data.decode("utf-8-sig")
+        codecs.getincrementaldecoder("utf-8-sig")().decode(data[:65536])
     except UnicodeDecodeError:
         return False
+    return b"\0" not in data
+
+
+def decoded(data: bytes) -> str:
+    """The text. Raises ValueError where it is too long, or is no UTF-8 further on."""
+    if len(data) > LARGEST_TEXT:
+        raise ValueError(f"more than {LARGEST_TEXT >> 20} MB of text: allowed is less text, or a binary file")
+    return text_of(data)
 
 
 def _lines(data: bytes) -> list[str]:
-    return re.split(r"\r\n|\r|\n", data.decode("utf-8-sig"))
+    if max(data.count(b"\n"), data.count(b"\r")) > MOST_ROWS:
+        raise ValueError(f"more than {MOST_ROWS} lines: allowed are {MOST_EIGENVALUES} eigenvalues")
+    lines = re.split(r"\r\n|\r|\n", decoded(data))
+    for number, line in enumerate(lines, 1):
+        if len(line) > LONGEST_ROW:
+            raise ValueError(f"line {number}: longer than {LONGEST_ROW} characters: {ALLOWED_TEXT}")
+    return lines
 
 
 def _cells(line: str) -> list[str]:

@@ -105,8 +105,9 @@ def _rounding(T: ComplexArray, k: int) -> float:
     _, _, _, _, _, sep, _ = scipy.linalg.lapack.ztrsen(
         np.arange(len(T)) < k, T, np.eye(len(T)), job=b"V", wantq=0, lwork=2 * k * (len(T) - k)
     )
-    changed = EPSILON * float(np.linalg.norm(T))
-    if UNRESOLVED_GAP * changed * float(np.linalg.norm(T[:k, k:])) > sep * sep:
+    with np.errstate(over="ignore"):  # a norm that is no double tells nothing apart
+        changed, coupling = EPSILON * float(np.linalg.norm(T)), float(np.linalg.norm(T[:k, k:]))
+    if not math.isfinite(changed) or UNRESOLVED_GAP * changed * coupling > sep * sep:
         return math.inf
     return changed / float(sep)
 

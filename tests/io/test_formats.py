@@ -207,7 +207,7 @@ def huge(file: Any) -> None:
 
 
 HOSTILE: dict[str, tuple[bytes, str | None, tuple[str, ...]]] = {
-    "bomb": (bomb(), None, ("64 MB when unpacked",)),
+    "bomb": (bomb(), None, ("32 MB when unpacked",)),
     "cells": (mat(lam=np.array([1, "x"], dtype=object)), None, ("arrays in it: lam",)),
     "two arrays": (mat(a=Z, b=Z), None, ("a, b", "--dataset")),
     "no such array": (mat(a=Z, b=Z), "c", ("'c'", "a, b")),
@@ -216,7 +216,7 @@ HOSTILE: dict[str, tuple[bytes, str | None, tuple[str, ...]]] = {
     "noise after the header": (mat(lam=Z)[:128] + b"\xff" * 200, None, ("MATLAB",)),
     "a link out of the file": (hdf5(far_away), None, ("HDF5", "none")),
     "numbers in another file": (hdf5(elsewhere), None, ("another file",)),
-    "a dataset of 8 TB": (hdf5(huge), None, ("64 MB",)),
+    "a dataset of 8 TB": (hdf5(huge), None, ("32 MB",)),
     "HDF5 without numbers": (hdf5(lambda file: file.create_group("x")), None, ("none",)),
     "HDF5 cut off": (hdf5(eigentools)[:900], None, ("broken HDF5",)),
     "fields of other names": (hdf5(lambda f: f.create_dataset("x", data=np.zeros(3, [("a", "f8"), ("b", "f8")]))), None, ("fields a, b",)),

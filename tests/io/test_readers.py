@@ -268,7 +268,8 @@ def test_no_file_and_no_name(tmp_path: Path) -> None:
 
 def test_too_large(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(readers, "LARGEST_FILE", 1000)
-    with pytest.raises(InputError, match="64 MB"):
+    monkeypatch.setattr(readers, "UNPACKED", 1000)
+    with pytest.raises(InputError, match=r"larger than 0\.000954 MB: allowed is a smaller file"):
         readers.read(stored(tmp_path, 500 * "1\n" + "1\n"))
     assert len(readers.read(stored(tmp_path, 500 * "1\n"))) == 500
     # 100 kB that pack into less than a kilobyte
