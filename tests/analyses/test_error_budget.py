@@ -1,0 +1,106 @@
+"""analyses/error_budget.py: every part of the bound against discriminants that are linear, whose zeros are known."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import pytest
+
+from shootstab.analyses.error_budget import FAR_PROBE, FLOW_NOISE, NOISE, SAFETY, budget
+from shootstab.core.discriminant import Value
+from shootstab.core.scaled import Scaled
+
+SIGMA, ZERO = 0.3 + 0.2j, 0.3 + 0.2j - 1e-6
+HALVED = 2.0 ** (8 / 2) - 1.0  # an error that is halved to the fourth power, half the order of the pair: what is left is 1/15 of what went
+EPSILON = 2.0**-52
+CLOSE = 3e-7  # 7e-10, the least that a zero is moved by and not lost in others, has a rounding error of 1e-7 of itself
+
+
+@dataclass
+class Flow:
+    """A problem whose base flows, less accurate by 4 and by 2, move the zero so far; and whose farther walls do."""
+
+    moves: dict[float, float]
+    farther_walls: Any = None
+    move: float = 0.0
+
+    def with_base_flow_error(self, factor: float) -> Any:
+        return Flow({}, move=self.moves[factor]) if self.moves else self
+
+
+@dataclass
+class Linear:
+    """D(σ) = slope · (σ − zero) at a scale of its own; every variant moves its zero by what is said here."""
+
+    zero: complex
+    slope: complex = 2.0 - 1.0j
+    log_scale: float = 3.0
+    start: float = 0.0
+    rotated: dict[int, float] = field(default_factory=dict)
+    recut: complex = 0j
+
+    def __call__(self, sigma: complex) -> Scaled:
+        return Scaled(self.slope * (sigma - self.zero), self.log_scale)
+
+    def with_derivative(self, sigma: complex) -> Value:
+        return Value(sigma, self(sigma), self.slope)
+
+    def moved(self, distance: float) -> Linear:
+        return Linear(self.zero + distance * (0.6 + 0.8j), self.slope * math.exp(-1.5), self.log_scale + 1.5)
+
+    def with_perturbed_start(self, seed: int, size: float) -> Linear:
+        return self.moved(self.start)
+
+    def far_error(self, sigma: complex) -> float:
+        return 1e-5
+
+    def with_rotated_basis(self, seed: int) -> Linear:
+        return self.moved(self.rotated[seed])
+
+    def refined(self, seed: int | None = None) -> Linear:
+        return Linear(self.recut, self.slope * math.exp(-1.5), self.log_scale + 1.5)
+
+    def on_same_mesh(self, problem: Any) -> Linear:
+        return self.moved(problem.move)
+
+
+def of(problem: Flow, coarse: Linear, fine: Linear, scale: float) -> Any:
+    meshed: Any = (coarse, coarse.with_derivative(SIGMA), fine, fine.with_derivative(SIGMA))
+    return budget(problem, *meshed, scale)  # type: ignore[arg-type]
+
+
+def test_every_part_is_what_the_variants_move_the_zero_by() -> None:
+    coarse = Linear(ZERO + 3e-9, start=4e-9, rotated={1: 3e-13, 2: 4e-13})
+    fine = Linear(ZERO)
+    found = of(Flow({4.0: 7e-10, 2.0: 5e-10}), coarse, fine, 0.25)
+    assert found.integration == pytest.approx(3e-9 / HALVED, rel=CLOSE, abs=0.0)
+    assert found.far_field == pytest.approx(SAFETY * 4e-9 / FAR_PROBE * 1e-5, rel=CLOSE, abs=0.0)
+    assert found.steady_flow == pytest.approx(FLOW_NOISE * 7e-10, rel=CLOSE, abs=0.0)
+    assert found.root == pytest.approx(SAFETY * 1e-12 / 0.25, rel=CLOSE, abs=0.0)
+
+
+def test_rounding_is_sampled_on_the_fine_mesh_where_it_matters() -> None:
+    coarse = Linear(ZERO + 3e-9, rotated={1: 3e-9, 2: 4e-9}, recut=ZERO + 5e-9)
+    fine = Linear(ZERO, rotated={1: 1e-9, 2: 2e-9})
+    found = of(Flow({}), coarse, fine, 0.25)
+    samples = (3e-9, 4e-9, 1e-9, 2e-9, 5e-9)
+    rms = math.sqrt(sum(x * x for x in samples) / len(samples))
+    assert found.rounding == pytest.approx(NOISE * rms + 8 * EPSILON * abs(SIGMA), rel=CLOSE, abs=0.0)
+    assert found.steady_flow == 0.0
+    assert found.far_field == 0.0
+    quiet = of(Flow({4.0: 0.0, 2.0: 0.0}), Linear(ZERO + 3e-9, rotated={1: 3e-13, 2: 4e-13}), fine, 0.25)
+    rms = math.sqrt((3e-13**2 + 4e-13**2) / 2)
+    assert quiet.rounding == pytest.approx(NOISE * rms + 8 * EPSILON * abs(SIGMA), rel=1e-3, abs=0.0)
+
+
+def test_farther_walls_and_the_total() -> None:
+    coarse = Linear(ZERO + 3e-9, start=4e-9, rotated={1: 3e-13, 2: 4e-13})
+    problem = Flow({4.0: 0.0, 2.0: 1e-8}, farther_walls=Flow({}, move=6e-9))
+    found = of(problem, coarse, Linear(ZERO), 0.25)
+    assert found.far_field == pytest.approx(SAFETY * 4e-9 / FAR_PROBE * 1e-5 + 6e-9, rel=CLOSE, abs=0.0)
+    assert found.steady_flow == 0.0  # the first flow moves nothing against the integration: the second is not asked
+    parts = (found.integration, found.far_field, found.steady_flow, found.root, found.rounding)
+    assert all(part >= 0.0 for part in parts)
+    assert found.total == pytest.approx(sum(parts), rel=1e-15, abs=0.0)

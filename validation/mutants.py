@@ -1,0 +1,320 @@
+"""Every entry of what the program computes with, changed by a sign or by 1e-6 of itself: does a fast test fail?
+
+`python validation/mutants.py` changes one entry after another of the pencil C0, C1, D0, D1, of the background's jets, of the wall rows and
+the matrices that they are made of, of the far field's series and its σ-derivative, of the reduction to A(σ), of the first-order form of
+written equations, of the tableau, and of the error budget, and runs the tests of that part in this process until one fails. A survivor is
+an entry that may be wrong without anybody noticing. `--group NAME` takes one part, `--quick` every seventh mutant. Exit status 1 if one
+survives.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+TESTS = Path(__file__).parent.parent / "tests"
+for folder in ("", "models/chute", "discriminants", "kernels", "analyses", "formulation"):
+    sys.path.insert(0, str(TESTS / folder))
+
+SIGN, SLIGHT = -1.0, 1.0 + 1e-6
+FACTORS = {"sign": SIGN, "1e-6": SLIGHT}
+EVERY = 7
+ROUNDING = 1e-14  # of the largest entry of an array
+
+Place = tuple[Any, ...]
+Test = Callable[[], object]
+
+
+@dataclass(frozen=True)
+class Group:
+    """What is changed, by its name in a module; the places in it that are not zero; how one is changed; the tests, quick ones first."""
+
+    name: str
+    module: Any
+    attribute: str
+    places: Callable[[], list[Place]]
+    changed: Callable[[Any, Place, float], Any]
+    tests: list[Test]
+
+    def mutants(self) -> Iterator[tuple[str, Any]]:
+        """Each with its name."""
+        for place in self.places():
+            for how, factor in FACTORS.items():
+                yield f"{self.name}{list(place)} {how}", self.changed(getattr(self.module, self.attribute), place, factor)
+
+    def killed(self, mutant: Any) -> bool:
+        """Whether a test fails with the mutant in place."""
+        original = getattr(self.module, self.attribute)
+        setattr(self.module, self.attribute, mutant)
+        try:
+            return not all(passes(test) for test in self.tests)
+        finally:
+            setattr(self.module, self.attribute, original)
+
+
+def passes(test: Test) -> bool:
+    """Whether it ends without an error."""
+    try:
+        with np.errstate(all="ignore"), contextlib.redirect_stderr(None):
+            test()
+    except Exception:
+        return False
+    return True
+
+
+# entries of arrays, of tuples of them, and of dictionaries by place
+
+
+def places_of(value: Any, at: Place = ()) -> list[Place]:
+    """Where there is a number other than 0, and other than the rounding of a 0."""
+    if isinstance(value, tuple | list) and not isinstance(value, np.ndarray):
+        return [place for i, part in enumerate(value) for place in places_of(part, (*at, i))]
+    if isinstance(value, dict):
+        return [(*at, key) for key in value]
+    sizes = np.abs(np.asarray(value))
+    return [(*at, tuple(int(i) for i in index)) for index in np.argwhere(sizes > ROUNDING * sizes.max(initial=0.0))]
+
+
+def with_change(value: Any, place: Place, factor: float) -> Any:
+    """The same with that entry multiplied."""
+    first, rest = place[0], place[1:]
+    if isinstance(value, dict):
+        return {key: entry * factor if key == first else entry for key, entry in value.items()}
+    if isinstance(value, tuple | list):
+        return type(value)(with_change(part, rest, factor) if i == first else part for i, part in enumerate(value))
+    out = np.array(value)
+    out[first] = out[first] * factor
+    return out
+
+
+def returned(function: Callable[..., Any], place: Place, factor: float) -> Callable[..., Any]:
+    """The function with that entry of what it returns changed, where there is one."""
+
+    def mutant(*given: Any, **named: Any) -> Any:
+        return with_change(function(*given, **named), place, factor)
+
+    mutant.cache_clear = lambda: None  # type: ignore[attr-defined]
+    return mutant
+
+
+# the parts
+
+
+def pencil() -> Group:
+    import test_first_order_system as t
+
+    def proved() -> None:
+        t.symbolic_pencil.cache_clear()
+        t.test_pencil_is_the_linearization_of_the_governing_equations()
+
+    def places() -> list[Place]:
+        return places_of(t.pencil_entries(t.symbolic_background(), t.TAN, t.KX, t.KY))
+
+    steps = [lambda T=T: t.test_pencil_against_complex_step_of_the_nonlinear_equations(T) for T in (2.54, 0.2)]
+    return Group("pencil", t, "pencil_entries", places, returned, [*steps, proved])
+
+
+def jets() -> Group:
+    import test_first_order_system as t
+
+    def changed(background: Any, place: Place, factor: float) -> Any:
+        name, order = place
+
+        def mutant(*given: Any) -> Any:
+            bg = background(*given)
+            old = getattr(bg, name).coefficients
+            return replace(bg, **{name: type(bg.nu)(c * factor if i == order else c for i, c in enumerate(old))})
+
+        return mutant
+
+    places: list[Place] = [(f.name, order) for f in fields(t.Background) for order in (0, 1)]
+    tests = [lambda s=s: t.test_background_jets_follow_from_the_steady_equations(t.PAPER, s) for s in t.STATES]
+    return Group("jets", t, "background", lambda: places, changed, tests)
+
+
+def wall(attribute: str) -> Group:
+    import test_wall as t
+
+    def places() -> list[Place]:
+        bg = t.background(t.CHUTES[1], *t.STATES[0], np.pi)
+        return places_of(getattr(t, attribute)(t.CHUTES[1], bg, 0.37, 0.21, np.pi))
+
+    test = {"wall_rows": t.test_wall_rows_in_psi, "base_matrices": t.test_base_matrices_are_the_linearization}[attribute]
+    digits = [lambda w=w: t.test_wall_rows_hold_forty_digits(w) for w in ("isotropic", "printed")]
+    return Group(attribute, t, attribute, places, returned, [*(lambda s=s: test(t.CHUTES[1], s) for s in t.STATES), *digits])
+
+
+def far_field() -> Group:
+    import test_far_field as t
+
+    def changed(original: Any, place: Place, factor: float) -> Any:
+        class Mutant(original):  # type: ignore[misc,valid-type]
+            def terms(self, *given: Any) -> Any:
+                return with_change(super().terms(*given), place, factor)
+
+        return Mutant
+
+    def places() -> list[Place]:
+        return places_of(t.FarField(t.CHUTE, t.TEMPERATURE, t.VELOCITY, *t.WAVES[0]).terms(t.SIGMAS[0]))
+
+    tests = [lambda w=w: t.test_the_series_solves_the_system_and_its_tangent_the_derivative_of_it(*w, t.SIGMAS[0]) for w in t.WAVES]
+    return Group("far field", t, "FarField", places, changed, tests)
+
+
+def exponents() -> Group:
+    import test_far_field as t
+
+    tests = [lambda w=w: t.test_the_exponents_are_those_of_2_20_to_2_22(*w) for w in t.WAVES]
+    return Group("exponents", t, "decay_matrix", lambda: places_of((t.decay_matrix(0.3, 0.2),)), _only, tests)
+
+
+def _only(function: Callable[..., Any], place: Place, factor: float) -> Callable[..., Any]:
+    """Of a function that returns one array."""
+    return lambda *given: with_change((function(*given),), place, factor)[0]
+
+
+def flow_series() -> Group:
+    import test_far_field as t
+
+    def places() -> list[Place]:
+        _, *others = t.flow_series(t.CHUTE, t.TEMPERATURE, t.VELOCITY, t.FAR_TERMS, np.pi)
+        return [(0, (1,)), *((i, (m,)) for i, f in enumerate(others, 1) for m in range(t.FAR_TERMS) if f[m] != 0)]
+
+    def changed(function: Any, place: Place, factor: float) -> Any:
+        def mutant(*given: Any) -> Any:
+            found = function(*given)
+            series = type(found[0])
+            lists = [list(f.coefficients) for f in found]
+            lists[place[0]][place[1][0]] *= factor
+            return tuple(series(c) for c in lists)
+
+        return mutant
+
+    return Group(
+        "flow series", t, "flow_series", places, changed, [t.test_the_series_of_the_flow_obeys_the_steady_equations_at_every_order]
+    )
+
+
+def reduction(case: tuple[int, list[int], list[int]]) -> Group:
+    import test_sampled_system as t
+
+    n, moving, columns = case
+    tests: list[Test] = [lambda: t.test_the_reduction_is_the_inverse_of_C_times_D(n, moving, columns)]
+    places = lambda: places_of(t.reduce_pencil(t.random_pencil(n, moving, columns, seed=n), n))  # noqa: E731
+    return Group(f"reduction {n}", t, "reduce_pencil", places, returned, tests)
+
+
+def written(name: str) -> Group:
+    """The first-order form of equations as a user writes them, by their exact coefficients."""
+    import test_reduction as t
+
+    from shootstab.formulation.expression import number
+
+    def changed(function: Any, place: Place, factor: float) -> Any:
+        part, key = place
+
+        def mutant(*given: Any) -> Any:
+            found = function(*given)
+            return replace(found, **{part: {k: e * number(factor) if k == key else e for k, e in getattr(found, part).items()}})
+
+        return mutant
+
+    def places() -> list[Place]:
+        first = t.made(t.WRITTEN[name])[1]
+        return [(part, key) for part in ("C", "D") for key in getattr(first, part)]
+
+    test = lambda: t.test_solutions_of_the_first_order_system_satisfy_the_equations(name)  # noqa: E731
+    return Group(f"written {name}", t, "first_order", places, changed, [test])
+
+
+def tableau(attribute: str) -> Group:
+    import test_frame_transport as t
+
+    tests: list[Test] = [
+        t.test_stages_are_consistent,
+        t.test_quadrature_conditions_to_order_8,
+        t.test_linear_order_conditions,
+        t.test_error_weights_vanish_on_constants_and_see_more,
+    ]
+    places = lambda: places_of((getattr(t.tableau, attribute),))  # noqa: E731
+    changed = lambda value, place, factor: with_change((value,), place, factor)[0]  # noqa: E731
+    return Group(f"tableau {attribute}", t.tableau, attribute, places, changed, tests)
+
+
+def budget() -> Group:
+    import test_error_budget as t
+
+    def changed(function: Any, place: Place, factor: float) -> Any:
+        def mutant(*given: Any) -> Any:
+            found = function(*given)
+            return replace(found, **{place[0]: getattr(found, place[0]) * factor})
+
+        return mutant
+
+    places: list[Place] = [(name,) for name in ("integration", "far_field", "steady_flow", "root", "rounding")]
+    tests: list[Test] = [
+        t.test_every_part_is_what_the_variants_move_the_zero_by,
+        t.test_rounding_is_sampled_on_the_fine_mesh_where_it_matters,
+        t.test_farther_walls_and_the_total,
+    ]
+    return Group("budget", t, "budget", lambda: places, changed, tests)
+
+
+def groups() -> dict[str, list[Callable[[], Group]]]:
+    """By name, in the order in which they are cheap."""
+    return {
+        "tableau": [lambda a=a: tableau(a) for a in ("A", "B", "C", "E5", "E3")],
+        "budget": [budget],
+        "reduction": [lambda c=c: reduction(c) for c in ((4, [0, 2], [1, 3]), (3, [1], [2]), (5, [2, 3], [4]))],
+        "wall": [lambda a=a: wall(a) for a in ("wall_rows", "base_matrices")],
+        "far field": [exponents, flow_series, far_field],
+        "jets": [jets],
+        "pencil": [pencil],
+        "written": [lambda n=n: written(n) for n in written_names()],
+    }
+
+
+def written_names() -> list[str]:
+    from equations_written import WRITTEN
+
+    return list(WRITTEN)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--group", action="append", choices=groups(), help="this part (default: all)")
+    parser.add_argument("--quick", action="store_true", help=f"every {EVERY}-th mutant")
+    options = parser.parse_args()
+    survivors: list[str] = []
+    total, began = 0, time.monotonic()
+    for name, made in groups().items():
+        if options.group is not None and name not in options.group:
+            continue
+        count, since = 0, time.monotonic()
+        for make in made:
+            group = make()
+            if not all(passes(test) for test in group.tests):
+                raise SystemExit(f"{group.name}: a test fails without any change")
+            for number, (title, mutant) in enumerate(group.mutants()):
+                if options.quick and number % EVERY:
+                    continue
+                count += 1
+                if not group.killed(mutant):
+                    survivors.append(title)
+                    print(f"  SURVIVES {title}", flush=True)
+        total += count
+        print(f"{name:10} {count:5d} mutants, {time.monotonic() - since:.0f} s", flush=True)
+    print(f"{total} mutants, {len(survivors)} survive, {time.monotonic() - began:.0f} s")
+    return bool(survivors)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
