@@ -25,7 +25,7 @@ import time
 import warnings
 import zipfile
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -229,6 +229,7 @@ def read_spectrum(path: Path) -> None:
 
     for dataset, row in ((None, None), ("sigma", None), (None, 1)):
         try:
+            limit(SECONDS)
             found = readers.read(path, dataset, row)
         except ValueError:
             if dataset is row is None:
@@ -398,6 +399,53 @@ TEXTUAL: tuple[Change, ...] = (_token, _token, _token, _number, _number, _nested
 BINARY: tuple[Change, ...] = (_bytes, _field, _field, _cut, _spliced)
 
 
+# giants
+
+
+def giants() -> Iterator[tuple[str, bytes]]:
+    """Files of up to 100 MB, of every kind, that make a careless reader take gigabytes or minutes."""
+    big = 60 * 2**20
+    for unit in (b"1,2\n", b"1 ", b"(", b"#", b"\n", "1,2\n½\n".encode(), b"\0", b"\xff", b"9"):
+        yield "spectrum", unit * (big // len(unit))
+    yield "spectrum", b"1\n" * (50 * 2**20)
+    for unit in (b"[],", b'{"re":1,"im":2},', b"[1,2],", b"[", b'"x",', b"1,", b'{"a":'):
+        yield "spectrum", b"[" + unit * (big // len(unit)) + b"0]"
+        yield "spectrum", b"[" + unit * (15 * 2**20 // len(unit)) + b"0]"
+    yield "spectrum", npy(np.zeros(big // 16, complex))
+    yield "spectrum", npy(np.zeros((2000, 1000), complex))
+    yield "spectrum", npz(a=np.zeros(31 * 2**20 // 16, complex))
+    yield "spectrum", npz(re=np.zeros(31 * 2**20 // 8), im=np.zeros(31 * 2**20 // 8))
+    yield "spectrum", npz(re=np.zeros(10**9 // 8), im=np.zeros(10))
+    yield "spectrum", npz(**{f"a{i}": np.zeros(1) for i in range(1000)})
+    yield "spectrum", b"PK\x03\x04" + b"PK\x01\x02".ljust(46, b"\0") * (big // 46)
+    yield "spectrum", b"MATLAB 5.0 MAT-file".ljust(126) + b"IM" + bytes(big)
+    yield "spectrum", b"legolas_version" + b"1.1.2".ljust(10) + bytes(big)
+    try:
+        import h5py
+    except ImportError:
+        return
+    for write in (
+        lambda f: f.create_dataset("x", data=np.zeros(big // 16, complex)),
+        lambda f: f.create_dataset("x", data=np.zeros(31 * 2**20 // 16, dtype=[("re", "f8"), ("im", "f8")])),
+        lambda f: [f.create_dataset(n, data=np.zeros(31 * 2**20 // 8), compression="gzip") for n in ("re", "im")],
+        lambda f: [f.create_group(f"g{i}") for i in range(40_000)],
+        lambda f: f.create_dataset("x", data=np.zeros((1400, 1400), complex), compression="gzip"),
+    ):
+        out = io.BytesIO()
+        with h5py.File(out, "w") as file:
+            write(file)
+        yield "spectrum", out.getvalue()
+    for unit in (b"a = 1\n", b"[[x]]\n", b"a.", b"[", b"#", b'"', b"\n"):
+        yield "scene", unit * (2**20 // len(unit) - 1)
+        yield "scene", unit * (100 * 2**20 // len(unit))
+    for unit in (b"[", b"[],", b'{"a":', b"1"):
+        yield "certificate", unit * (2**20 // len(unit) - 1)
+        yield "certificate", unit * (100 * 2**20 // len(unit))
+    whole = stores()[0]
+    yield "store", whole + bytes(100 * 2**20 - len(whole))
+    yield "store", bytes(100 * 2**20)
+
+
 # children
 
 
@@ -499,6 +547,7 @@ def main() -> int:
     parser.add_argument("--minutes", type=float, default=10.0, metavar="X", help="in all")
     parser.add_argument("--number", type=int, metavar="N", help="so many mutants of each kind, in place of minutes")
     parser.add_argument("--kind", choices=KINDS, action="append", help="this kind (default: all)")
+    parser.add_argument("--giants", action="store_true", help="files of up to 100 MB first")
     parser.add_argument("--seed", type=int, default=1, metavar="N")
     parser.add_argument("--keep", type=Path, metavar="DIR", help="where what broke a rule is stored")
     options = parser.parse_args()
@@ -512,23 +561,36 @@ def main() -> int:
     counts: dict[str, Counter[str]] = {name: Counter() for name in kinds}
     wrong: dict[str, list[bytes]] = {}
     peak, began = 0, time.monotonic()
+
+    def judged(name: str, files: list[bytes]) -> None:
+        nonlocal peak
+        for data, (said, words, grown) in zip(files, batch(KINDS[name], path, files), strict=True):
+            counts[name][said] += 1
+            peak = max(peak, grown)
+            if said == "WRONG":
+                key = f"{name}: {re.sub(r'[0-9]+', 'N', words)}"
+                if key not in wrong:
+                    print(f"  WRONG {name}, {len(data)} bytes: {words}", flush=True)
+                wrong.setdefault(key, []).append(data[: 2**20])
+
     with tempfile.TemporaryDirectory(prefix="shootstab-fuzz-") as folder:
+        path = Path(folder) / "file"
+        for name, data in giants() if options.giants else ():
+            if name not in kinds:
+                continue
+            path = Path(folder) / f"file{KINDS[name].suffix}"
+            judged(name, [data])
+        begun = False
         while True:
             for name in kinds:
                 kind = KINDS[name]
                 seeds = kind.seeds()
                 path = Path(folder) / f"file{kind.suffix}"
-                untouched = seeds if not counts[name] else []
-                size = BATCH if options.number is None else min(BATCH, options.number - counts[name].total())
-                mutants = [*untouched, *(mutant(rng, kind, seeds) for _ in range(size - len(untouched)))]
-                for data, (said, words, grown) in zip(mutants, batch(kind, path, mutants), strict=True):
-                    counts[name][said] += 1
-                    peak = max(peak, grown)
-                    if said == "WRONG":
-                        key = f"{name}: {re.sub(r'[0-9]+', 'N', words)}"
-                        if key not in wrong:
-                            print(f"  WRONG {name}, {len(data)} bytes: {words}", flush=True)
-                        wrong.setdefault(key, []).append(data)
+                untouched = seeds[:BATCH] if not begun else []
+                size = BATCH if options.number is None else max(0, min(BATCH, options.number - counts[name].total()))
+                mutants = [*untouched, *(mutant(rng, kind, seeds) for _ in range(max(0, size - len(untouched))))]
+                judged(name, mutants)
+            begun = True
             enough = options.number is not None and all(c.total() >= options.number for c in counts.values())
             if enough or (options.number is None and time.monotonic() - began > 60 * options.minutes):
                 break
