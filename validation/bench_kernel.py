@@ -48,7 +48,7 @@ def operations(system: ReducedSystem, k: int) -> float:
     m = system.G.shape[3]
     n = len(system.start) - 1 - m
     kind = 8 if np.iscomplexobj(system.P) else 2
-    stage = kind * (entries * k + len(system.linear) + 2 * len(system.quadratic)) + kind * k * m * (m + len(system.carries))
+    stage = kind * (entries * k + len(system.linear) + 2 * len(system.higher)) + kind * k * m * (m + len(system.carries))
     numbers = n * k * (2 if kind == 8 else 1)
     step = STAGES * stage + 2 * COMBINED * numbers + kind * n * k * (k + 1)
     return float(steps * step)

@@ -24,8 +24,7 @@ def require_analytic(problem: Problem, path: DeformedPath, nodes: NDArray[np.flo
     there, along = _rule(corners)
     back, across = _rule(np.array([corners[0], corners[-1]]))
     near, far = problem.pencil(back), problem.pencil(there)
-    for name in ("C0", "C1", "D0", "D1"):
-        f, g = getattr(far, name), getattr(near, name)
+    for (name, f), g in zip(far.named.items(), near.named.values(), strict=True):
         loop = np.tensordot(along, f, 1) - np.tensordot(across, g, 1)
         size = np.tensordot(np.abs(along), np.abs(f), 1) + np.tensordot(np.abs(across), np.abs(g), 1)
         off = np.abs(loop) > CLOSED * size

@@ -8,6 +8,7 @@ from typing import Self
 
 import numpy as np
 
+from shootstab.core import polynomial
 from shootstab.core.discriminant import Value
 from shootstab.core.scaled import Scaled
 from shootstab.discriminants.adaptive import Adaptive
@@ -47,9 +48,9 @@ class Compound:
         return self
 
     def propagate(
-        self, sampled: SampledSystem, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
+        self, sampled: SampledSystem, rows: tuple[ComplexArray, ...], far: FarFrame, sigma: complex, tangent: bool
     ) -> Propagation:
-        """D = Σ_I w_I y_I, w and y the minors of W0 + σW1 and of Y: by Cauchy–Binet det[(W0 + σW1) Y]."""
+        """D = Σ_I w_I y_I, w and y the minors of W(σ) and of Y: by Cauchy–Binet det[W(σ) Y]."""
         n, k = far.frame.shape
         lists = induced(n, k)
         # columns of size 1; the samples of rounding rely on it too: in a rotated basis these norms differ, and everything rounds otherwise
@@ -58,7 +59,7 @@ class Compound:
         errors = np.empty(len(sampled.nodes) - 1)
         system, at, y, dy = sampled.numbers(sigma, y, dy)
         log_scale = transport_minors(system, at, *lists, y, dy, tangent, errors)
-        w, dw = minors_with_slope((rows[0] + sigma * rows[1]).T, rows[1].T, lists.subsets)
+        w, dw = minors_with_slope(polynomial.value(rows, sigma).T, polynomial.slope(rows, sigma).T, lists.subsets)
         with np.errstate(invalid="ignore", over="ignore"):  # a mesh too coarse for y: the errors tell
             D, dD = w @ y, w @ dy + dw @ y
         log_scale += math.log(norms.prod()) + far.log_scale

@@ -7,6 +7,7 @@ from typing import Self
 
 import numpy as np
 
+from shootstab.core import polynomial
 from shootstab.core.discriminant import Value
 from shootstab.core.scaled import Scaled
 from shootstab.discriminants.adaptive import Adaptive
@@ -42,11 +43,11 @@ class Frame:
         return self
 
     def propagate(
-        self, sampled: SampledSystem, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
+        self, sampled: SampledSystem, rows: tuple[ComplexArray, ...], far: FarFrame, sigma: complex, tangent: bool
     ) -> Propagation:
-        """D = det[(W0 + σW1) Y]; the R factors of the orthonormalizations are carried along, so that D is analytic."""
+        """D = det[W(σ) Y]; the R factors of the orthonormalizations are carried along, so that D is analytic."""
         errors = np.empty(len(sampled.nodes) - 1)
-        system, at, Y, dY, W0, W1 = sampled.numbers(sigma, far.frame, far.tangent, *rows)
+        system, at, Y, dY, *W = sampled.numbers(sigma, far.frame, far.tangent, *rows)
         log_det, trace = transport(system, at, Y, dY, tangent, errors)
-        det, slope = wall_determinant(W0, W1, at, Y, dY)
+        det, slope = wall_determinant(polynomial.value(W, at), polynomial.slope(W, at), Y, dY)
         return Propagation(Value(sigma, Scaled(det, log_det + far.log_scale), slope + complex(trace) * det), errors)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from shootstab.core import polynomial
 from shootstab.core.errors import ConvergenceError
 from shootstab.discriminants.analyticity import require_analytic
 from shootstab.discriminants.deformed_path import DeformedPath
@@ -136,8 +137,8 @@ def _trouble(shooting: Shooting, errors: NDArray[np.float64], sigma: complex) ->
     worst = int(bad[0]) if len(bad) else int(errors.argmax())
     z = shooting.sampled.nodes[worst : worst + 2].mean()
     pencil = shooting.problem.pencil(np.array([z]))
-    singular = np.linalg.svd(pencil.C0[0] + sigma * pencil.C1[0], compute_uv=False)
+    singular = np.linalg.svd(polynomial.value(pencil.C, sigma)[0], compute_uv=False)
     where = f"{z.real:.6g}" if z.imag == 0.0 else f"{z:.6g}"
     if singular[-1] < SMALL_DETERMINANT * singular[0]:
-        return f"C0 + sigma C1 is singular next to z = {where}"
+        return f"C is singular next to z = {where}"
     return f"solutions or coefficients vary too fast next to z = {where}"

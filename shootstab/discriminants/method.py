@@ -44,9 +44,9 @@ class Propagator(Protocol):
         ...
 
     def propagate(
-        self, sampled: SampledSystem, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
+        self, sampled: SampledSystem, rows: tuple[ComplexArray, ...], far: FarFrame, sigma: complex, tangent: bool
     ) -> Propagation:
-        """D = det[(W0 + σ W1) Y] with rows W0, W1 (k, n) and far.frame (n, k) where the mesh begins; dD/dσ is right if tangent."""
+        """D = det[(W0 + σ W1 + …) Y] with rows W0, W1, … (k, n) and far.frame (n, k) where the mesh begins; dD/dσ is right if tangent."""
         ...
 
     def settled(self, sampled: SampledSystem, far: FarFrame, sigma: complex) -> Propagator:

@@ -10,6 +10,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from shootstab.core import polynomial
 from shootstab.core.discriminant import Value
 from shootstab.core.scaled import Scaled
 from shootstab.discriminants.adaptive import Adaptive
@@ -53,9 +54,9 @@ class Riccati:
         return Charted(self.rtol, Charts(order, sampled.nodes[swaps[:, 0]], swaps[:, 1:]))
 
     def propagate(
-        self, sampled: SampledSystem, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
+        self, sampled: SampledSystem, rows: tuple[ComplexArray, ...], far: FarFrame, sigma: complex, tangent: bool
     ) -> Propagation:
-        """D = det(W_p + W_q S) det U, W = W0 + σW1, in charts chosen for this σ."""
+        """D = det(W_p + W_q S) det U, W = W(σ), in charts chosen for this σ."""
         return _propagate(sampled, rows, far, sigma, tangent, _pivots_first(far.frame), None)[0]
 
 
@@ -87,7 +88,7 @@ class Charted:
         return self
 
     def propagate(
-        self, sampled: SampledSystem, rows: tuple[ComplexArray, ComplexArray], far: FarFrame, sigma: complex, tangent: bool
+        self, sampled: SampledSystem, rows: tuple[ComplexArray, ...], far: FarFrame, sigma: complex, tangent: bool
     ) -> Propagation:
         """As `Riccati.propagate`, in these charts."""
         return _propagate(sampled, rows, far, sigma, tangent, self.charts.order, self.charts.on(sampled.nodes))[0]
@@ -95,7 +96,7 @@ class Charted:
 
 def _propagate(
     sampled: SampledSystem,
-    rows: tuple[ComplexArray, ComplexArray],
+    rows: tuple[ComplexArray, ...],
     far: FarFrame,
     sigma: complex,
     tangent: bool,
@@ -109,7 +110,8 @@ def _propagate(
     given = np.empty((0, 3), dtype=np.int64) if swaps is None else swaps
     system, at, S, dS = sampled.numbers(sigma, S, dS)
     log_det, dlog_det, largest, made = transport_chart(system, at, units, order, S, dS, tangent, errors, given, swaps is None)
-    det, slope = wall_determinant(*rows, sigma, *leave_chart(S, dS, units, order))
+    W, dW = polynomial.value(rows, sigma), polynomial.slope(rows, sigma)
+    det, slope = wall_determinant(W, dW, *leave_chart(S, dS, units, order))
     # a mesh too coarse for S gives no numbers: the errors tell
     with np.errstate(invalid="ignore", over="ignore"):
         factor = start * np.exp(1j * log_det.imag)

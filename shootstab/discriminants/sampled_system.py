@@ -2,7 +2,7 @@
 
 At every Runge–Kutta abscissa the pencil is reduced to
 
-    A(σ) = C⁻¹D = X0 + σ X1 + V γ(σ)⁻¹ τ(σ),   γ = G0 + σ G1,   τ = T0 + σ T1 + σ² T2.
+    A(σ) = C⁻¹D = X(σ) + V γ(σ)⁻¹ τ(σ),   X, γ and τ polynomials: where C and D are affine, γ is affine and τ of degree 2.
 
 The rows of C that σ does not enter fix ψ′ up to the null space V of those rows; the m rows that it does enter fix the rest. m is 0 for most
 problems and 1 for the chute, and det C vanishes where det γ does: nothing is divided by that is not singular in truth.
@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -90,57 +90,65 @@ def _sampled(problem: Problem, starts: ComplexArray, h: ComplexArray) -> Reduced
 def sample(h: ComplexArray, X: ComplexArray, V: ComplexArray, G: ComplexArray, T: ComplexArray) -> ReducedSystem:
     """The reduced system at the abscissae of N steps of lengths h, in the form that the kernels take.
 
-    X (N, 12, 2, n, n), V (N, 12, n, m), G (N, 12, 2, m, m), T (N, 12, 3, m, n).
+    X (N, 12, ·, n, n), V (N, 12, n, m), G (N, 12, ·, m, m), T (N, 12, ·, m, n): of X, G and T as many powers of σ as they have.
     """
     n, m = V.shape[2:]
     lengths = h[:, None, None, None]
-    stacked = np.zeros((len(h), STAGES, 3, n + m, n), dtype=np.complex128)
-    stacked[:, :, :2, :n] = X * lengths[..., None]
-    stacked[:, :, :, n:] = T
+    stacked = np.zeros((len(h), STAGES, max(2, X.shape[2], T.shape[2]), n + m, n), dtype=np.complex128)
+    stacked[:, :, : X.shape[2], :n] = X * lengths[..., None]
+    stacked[:, :, : T.shape[2], n:] = T
     present = (stacked != 0.0).any(axis=(0, 1))
     row, column = np.nonzero(present.any(axis=0))
     start = np.searchsorted(row, np.arange(n + m + 1))
-    linear, quadratic = (np.flatnonzero(present[power, row, column]) for power in (1, 2))
+    linear = np.flatnonzero(present[1, row, column])
+    powers, higher = np.nonzero(present[2:, row, column])
     carries = np.flatnonzero(V.any(axis=(0, 1, 3)))
     entries = stacked[:, :, :, row, column]
-    P = np.concatenate((entries[:, :, 0], entries[:, :, 1, linear], entries[:, :, 2, quadratic]), axis=2)
+    P = np.concatenate((entries[:, :, 0], entries[:, :, 1, linear], entries[:, :, 2 + powers, higher]), axis=2)
     numbers = map(np.ascontiguousarray, (P, V[:, :, carries] * lengths, G))
-    return ReducedSystem(*(a.astype(np.uint64) for a in (start, column, linear, quadratic, carries)), *numbers)  # type: ignore[arg-type]
+    lists = (start, column, linear, higher, 2 + powers, carries)
+    return ReducedSystem(*(a.astype(np.uint64) for a in lists), *numbers)  # type: ignore[arg-type]
 
 
 def reduce_pencil(pencil: Pencil, n: int) -> tuple[ComplexArray, ComplexArray, ComplexArray, ComplexArray]:
-    """X (p, 2, n, n), V (p, n, m), G (p, 2, m, m), T (p, 3, m, n) at p points."""
-    matrices = pencil.C0, pencil.C1, pencil.D0, pencil.D1
-    for name, M in zip(("C0", "C1", "D0", "D1"), matrices, strict=True):
+    """X (p, q, n, n), V (p, n, m), G (p, q, m, m), T (p, 2q − 1, m, n) at p points, q ≥ 2 the powers of σ that the pencil has.
+
+    With X and V such that the rows of C that σ does not enter hold for ψ′ = X ψ + V y, whatever y is, the others are γ y = τ ψ with
+
+        γ = C V,   τ = D − C X.
+    """
+    for name, M in pencil.named.items():
         if M.shape[1:] != (n, n):
             raise InputError(f"the pencil's {name} has shape {M.shape[1:]}: allowed is ({n}, {n})")
         if not np.isfinite(M).all():
             raise InputError(f"the pencil's {name} is not finite at every point")
-    C0, C1, D0, D1 = matrices
-    moving = np.flatnonzero((C1 != 0).any(axis=(0, 2)))
+    C0, D = pencil.C0, pencil.D
+    entered = np.any([M != 0 for M in pencil.C[1:]], axis=(0, 1))
+    moving = np.flatnonzero(entered.any(axis=1))
     fixed = np.setdiff1d(np.arange(n), moving)
     m, p = len(moving), len(C0)
     if m == 0 and (np.eye(n) == C0).all():  # nothing to solve
         none = np.zeros((p, n, 0), dtype=np.complex128)
-        return np.stack((D0, D1), 1), none, np.zeros((p, 2, 0, 0), dtype=np.complex128), np.zeros((p, 3, 0, n), dtype=np.complex128)
-    columns = np.flatnonzero((C1 != 0).any(axis=(0, 1)))
-    right = _completed(C0[:, fixed], D0[:, fixed], D1[:, fixed], columns) if len(columns) == m else None
+        return np.stack(D, 1), none, np.zeros((p, len(D), 0, 0), dtype=np.complex128), np.zeros((p, 1, 0, n), dtype=np.complex128)
+    columns = np.flatnonzero(entered.any(axis=0))
+    D_fixed = [M[:, fixed] for M in D]
+    right = _completed(C0[:, fixed], D_fixed, columns) if len(columns) == m else None
     if right is None:
-        right = _completed(C0[:, fixed], D0[:, fixed], D1[:, fixed], None)
+        right = _completed(C0[:, fixed], D_fixed, None)
     if right is None:
         told = "the rows of the pencil's C that sigma does not enter are dependent at some z: C is singular there for every sigma"
         advice = "one equation with a derivative for every component; one without gives a component, to be put into the others"
         raise InputError(f"{told}: allowed is {advice} (st.equations does that)")
-    X0, X1, V = np.split(right, (n, 2 * n), axis=2)
-    G0, G1 = C0[:, moving] @ V, C1[:, moving] @ V
-    T0 = D0[:, moving] - C0[:, moving] @ X0
-    T1 = D1[:, moving] - C0[:, moving] @ X1 - C1[:, moving] @ X0
-    T2 = -C1[:, moving] @ X1
-    return np.stack((X0, X1), 1), V, np.stack((G0, G1), 1), np.stack((T0, T1, T2), 1)
+    *X, V = np.split(right, n * np.arange(1, len(D) + 1), axis=2)
+    C_moving = [M[:, moving] for M in pencil.C]
+    T = [M[:, moving] for M in D] + [np.zeros((p, m, n), dtype=np.complex128) for _ in D[1:]]
+    for (i, M), (j, x) in product(enumerate(C_moving), enumerate(X)):
+        T[i + j] = T[i + j] - M @ x
+    return np.stack(X, 1), V, np.stack([M @ V for M in C_moving], 1), np.stack(T, 1)
 
 
-def _completed(C: ComplexArray, D0: ComplexArray, D1: ComplexArray, columns: NDArray[np.int64] | None) -> ComplexArray | None:
-    """X0, X1, V side by side (p, n, 2n + m) with C [X0, X1, V] = [D0, D1, 0] for rows C, D0, D1 (p, n−m, n) and E V = 1.
+def _completed(C: ComplexArray, D: list[ComplexArray], columns: NDArray[np.int64] | None) -> ComplexArray | None:
+    """X0, X1, …, V side by side (p, n, qn + m) with C [X0, X1, …, V] = [D0, D1, …, 0] for rows C, D0, D1, … (p, n−m, n) and E V = 1.
 
     The rows E (m, n) complete C to a regular matrix: unit vectors on these columns, so that C1 X vanishes where they are those of C1, or
     with None an orthonormal basis of what C leaves. None where the complete matrix is singular, or so nearly that V is large.
@@ -154,9 +162,10 @@ def _completed(C: ComplexArray, D0: ComplexArray, D1: ComplexArray, columns: NDA
         E[:] = np.linalg.qr(C.conj().transpose(0, 2, 1), mode="complete")[0][:, :, rows:].conj().transpose(0, 2, 1)
     else:
         E[:] = np.eye(n)
-    right = np.zeros((p, n, 2 * n + m), dtype=np.complex128)
-    right[:, :rows, :n], right[:, :rows, n : 2 * n] = D0, D1
-    right[:, rows:, 2 * n :] = np.eye(m)
+    width = len(D) * n
+    right = np.zeros((p, n, width + m), dtype=np.complex128)
+    right[:, :rows, :width] = np.concatenate(D, axis=2)
+    right[:, rows:, width:] = np.eye(m)
     solve_each(np.concatenate((C, E), axis=1), right)
-    sound = np.isfinite(right).all() and (columns is None or (np.abs(right[:, :, 2 * n :]) < LARGE_COMPLETION).all())
+    sound = np.isfinite(right).all() and (columns is None or (np.abs(right[:, :, width:]) < LARGE_COMPLETION).all())
     return right if sound else None

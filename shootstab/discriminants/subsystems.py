@@ -64,13 +64,12 @@ class Subsystem:
         """
         of_states, of_equations = self.phases[:2]
         turn = I_POWERS[of_equations].conj()[:, None] * I_POWERS[of_states]
-        matrices = self.whole.pencil(z)
-        parts: tuple[ComplexArray, ...] = matrices.C0, matrices.C1, matrices.D0, matrices.D1
+        pencil = self.whole.pencil(z)
         if self.size < self.whole.size:
-            for M in parts:
+            for M in pencil.named.values():
                 _require_apart("pencil", M, self.equations, self.states)
-            parts = tuple(M[:, self.equations[:, None], self.states] for M in parts)
-        return Pencil(*(M * turn for M in parts))
+            pencil = pencil.each(lambda M: M[:, self.equations[:, None], self.states])
+        return pencil.each(lambda M: M * turn)
 
     def start(self, sigma: complex, tolerance: float) -> float:
         return self.whole.start(sigma, tolerance)
@@ -93,12 +92,11 @@ class Subsystem:
     def mesh(self, start: float) -> NDArray[np.float64]:
         return self.whole.mesh(start)
 
-    def wall_rows(self) -> tuple[ComplexArray, ComplexArray]:
+    def wall_rows(self) -> tuple[ComplexArray, ...]:
         turn = I_POWERS[self.phases[3]].conj()[:, None] * I_POWERS[self.phases[0]]
         for W in self.whole.wall_rows():
             _require_apart("wall rows", W[None], self.rows, self.states)
-        W0, W1 = (W[self.rows[:, None], self.states] * turn for W in self.whole.wall_rows())
-        return W0, W1
+        return tuple(W[self.rows[:, None], self.states] * turn for W in self.whole.wall_rows())
 
     def with_base_flow_error(self, factor: float) -> Problem:
         crude = self.whole.with_base_flow_error(factor)
@@ -184,9 +182,8 @@ def _entries(problem: Problem) -> tuple[ComplexArray, ComplexArray, ComplexArray
     z = mesh[0] + (mesh[-1] - mesh[0]) * np.linspace(0.0, 1.0, PATTERN_SAMPLES)
     pencil = problem.pencil(z.astype(np.complex128))
     far = problem.far_frame(start, sigma)
-    W0, W1 = problem.wall_rows()
     frame = np.stack((far.frame, far.tangent)).transpose(0, 2, 1)
-    return np.concatenate((pencil.C0, pencil.C1, pencil.D0, pencil.D1)), frame, np.stack((W0, W1))
+    return np.concatenate(list(pencil.named.values())), frame, np.stack(problem.wall_rows())
 
 
 def _two_colouring(

@@ -7,8 +7,9 @@ from itertools import pairwise
 import numpy as np
 import scipy.linalg
 import scipy.optimize
+from numpy.typing import NDArray
 
-from shootstab.core.errors import Undecidable
+from shootstab.core import polynomial
 from shootstab.essential_spectrum.curves import Curve
 from shootstab.problems.splitting import AsymptoticPencil
 
@@ -21,11 +22,11 @@ NEIGHBOURS_APART = 0.3
 
 def essential_curve(limit: AsymptoticPencil) -> Curve:
     """The curves of an end, for ℓ = 0 and ℓ from far below to far above the size of the rates, both signs."""
-    size = max(float(np.abs(limit.D0).max()), 1e-300) / max(float(np.abs(limit.C0).max()), 1e-300)
+    size = max(float(np.abs(limit.pencil.D0).max()), 1e-300) / max(float(np.abs(limit.pencil.C0).max()), 1e-300)
     size = float(np.sqrt(size)) if size > 1.0 else size
     sizes = size * 10.0 ** np.arange(-RATE_DECADES, RATE_DECADES, 1.0 / PER_DECADE)
     ells = np.concatenate((-sizes[::-1], [0.0], sizes))
-    points = [on_curve(limit, float(ell), float(sizes[0])) for ell in ells]
+    points = on_curve(limit, ells, float(sizes[0]))
     segments = []
     for (low, here), (high, there) in pairwise(zip(ells.tolist(), points, strict=True)):
         through_zero = low == 0.0 or high == 0.0  # σ(0) may vanish, and then differs from its neighbours by their whole size
@@ -36,7 +37,7 @@ def essential_curve(limit: AsymptoticPencil) -> Curve:
     low_ends, high_ends = (np.array([p[i] for p in segments], dtype=np.float64) for i in (2, 3))
     at_size = [abs(s) for i in (RATE_DECADES * PER_DECADE, -RATE_DECADES * PER_DECADE - 1) for s in points[i]]
     scale = max(at_size, default=0.0)
-    return Curve(begin, end, low_ends, high_ends, lambda ell: on_curve(limit, ell, float(sizes[0])), scale)
+    return Curve(begin, end, low_ends, high_ends, lambda ell: on_curve(limit, np.array([ell]), float(sizes[0]))[0], scale)
 
 
 def _paired(here: list[complex], there: list[complex]) -> list[tuple[complex, complex]]:
@@ -47,19 +48,16 @@ def _paired(here: list[complex], there: list[complex]) -> list[tuple[complex, co
     return [(here[i], there[j]) for i, j in zip(rows.tolist(), columns.tolist(), strict=True)]
 
 
-def on_curve(limit: AsymptoticPencil, ell: float, smallest: float) -> list[complex]:
-    """All σ with a rate iℓ: (D0 − iℓ C0) v = −σ (D1 − iℓ C1) v."""
-    left, right = limit.D0 - 1j * ell * limit.C0, -(limit.D1 - 1j * ell * limit.C1)
-    alpha, beta = scipy.linalg.eig(left, right, right=False, homogeneous_eigvals=True)
-    kept = []
-    for a, b in zip(alpha.tolist(), beta.tolist(), strict=True):
-        if abs(b) <= 1e-14 * abs(a):
-            continue
-        sigma = a / b
-        try:
-            rates = limit.direction * limit.rates(sigma)
-        except Undecidable:
-            continue
-        if np.abs(rates - 1j * ell).min() <= TRUE * max(abs(ell), smallest, float(np.abs(rates).max()) * 1e-3):
-            kept.append(sigma)
-    return kept
+def on_curve(limit: AsymptoticPencil, ells: NDArray[np.float64], smallest: float) -> list[list[complex]]:
+    """For each ℓ in (m,) all σ with a rate iℓ: det(D − iℓ C) = 0, without those that no rate belongs to, as large ones in place of ∞."""
+    pairs = polynomial.companion([D - 1j * ells[:, None, None] * C for C, D in zip(limit.pencil.C, limit.pencil.D, strict=True)])
+    found = [scipy.linalg.eig(a, b, right=False, homogeneous_eigvals=True) for a, b in zip(*pairs, strict=True)]
+    alpha, beta = (np.array([pair[i] for pair in found]) for i in (0, 1))
+    finite = np.abs(beta) > 1e-14 * np.abs(alpha)
+    sigma = alpha[finite] / beta[finite]
+    rates = limit.direction * limit.rates_at(sigma)
+    wanted = np.broadcast_to(ells[:, None], finite.shape)[finite]
+    allowed = TRUE * np.maximum(np.maximum(np.abs(wanted), smallest), 1e-3 * np.abs(rates).max(axis=1))
+    kept = np.abs(rates - 1j * wanted[:, None]).min(axis=1) <= allowed
+    owners = np.nonzero(finite)[0][kept]
+    return [sigma[kept][owners == i].tolist() for i in range(len(ells))]

@@ -1,6 +1,6 @@
 """Continuous spectra that no path in z leads around: those of ends at infinity, which the asymptotic pencil gives, and crossings.
 
-σ lies on one where a solution neither grows nor decays, det[D0 + σ D1 − iℓ (C0 + σ C1)] = 0 for a real ℓ. There the decaying space is not
+σ lies on one where a solution neither grows nor decays, det(D − iℓ C) = 0 for a real ℓ. There the decaying space is not
 analytic in σ, or it is and what it decays like is not: nothing is counted across such a curve, nor beyond it.
 """
 

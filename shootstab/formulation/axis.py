@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from shootstab.core import polynomial
 from shootstab.core.errors import ConvergenceError
 from shootstab.formulation.regular_singular import COMPLEX_GENERIC_SIGMA, MOST_TERMS, Family, RegularSingularEnd, blocks
 from shootstab.problems.protocol import FarFrame
@@ -48,8 +49,9 @@ class RegularSpace:
     def _family(self, family: Family, sigma: complex) -> tuple[Array, Array, float]:
         """ψ, dψ/dσ (n, k) and the relative error of the largest column."""
         n, k, rho = len(self.end.shifts), len(family.free), family.exponent
-        C0, C1, D0, D1 = self.end.arrays
-        C, D, S = C0 + sigma * C1, D0 + sigma * D1, np.array(self.end.shifts, dtype=float)
+        C, D = (polynomial.value(part, sigma) for part in self.end.arrays)
+        C_slope, D_slope = (polynomial.slope(part, sigma) for part in self.end.arrays)
+        S = np.array(self.end.shifts, dtype=float)
         ratio = self.x / self.end.length
         phi, slope, turned, turned_slope = (np.zeros((MOST_TERMS, n, k), dtype=np.complex128) for _ in range(4))
         for out, part in zip((phi, slope), self._first(family, sigma), strict=True):
@@ -62,9 +64,9 @@ class RegularSpace:
         for m in range(family.count, MOST_TERMS):
             # L_q φ_{m−q} summed over q ≥ 1, and what σ changes in it
             right = _sum(D, phi, m) - _sum(C, turned, m)
-            right_slope = _sum(D, slope, m) - _sum(C, turned_slope, m) + _sum(D1, phi, m) - _sum(C1, turned, m)
+            right_slope = _sum(D, slope, m) - _sum(C, turned_slope, m) + _sum(D_slope, phi, m) - _sum(C_slope, turned, m)
             factor = (rho + m + S)[:, None]
-            L, dL = C[0] * factor.T - D[0], C1[0] * factor.T - D1[0]
+            L, dL = C[0] * factor.T - D[0], C_slope[0] * factor.T - D_slope[0]
             phi[m] = np.linalg.solve(L, right)
             slope[m] = np.linalg.solve(L, right_slope - dL @ phi[m])
             turned[m], turned_slope[m] = factor * phi[m], factor * slope[m]
@@ -85,11 +87,11 @@ class RegularSpace:
     def _first(self, family: Family, sigma: complex) -> tuple[Array, Array]:
         """The coefficients for m < count and their σ-derivatives, (count n, k)."""
         n, k = len(self.end.shifts), len(family.free)
-        fixed, moving = blocks(self.end.arrays, self.end.shifts, family.exponent, family.count)
+        powers = blocks(self.end.arrays, self.end.shifts, family.exponent, family.count)
         rows, free = list(family.rows), list(family.free)
         dependent = [i for i in range(len(family.allowed)) if i not in free]
         allowed = np.array(family.allowed)
-        M, dM = ((part[:, allowed])[rows] for part in (fixed + sigma * moving, moving))
+        M, dM = ((part[:, allowed])[rows] for part in (polynomial.value(powers, sigma), polynomial.slope(powers, sigma)))
         values = np.zeros((len(allowed), k), dtype=np.complex128)
         values[free] = np.eye(k)
         values[dependent] = np.linalg.solve(M[:, dependent], -M[:, free])

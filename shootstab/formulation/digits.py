@@ -13,11 +13,11 @@ from typing import Any
 
 import mpmath
 
-from shootstab.formulation.affine import AffineSystem
 from shootstab.formulation.evaluation import Evaluator
 from shootstab.formulation.expression import Expression
 from shootstab.formulation.regular_digits import RegularStart
 from shootstab.formulation.series_digits import on_numbers, on_series
+from shootstab.formulation.state_pencil import Powers, StatePencil
 from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
 from shootstab.multiprecision.integration import Base, Entries, Expansion, Progress
@@ -31,12 +31,12 @@ class EquationDigits:
     real = False
 
     def __init__(
-        self, system: AffineSystem, left: Fraction, right: Fraction, start: RegularStart | None = None, backwards: bool = False
+        self, system: StatePencil, left: Fraction, right: Fraction, start: RegularStart | None = None, backwards: bool = False
     ) -> None:
         """start: the regular solutions with which the integration begins at the left end, or backwards at the right one."""
         self._system, self._start = system, start
-        self._augmented = start is None and bool(system.left[1] and system.right[1])
-        self._backwards = backwards if start is not None else bool(system.left[1]) and not self._augmented
+        self._augmented = start is None and any(system.left[1:]) and any(system.right[1:])
+        self._backwards = backwards if start is not None else any(system.left[1:]) and not self._augmented
         self._ends = (right, left) if self._backwards else (left, right)
         self.size = system.size * (1 + self._augmented)
 
@@ -54,7 +54,7 @@ class EquationIntegration:
         self,
         arithmetic: Arithmetic,
         settings: Settings,
-        system: AffineSystem,
+        system: StatePencil,
         ends: tuple[Fraction, Fraction],
         backwards: bool,
         augmented: bool,
@@ -94,23 +94,26 @@ class EquationIntegration:
         self._h = h
         z = real_series(arithmetic, [self._z, h] + [arithmetic.number(0)] * (self._settings.order - 2))
         at = on_series(arithmetic, z)
-        C0, C1, D0, D1 = (self._entries(part, z, at) for part in self._system.parts)
+        C, D = ([self._entries(part, z, at) for part in powers] for powers in (self._system.C, self._system.D))
         if self._augmented:
             one = 0 * z + 1
-            C0 = {**C0, **{(i, i): one for i in range(self._system.size)}}
-        return Expansion(h, C0, C1, D0, D1, at_wall)
+            C[0] = {**C[0], **{(i, i): one for i in range(self._system.size)}}
+        return Expansion(h, C, D, at_wall)
 
     def advance(self) -> None:
         self._z = self._arithmetic.rounded(self._z + self._h)
         self._step = 2 * self._h
 
-    def wall_rows(self) -> tuple[Matrix, Matrix]:
+    def wall_rows(self) -> list[Matrix]:
         if not self._augmented:
             return self._wall_rows
         nothing = [self._arithmetic.number(0)] * self._system.size
-        a, b = self._start_rows, self._wall_rows
-        W0, W1 = ([[*row, *nothing] for row in a[part]] + [[*nothing, *row] for row in b[part]] for part in (0, 1))
-        return W0, W1
+        starts, walls = self._start_rows, self._wall_rows
+        return [
+            [[*row, *nothing] for row in (starts[k] if k < len(starts) else [nothing] * len(starts[0]))]
+            + [[*nothing, *row] for row in (walls[k] if k < len(walls) else [nothing] * len(walls[0]))]
+            for k in range(max(len(starts), len(walls)))
+        ]
 
     def corrected_base(self) -> Base:
         return ()
@@ -123,13 +126,10 @@ class EquationIntegration:
             out[i + shift, j + shift] = value if isinstance(value, Taylor) else 0 * z + value
         return out
 
-    def _rows(self, parts: Any, count: int, z: Fraction) -> tuple[Matrix, Matrix]:
+    def _rows(self, parts: Powers, count: int, z: Fraction) -> list[Matrix]:
         at = on_numbers(self._arithmetic, self._arithmetic.number(z))
         nothing = self._arithmetic.number(0)
-        W0, W1 = (
-            [[at(part[i, j]) if (i, j) in part else nothing for j in range(self._system.size)] for i in range(count)] for part in parts
-        )
-        return W0, W1
+        return [[[at(part[i, j]) if (i, j) in part else nothing for j in range(self._system.size)] for i in range(count)] for part in parts]
 
 
 def _null_space(arithmetic: Arithmetic, rows: Matrix, n: int) -> Matrix:

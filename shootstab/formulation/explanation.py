@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 
-from shootstab.formulation.affine import AffineSystem, Condition
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
 from shootstab.formulation.continuous_spectrum import InteriorSpectrum
 from shootstab.formulation.expression import Expression
 from shootstab.formulation.first_order import FirstOrder
+from shootstab.formulation.state_pencil import Condition, StatePencil
 from shootstab.formulation.statement import Statement
 from shootstab.formulation.system import Row, shown
 
@@ -20,7 +20,7 @@ def explanation(
     statement: Statement,
     first: FirstOrder,
     conditions: tuple[list[Condition], list[Condition]],
-    system: AffineSystem,
+    system: StatePencil,
     inside: InteriorSpectrum,
 ) -> Lines:
     """Pairs of a heading and what belongs to it; formulas in the user's names, parameters by their values."""
@@ -52,9 +52,9 @@ def explanation(
             lines.append(("removed", f"{name} = ({row_text(others) or '0'}) / ({text(row[name, 0])})"))
     for factor, where in first.factors:
         lines.append(("multiplied", f"{where} by {text(factor)}, which may vanish"))
-    added = system.size - first.order
-    powers = f"to higher powers: {added} states are carried again, times powers of {names.eigenvalue}; the modes are the same"
-    lines.append(("eigenvalue", f"{names.eigenvalue} occurs {powers if added else 'to the first power'}"))
+    highest = max(len(part) for part in (system.C, system.left, system.right)) - 1
+    powers = "to the first power" if highest == 1 else f"up to the power {highest}"
+    lines.append(("eigenvalue", f"{names.eigenvalue} occurs {powers}"))
     terms = [f"({text(c)})*{names.eigenvalue}**{k}" if k else f"({text(c)})" for k, c in first.determinant.items()]
     lines.append(("det C", " + ".join(terms)))
     curve = "none: det C does not hold the eigenvalue"

@@ -24,7 +24,7 @@ def with_limit(end: Infinity, matrices: PencilFunction, side: int) -> Infinity:
     except InputError as error:
         raise InputError(f"at {INFINITIES[side]} the coefficients have no finite limit ({error}): {advice}") from error
     limit = []
-    for a, b in zip(near, far, strict=True):
+    for a, b in zip(near.named.values(), far.named.values(), strict=True):
         if (np.abs(a - b) > 1e-15 * max(float(np.abs(b).max()), 1e-300)).any():
             raise InputError(f"at {INFINITIES[side]} the coefficients have no limit, or come to it slower than exponentially: {advice}")
         limit.append(b)

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
-from shootstab.formulation.affine import AffineSystem, Condition, affine, in_states
 from shootstab.formulation.axis import RegularSpace
 from shootstab.formulation.collocation import Collocation, collocation
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
@@ -25,6 +24,7 @@ from shootstab.formulation.gaussian import Gaussian
 from shootstab.formulation.limits import with_limit
 from shootstab.formulation.regular_digits import RegularStart
 from shootstab.formulation.singular_ends import between_periodic_ends, between_singular_ends, singular_end
+from shootstab.formulation.state_pencil import Condition, Powers, StatePencil, in_states, state_pencil
 from shootstab.formulation.statement import Statement, stated
 from shootstab.formulation.system import degree, shown
 from shootstab.problems.ends import Infinity, Wall
@@ -42,7 +42,7 @@ class EquationProblem(LinearProblem):
     statement: Statement
     first_order: FirstOrder
     conditions: tuple[list[Condition], list[Condition]]
-    affine: AffineSystem
+    states: StatePencil
     spectrum_inside: InteriorSpectrum
 
     @property
@@ -53,7 +53,7 @@ class EquationProblem(LinearProblem):
     @property
     def explanation(self) -> Lines:
         """What the reduction found, in words."""
-        told = explanation(self.statement, self.first_order, self.conditions, self.affine, self.spectrum_inside)
+        told = explanation(self.statement, self.first_order, self.conditions, self.states, self.spectrum_inside)
         at_ends = [
             (
                 f"at {at.where}",
@@ -78,12 +78,12 @@ class EquationProblem(LinearProblem):
         if self.statement.domain.given or len(places) < 2 or not any(self.statement.holding):
             return None
         if all(self.statement.holding):
-            return lambda: EquationDigits(self.affine, places[0], places[1])
+            return lambda: EquationDigits(self.states, places[0], places[1])
         space = self.reduction.subdomains[0].far
         if not isinstance(space, RegularSpace) or not space.end.integer:
             return None
         start = RegularStart(space.end, Fraction(space.x))
-        return lambda: EquationDigits(self.affine, places[0], places[1], start, backwards=self.statement.holding[0])
+        return lambda: EquationDigits(self.states, places[0], places[1], start, backwards=self.statement.holding[0])
 
     @property
     def crossings(self) -> tuple[tuple[NDArray[np.float64], ComplexArray], ...]:
@@ -128,9 +128,9 @@ def assembled(statement: Statement, fold: float = 0.0, reference: complex | None
     first = first_order(statement.system, domain.vanishing, domain.regular)
     spectrum = interior_spectrum(first, domain, statement.names.variable)
     conditions = [in_states(list(rows), first) for rows in (statement.left_rows, statement.right_rows)]
-    ends, finite = (statement.left, statement.right), statement.finite
+    ends = statement.left, statement.right
     _require_count(first, statement, conditions)
-    system = affine(first, conditions[0], conditions[1], finite, statement.holding)
+    system = state_pencil(first, conditions[0], conditions[1])
     if system.size > MOST_STATES:
         raise InputError(f"the equations have {system.size} states: allowed are {MOST_STATES}")
     matrices = PencilFunction(system.size, pencil_of(system, domain.given), vectorized=True)
@@ -160,22 +160,22 @@ def assembled(statement: Statement, fold: float = 0.0, reference: complex | None
         statement=statement,
         first_order=first,
         conditions=(conditions[0], conditions[1]),
-        affine=system,
+        states=system,
         spectrum_inside=spectrum,
     )
 
 
-def pencil_of(system: AffineSystem, given: Given) -> Callable[[ComplexArray], tuple[ComplexArray, ...]]:
-    """C0, C1, D0, D1 as a function of z (m,), real or complex."""
+def pencil_of(system: StatePencil, given: Given) -> Callable[[ComplexArray], tuple[ComplexArray, ...]]:
+    """C0, C1, …, D0, D1, … as a function of z (m,), real or complex."""
 
     def pencil(z: ComplexArray) -> tuple[ComplexArray, ...]:
         at = on_arrays(z, given)
-        return tuple(filled(part, (system.size, system.size), z, at) for part in system.parts)
+        return tuple(filled(part, (system.size, system.size), z, at) for part in (*system.C, *system.D))
 
     return pencil
 
 
-def _require_finite(system: AffineSystem, statement: Statement) -> None:
+def _require_finite(system: StatePencil, statement: Statement) -> None:
     """Raise InputError where the coefficients are not finite at an end with conditions."""
     for side, end in (("left", statement.left), ("right", statement.right)):
         if isinstance(end, Conditions):
@@ -185,11 +185,11 @@ def _require_finite(system: AffineSystem, statement: Statement) -> None:
                 raise InputError(f"at the {side} end, {place}, the equations are singular: allowed is st.Axis({end.at:g}), or another end")
 
 
-def _wall(z: float, rows: tuple[Any, Any], count: int, size: int, given: Given) -> Wall:
+def _wall(z: float, rows: Powers, count: int, size: int, given: Given) -> Wall:
     place = np.array([float(z)])
     at = on_arrays(place, given)
-    W0, W1 = (filled(part, (count, size), place.astype(np.complex128), at)[0] for part in rows)
-    return Wall(float(z), W0, W1 if W1.any() else None)
+    W0, *later = (filled(part, (count, size), place.astype(np.complex128), at)[0] for part in rows)
+    return Wall(float(z), W0, np.array(later))
 
 
 def _require_count(first: FirstOrder, statement: Statement, conditions: list[list[Condition]]) -> None:

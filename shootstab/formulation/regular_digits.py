@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 from shootstab.core.errors import ConvergenceError
+from shootstab.formulation.expression import Expression
 from shootstab.formulation.regular_singular import Family, RegularSingularEnd
 from shootstab.formulation.series_digits import on_series
 from shootstab.multiprecision import small_matrices as matrices
@@ -62,14 +63,13 @@ class RegularStart:
         """Ĉ and D̂ at this σ."""
         z = real_series(arithmetic, [arithmetic.number(0), arithmetic.number(1)] + [arithmetic.number(0)] * (terms - 2))
         at = on_series(arithmetic, z)
-        parts = []
-        for entries in self.end.parts:
-            made = {}
-            for place, entry in entries.items():
-                value = at(entry)
-                made[place] = (value if isinstance(value, Taylor) else 0 * z + value).coefficients(terms)
-            parts.append(made)
-        return _affine(parts[0], parts[1], sigma), _affine(parts[2], parts[3], sigma)
+
+        def coefficients(entry: Expression) -> list[Any]:
+            value = at(entry)
+            return (value if isinstance(value, Taylor) else 0 * z + value).coefficients(terms)
+
+        C, D = (_at_sigma([{place: coefficients(e) for place, e in part.items()} for part in powers], sigma) for powers in self.end.parts)
+        return C, D
 
     def _first(self, arithmetic: Arithmetic, family: Family, C: Series, D: Series) -> list[Matrix]:
         """φ_m (n, k) for m < count."""
@@ -123,9 +123,10 @@ def _carried(arithmetic: Arithmetic, C: Series, D: Series, phi: list[Matrix], rh
     return [[arithmetic.rounded(value) for value in row] for row in total]
 
 
-def _affine(fixed: Series, moving: Series, sigma: Any) -> Series:
-    out = dict(fixed)
-    for at, series in moving.items():
-        scaled = [sigma * c if not matrices.vanishes(c) else c for c in series]
-        out[at] = [a + b for a, b in zip(out[at], scaled, strict=True)] if at in out else scaled
+def _at_sigma(powers: Sequence[Series], sigma: Any) -> Series:
+    out = dict(powers[-1])
+    for part in reversed(powers[:-1]):
+        out = {at: [sigma * c if not matrices.vanishes(c) else c for c in series] for at, series in out.items()}
+        for at, series in part.items():
+            out[at] = [a + b for a, b in zip(series, out[at], strict=True)] if at in out else series
     return out

@@ -10,7 +10,7 @@ Solutions without logarithms φ = Σ φ_m x^{ρ+m} satisfy
     L_0(ρ + m) φ_m + Σ_{q≥1} L_q(ρ + m − q) φ_{m−q} = 0,   L_q(μ) = μ Ĉ_q + Ĉ_q S − D̂_q,
 
 and the exponents are the zeros of det L_0. Regular are those solutions in which no unknown has a power of x with a negative real part.
-All m up to the largest exponent are taken together: the regular solutions are the null space of one matrix, affine in σ.
+All m up to the largest exponent are taken together: the regular solutions are the null space of one matrix, a polynomial in σ.
 """
 
 from __future__ import annotations
@@ -24,10 +24,11 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from shootstab.core import polynomial
 from shootstab.core.errors import InputError
-from shootstab.formulation.affine import AffineSystem
 from shootstab.formulation.expression import VARIABLE, Expression, Z, number
 from shootstab.formulation.first_order import Entries
+from shootstab.formulation.state_pencil import Powers, StatePencil
 from shootstab.formulation.substitution import substituted
 from shootstab.problems.protocol import GENERIC_SIGMA
 
@@ -40,7 +41,8 @@ MOST_TERMS = 80  # chosen: of the series, at most
 FIRST_TERMS = 12  # chosen: of the coefficients, by which the length is found
 COMPLEX_GENERIC_SIGMA = GENERIC_SIGMA * (1 + 0.37j)  # chosen: a complex σ of no property
 
-Scaled = tuple[Entries, Entries, Entries, Entries]
+Scaled = tuple[Powers, Powers]  # Ĉ and D̂
+SeriesArrays = tuple[list[NDArray[np.complex128]], list[NDArray[np.complex128]]]  # the same, (terms, n, n) for every power of σ
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +60,7 @@ class Family:
 
 @dataclass(frozen=True, eq=False)
 class RegularSingularEnd:
-    """The scaled pencil Ĉ0, Ĉ1, D̂0, D̂1 by entries without poles in x (the variable of the expressions), s, and the families.
+    """The scaled pencil Ĉ, D̂ by entries without poles in x (the variable of the expressions), s, and the families.
 
     Series are in x/length, a length over which the coefficients are of the size of their values at the end.
     """
@@ -80,12 +82,12 @@ class RegularSingularEnd:
         return all(family.exponent == round(family.exponent.real) for family in self.families)
 
     @cached_property
-    def arrays(self) -> list[NDArray[np.complex128]]:
-        """The series of Ĉ0, Ĉ1, D̂0, D̂1, each (MOST_TERMS, n, n)."""
+    def arrays(self) -> SeriesArrays:
+        """Their series, (MOST_TERMS, n, n) for every power of σ."""
         return coefficient_arrays(self.parts, len(self.shifts), MOST_TERMS, self.length)
 
 
-def regular_singular_end(system: AffineSystem, z0: Fraction, direction: int, bounded: Sequence[int], where: str) -> RegularSingularEnd:
+def regular_singular_end(system: StatePencil, z0: Fraction, direction: int, bounded: Sequence[int], where: str) -> RegularSingularEnd:
     """The end at z0, from which the domain goes in this direction; bounded are the states that are unknowns.
 
     Raises InputError for an irregular point, exponents that depend on σ, and solutions that no basis polynomial in σ is found for.
@@ -112,28 +114,31 @@ def regular_singular_end(system: AffineSystem, z0: Fraction, direction: int, bou
     return RegularSingularEnd(parts, shifts, length, found, tuple(complex(x) for x in exponents))
 
 
-def coefficient_arrays(parts: Scaled, n: int, terms: int, length: float = 1.0) -> list[NDArray[np.complex128]]:
-    """Ĉ0, Ĉ1, D̂0, D̂1 as arrays (terms, n, n) of their power series in x/length. Raises InputError where they have none."""
+def coefficient_arrays(parts: Scaled, n: int, terms: int, length: float = 1.0) -> SeriesArrays:
+    """Ĉ and D̂ as arrays (terms, n, n) of their power series in x/length, one a power of σ. Raises InputError where they have none."""
     from shootstab.core.series import Series
     from shootstab.formulation.series_evaluation import on_double_series
 
     at = on_double_series(terms)
-    out = [np.zeros((terms, n, n), dtype=np.complex128) for _ in parts]
     powers = length ** np.arange(terms)
-    for array, entries in zip(out, parts, strict=True):
+
+    def array(entries: Entries) -> NDArray[np.complex128]:
+        out = np.zeros((terms, n, n), dtype=np.complex128)
         for (i, j), entry in entries.items():
             value = at(entry)
-            array[:, i, j] = powers * (value.coefficients if isinstance(value, Series) else [value, *[0.0] * (terms - 1)])
-        if not np.isfinite(array).all():
+            out[:, i, j] = powers * (value.coefficients if isinstance(value, Series) else [value, *[0.0] * (terms - 1)])
+        if not np.isfinite(out).all():
             raise InputError("at a regular singular end a coefficient is no power series with a pole: allowed are powers of the coordinate")
-    return out
+        return out
+
+    return [array(part) for part in parts[0]], [array(part) for part in parts[1]]
 
 
-def blocks(arrays: Sequence[NDArray[np.complex128]], shifts: Sequence[int], family: complex, count: int) -> list[NDArray[np.complex128]]:
-    """The matrices before σ⁰ and σ¹ of all equations for m < count, (count·n, count·n)."""
+def blocks(arrays: SeriesArrays, shifts: Sequence[int], family: complex, count: int) -> list[NDArray[np.complex128]]:
+    """The matrices before σ⁰, σ¹, … of all equations for m < count, (count·n, count·n)."""
     n, S = len(shifts), np.diag(np.array(shifts, dtype=float))
     out = []
-    for C, D in ((arrays[0], arrays[2]), (arrays[1], arrays[3])):
+    for C, D in zip(*arrays, strict=True):
         M = np.zeros((count, n, count, n), dtype=np.complex128)
         for m in range(count):
             for q in range(m + 1):
@@ -142,20 +147,17 @@ def blocks(arrays: Sequence[NDArray[np.complex128]], shifts: Sequence[int], fami
     return out
 
 
-def _scaled(system: AffineSystem, z0: Fraction, direction: int, where: str) -> tuple[Scaled, tuple[int, ...]]:
+def _scaled(system: StatePencil, z0: Fraction, direction: int, where: str) -> tuple[Scaled, tuple[int, ...]]:
     n = system.size
     place = number(z0) + (Z if direction > 0 else -Z)
-    moved = [{at: substituted(entry, VARIABLE, place) for at, entry in part.items()} for part in system.parts]
-    C0, C1, D0, D1 = moved
+    C, D = ([{at: substituted(e, VARIABLE, place) for at, e in part.items()} for part in powers] for powers in (system.C, system.D))
     if direction < 0:
-        D0, D1 = ({at: -entry for at, entry in part.items()} for part in (D0, D1))
-    own = [
-        min(_valuation(part[i, i]) for part in (C0, C1) if (i, i) in part) if any((i, i) in p for p in (C0, C1)) else None for i in range(n)
-    ]
+        D = [{at: -entry for at, entry in part.items()} for part in D]
+    own = [min((_valuation(part[i, i]) for part in C if (i, i) in part), default=None) for i in range(n)]
     if any(v is None for v in own):
         raise InputError(f"at {where} the highest derivatives do not each stand in an equation of their own: that is not offered")
-    bounds = [(i, j, _valuation(e) - (own[i] or 0)) for part in (C0, C1) for (i, j), e in part.items()]
-    bounds += [(i, j, _valuation(e) + 1 - (own[i] or 0)) for part in (D0, D1) for (i, j), e in part.items()]
+    bounds = [(i, j, _valuation(e) - (own[i] or 0)) for part in C for (i, j), e in part.items()]
+    bounds += [(i, j, _valuation(e) + 1 - (own[i] or 0)) for part in D for (i, j), e in part.items()]
     s = [0] * n
     for _ in range(n + 1):
         changed = False
@@ -170,13 +172,13 @@ def _scaled(system: AffineSystem, z0: Fraction, direction: int, where: str) -> t
     def scaled(part: Entries, extra: int) -> Entries:
         return {(i, j): e * Z ** (s[j] - s[i] - (own[i] or 0) + extra) for (i, j), e in part.items()}
 
-    return (scaled(C0, 0), scaled(C1, 0), scaled(D0, 1), scaled(D1, 1)), tuple(s)
+    return (tuple(scaled(part, 0) for part in C), tuple(scaled(part, 1) for part in D)), tuple(s)
 
 
 def _length(parts: Scaled, n: int) -> float:
     """The x at which the later terms of the coefficients together are as large as the first, for σ of the size 1."""
     arrays = coefficient_arrays(parts, n, FIRST_TERMS)
-    sizes = [float(max(np.abs(array[q]).max() for array in arrays)) for q in range(FIRST_TERMS)]
+    sizes = [float(max(np.abs(array[q]).max() for part in arrays for array in part)) for q in range(FIRST_TERMS)]
     x = 1.0
     while sum(a * x**q for q, a in enumerate(sizes[1:], 1)) > sizes[0] and x > 1e-12:
         x *= 0.5
@@ -190,11 +192,10 @@ def _valuation(entry: Expression) -> int:
 
 def _exponents(parts: Scaled, shifts: Sequence[int], sigma: complex, where: str) -> NDArray[np.complex128]:
     n = len(shifts)
-    C0, C1, D0, D1 = (array[0] for array in coefficient_arrays(parts, n, 2))
-    C = C0 + sigma * C1
+    C, D = (polynomial.value([array[0] for array in part], sigma) for part in coefficient_arrays(parts, n, 2))
     if np.linalg.cond(C) > 1 / RANK_TOLERANCE:
         raise InputError(f"at {where} the highest derivatives are dependent: that is not offered")
-    found = np.linalg.eigvals(np.linalg.solve(C, D0 + sigma * D1) - np.diag(np.array(shifts, dtype=float)))
+    found = np.linalg.eigvals(np.linalg.solve(C, D) - np.diag(np.array(shifts, dtype=float)))
     rounded = np.where(np.abs(found - np.round(found.real)) < 1e-3, np.round(found.real), found)  # multiple ones scatter
     return np.asarray(rounded[np.lexsort((rounded.imag, rounded.real))])
 
@@ -203,13 +204,13 @@ def _family(
     parts: Scaled, shifts: tuple[int, ...], length: float, rho: complex, count: int, bounded: Sequence[int], where: str
 ) -> Family | None:
     n = len(shifts)
-    fixed, moving = blocks(coefficient_arrays(parts, n, count + 1, length), shifts, rho, count)
+    powers = blocks(coefficient_arrays(parts, n, count + 1, length), shifts, rho, count)
     forbidden = {m * n + j for m in range(count) for j in bounded if (rho + m).real + shifts[j] < -INTEGER_TOLERANCE}
     allowed = [i for i in range(count * n) if i not in forbidden]
 
     def matrix(sigma: complex) -> NDArray[np.complex128]:
-        M = (fixed + sigma * moving)[:, allowed]
-        sizes = np.abs(fixed[:, allowed]).max(axis=1) + np.abs(moving[:, allowed]).max(axis=1)
+        M = polynomial.value(powers, sigma)[:, allowed]
+        sizes = sum(np.abs(part[:, allowed]).max(axis=1) for part in powers)
         return np.asarray(M / np.where(sizes > 0.0, sizes, 1.0)[:, None])
 
     M = matrix(COMPLEX_GENERIC_SIGMA)

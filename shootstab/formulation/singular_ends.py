@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from shootstab.core.errors import InputError
-from shootstab.formulation.affine import AffineSystem
 from shootstab.formulation.axis import RegularSpace, starting_distance
 from shootstab.formulation.domain import Domain
 from shootstab.formulation.gaussian import Gaussian
 from shootstab.formulation.regular_singular import regular_singular_end
+from shootstab.formulation.state_pencil import StatePencil
 from shootstab.problems.decaying_space import ConstantSpace
 from shootstab.problems.ends import Wall
 from shootstab.problems.pencil_function import PencilFunction
@@ -33,7 +33,7 @@ class SingularEnd:
     where: str
 
 
-def singular_end(system: AffineSystem, at: float, direction: int, bounded: list[int], where: str, domain: Domain) -> SingularEnd:
+def singular_end(system: StatePencil, at: float, direction: int, bounded: list[int], where: str, domain: Domain) -> SingularEnd:
     """Raises InputError where the point is no regular singular one, or the domain has no other end."""
     length = domain.right - domain.left
     if not np.isfinite(length):
@@ -79,7 +79,7 @@ def _meeting(size: int, left: SingularEnd, right: SingularEnd) -> TwoPointReduct
 def between_periodic_ends(matrices: PencilFunction, left: float, right: float) -> TwoPointReduction:
     """(a, ψ) from (1, 1) at the left end, a = ψ at the right one: det(1 − the monodromy matrix). Raises InputError without a period."""
     n = matrices.size
-    for name, a, b in zip(("C0", "C1", "D0", "D1"), matrices.at(left), matrices.at(right), strict=True):
+    for (name, a), b in zip(matrices.at(left).named.items(), matrices.at(right).named.values(), strict=True):
         if np.abs(a - b).max() > PERIODIC_TOLERANCE * max(float(np.abs(a).max()), float(np.abs(b).max())):
             raise InputError(
                 f"between periodic ends {name} of the first-order system is not the same at both: allowed are periodic coefficients"

@@ -98,17 +98,16 @@ def solve_each(F, R):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def wall_determinant(W0, W1, sigma, Y, dY):  # type: ignore[no-untyped-def]
-    """det[(W0 + σ W1) Y] and its σ-derivative; W0, W1 (k, n), Y, dY (n, k), real or complex."""
-    k, n = W0.shape
+def wall_determinant(W, dW, Y, dY):  # type: ignore[no-untyped-def]
+    """det[W Y] and its σ-derivative; W, dW (k, n), Y, dY (n, k), real or complex."""
+    k, n = W.shape
     M, dM = np.zeros((k, k), dtype=np.complex128), np.zeros((k, k), dtype=np.complex128)
     for a in range(k):
         for c in range(n):
-            w = W0[a, c] + sigma * W1[a, c]
-            if W0[a, c] != 0.0 or W1[a, c] != 0.0:
+            if W[a, c] != 0.0 or dW[a, c] != 0.0:
                 for b in range(k):
-                    M[a, b] += w * Y[c, b]
-                    dM[a, b] += w * dY[c, b] + W1[a, c] * Y[c, b]
+                    M[a, b] += W[a, c] * Y[c, b]
+                    dM[a, b] += W[a, c] * dY[c, b] + dW[a, c] * Y[c, b]
     return det_with_slope(M, dM)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 
 from shootstab.kernels.elimination import solve_small, square
-from shootstab.kernels.reduced_system import add_carried, evaluate, multiply, multiply_with_slope, workspace
+from shootstab.kernels.reduced_system import add_carried, evaluate, multiply, multiply_with_slope, small_entry, workspace
 from shootstab.kernels.stages import combine, reals
 from shootstab.kernels.step_control import FLOOR, local_error
 from shootstab.kernels.tableau import STAGES, WEIGHTS
@@ -78,7 +78,7 @@ def transport(system, sigma, Y, dY, tangent, errors):  # type: ignore[no-untyped
     errors (N,) receives the local error of every step, each row of the frame relative to its own size. Returns (log_det, trace):
     what Y stands for is Y·R with ln det R = log_det, and d ln D/dσ = trace + what Y and dY give.
     """
-    start, column, linear, quadratic, carries, P, V, G = system
+    start, column, linear, higher, powers, carries, P, V, G = system
     n, k = Y.shape
     m = G.shape[3]
     K, L = np.empty((STAGES, n, k), Y.dtype), np.empty((STAGES, n, k), Y.dtype)
@@ -94,7 +94,7 @@ def transport(system, sigma, Y, dY, tangent, errors):  # type: ignore[no-untyped
     trace = reduce_tangent(Y, dY, R) if tangent else 0 * R[0, 0]
     for s in range(len(errors)):
         for i in range(STAGES):
-            evaluate(P, G, linear, quadratic, s, i, sigma, values, slopes, small)
+            evaluate(P, G, linear, higher, powers, s, i, sigma, values, slopes, small)
             combine(y, ks, RK_A, i, i, z)
             if not tangent:
                 multiply(start, column, 0, values, Z, K, i)
@@ -106,14 +106,14 @@ def transport(system, sigma, Y, dY, tangent, errors):  # type: ignore[no-untyped
             combine(dy, ls, RK_A, i, i, w)
             multiply_with_slope(start, column, 0, values, slopes, Z, W, K, L, i)
             if m > 0:
-                # γ t = τ Z and γ dt = τ W + τ′ Z − G1 t
+                # γ t = τ Z and γ dt = τ W + τ′ Z − γ′ t
                 multiply_with_slope(start, column, n, values, slopes, Z, W, t, dt, 0)
                 solve_small(small, t0)
                 for a in range(m):
                     for b in range(m):
-                        small[a, b] = G[s, i, 0, a, b] + sigma * G[s, i, 1, a, b]
+                        small[a, b], turn = small_entry(G, s, i, a, b, sigma)
                         for d in range(k):
-                            dt0[a, d] -= G[s, i, 1, a, b] * t0[b, d]
+                            dt0[a, d] -= turn * t0[b, d]
                 solve_small(small, dt0)
                 add_carried(V, carries, s, i, t0, K)
                 add_carried(V, carries, s, i, dt0, L)

@@ -2,7 +2,7 @@
 
 With t from 0 to 1 over a step of length h (see discriminants/sampled_system.py for how it comes about),
 
-    hA(σ) = X(σ) + V γ(σ)⁻¹ τ(σ),   γ = G0 + σ G1 (m×m),   X and τ (m×n) polynomials in σ.
+    hA(σ) = X(σ) + V γ(σ)⁻¹ τ(σ),   γ (m×m), X and τ (m×n) polynomials in σ.
 
 Arrays are float64 where all is real, σ too, and complex128 otherwise; the loops are the same.
 """
@@ -23,14 +23,15 @@ class ReducedSystem(NamedTuple):
 
     [X; τ], n + m rows, is stored by rows without what is zero at every abscissa: entry e of row i stands in column[e] for start[i] ≤ e <
     start[i + 1]. P (N, 12, E + E1 + E2) are the entries at σ = 0, then the factors of σ of those entries that have one, E1 of them listed
-    in linear, and of σ², E2 listed in quadratic. Likewise V by its rows carries (v,) that are not zero, V (N, 12, v, m). G (N, 12, 2, m,
-    m). The lists are unsigned.
+    in linear, and of higher powers, E2 listed in higher with their exponents in powers. Likewise V by its rows carries (v,) that are not
+    zero, V (N, 12, v, m). G (N, 12, g, m, m) are the coefficients of γ, the constant one first, g ≥ 2. The lists are unsigned.
     """
 
     start: NDArray[np.uint64]
     column: NDArray[np.uint64]
     linear: NDArray[np.uint64]
-    quadratic: NDArray[np.uint64]
+    higher: NDArray[np.uint64]
+    powers: NDArray[np.uint64]
     carries: NDArray[np.uint64]
     P: NDArray[np.inexact]
     V: NDArray[np.inexact]
@@ -38,13 +39,13 @@ class ReducedSystem(NamedTuple):
 
     @property
     def structure(self) -> tuple[NDArray[np.uint64], ...]:
-        """The lists start (n + m + 1,), column (E,), linear (E1,), quadratic (E2,) and carries (v,)."""
-        return self[:5]
+        """The lists start (n + m + 1,), column (E,), linear (E1,), higher (E2,), powers (E2,) and carries (v,)."""
+        return self[:6]
 
     @property
     def numbers(self) -> tuple[NDArray[np.inexact], ...]:
-        """P (N, 12, E + E1 + E2), V (N, 12, v, m), G (N, 12, 2, m, m)."""
-        return self[5:]
+        """P (N, 12, E + E1 + E2), V (N, 12, v, m), G (N, 12, g, m, m)."""
+        return self[6:]
 
     def in_real_numbers(self) -> ReducedSystem | None:
         """The same in float64; None if it is not real."""
@@ -55,7 +56,7 @@ class ReducedSystem(NamedTuple):
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")
-def evaluate(P, G, linear, quadratic, s, i, sigma, values, slopes, small):  # type: ignore[no-untyped-def]
+def evaluate(P, G, linear, higher, powers, s, i, sigma, values, slopes, small):  # type: ignore[no-untyped-def]
     """The entries of [X; τ] (E,), their σ-derivatives, and γ (m, m), at abscissa i of step s."""
     E, E1 = len(values), len(linear)
     q = 0
@@ -66,22 +67,35 @@ def evaluate(P, G, linear, quadratic, s, i, sigma, values, slopes, small):  # ty
             value += sigma * slope
             q += 1
         values[e], slopes[e] = value, slope
-    for q in range(len(quadratic)):
-        factor = sigma * P[s, i, E + E1 + q]
-        values[quadratic[q]] += sigma * factor
-        slopes[quadratic[q]] += 2.0 * factor
+    for q in range(len(higher)):
+        factor, power = sigma * P[s, i, E + E1 + q], int(powers[q])
+        for _ in range(power - 2):
+            factor *= sigma
+        values[higher[q]] += sigma * factor
+        slopes[higher[q]] += float(power) * factor
     for a in range(small.shape[0]):
         for b in range(small.shape[0]):
-            small[a, b] = G[s, i, 0, a, b] + sigma * G[s, i, 1, a, b]
+            small[a, b], _ = small_entry(G, s, i, a, b, sigma)
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")
+def small_entry(G, s, i, a, b, sigma):  # type: ignore[no-untyped-def]
+    """γ_ab and its σ-derivative, by Horner's rule."""
+    top = G.shape[2] - 1
+    value, slope = G[s, i, top, a, b], 0 * sigma
+    for j in range(top):
+        slope = value + sigma * slope
+        value = G[s, i, top - 1 - j, a, b] + sigma * value
+    return value, slope
 
 
 @njit(cache=True, error_model="numpy", inline="always")
 def system_matrix(system, s, i, sigma, A, dA, work, tangent):  # type: ignore[no-untyped-def]
     """hA(σ) (n, n) and, if tangent, its σ-derivative at abscissa i of step s; work is for `workspace` to make."""
-    start, column, linear, quadratic, carries, P, V, G = system
+    start, column, linear, higher, powers, carries, P, V, G = system
     values, slopes, small, right, slope = work
     n, m = A.shape[0], G.shape[3]
-    evaluate(P, G, linear, quadratic, s, i, sigma, values, slopes, small)
+    evaluate(P, G, linear, higher, powers, s, i, sigma, values, slopes, small)
     for r in range(n):
         for c in range(n):
             A[r, c] = 0.0
@@ -100,12 +114,12 @@ def system_matrix(system, s, i, sigma, A, dA, work, tangent):  # type: ignore[no
         return
     solve_small(small, right)
     if tangent:
-        # (γ⁻¹ τ)′ = γ⁻¹ (τ′ − G1 γ⁻¹ τ)
+        # (γ⁻¹ τ)′ = γ⁻¹ (τ′ − γ′ γ⁻¹ τ)
         for a in range(m):
             for b in range(m):
-                small[a, b] = G[s, i, 0, a, b] + sigma * G[s, i, 1, a, b]
+                small[a, b], turn = small_entry(G, s, i, a, b, sigma)
                 for j in range(n):
-                    slope[a, j] -= G[s, i, 1, a, b] * right[b, j]
+                    slope[a, j] -= turn * right[b, j]
         solve_small(small, slope)
     for c in range(len(carries)):
         for q in range(m):

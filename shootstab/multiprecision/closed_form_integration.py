@@ -69,16 +69,16 @@ class ClosedFormIntegration:
         except (TypeError, AttributeError) as error:
             advice = "allowed are formulas with +, −, ·, / and ** for numbers of any kind, which cosh of numpy or math is not"
             raise InputError(f"exact_pencil cannot be computed for a power series in z ({error}): {advice}") from error
-        C0, C1, D0, D1 = (self._entries(part, z) for part in parts)
-        return Expansion(h, C0, C1, D0, D1, at_wall)
+        found = [self._entries(part, z) for part in parts]
+        half = len(found) // 2
+        return Expansion(h, found[:half], found[half:], at_wall)
 
     def advance(self) -> None:
         self._z = self._arithmetic.rounded(self._z + self._h)
         self._step = 2 * self._h
 
-    def wall_rows(self) -> tuple[Matrix, Matrix]:
-        W0, W1 = self._problem.exact_wall(self._exact)
-        return self._matrix(W0), self._matrix(W1)
+    def wall_rows(self) -> list[Matrix]:
+        return [self._matrix(W) for W in self._problem.exact_wall(self._exact)]
 
     def corrected_base(self) -> Base:
         return ()

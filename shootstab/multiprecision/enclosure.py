@@ -24,8 +24,9 @@ import numpy as np
 from flint import acb, acb_mat, arb, ctx, fmpq
 
 from shootstab.core.errors import ConvergenceError
+from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import exact
-from shootstab.multiprecision.minors import Entries, affine, compound, minors, solved
+from shootstab.multiprecision.minors import Entries, at_sigma, compound, minors, solved
 from shootstab.multiprecision.tailed_series import NO_TAIL, TailedSeries, variable
 from shootstab.problems.closed_form import ClosedForm
 
@@ -169,11 +170,12 @@ class Enclosure:
 
     def _system(self, z: Any, sigma: Any) -> Entries:
         """A = C⁻¹ D at z, a number or a series, by its non-zero entries."""
-        C0, C1, D0, D1 = self.form.exact_pencil(z, self.exact)
-        n = self.form.size
-        if not C1 and dict(C0) == {(i, i): 1 for i in range(n)}:
-            return affine(D0, D1, sigma)
-        return solved(n, affine(C0, C1, sigma), affine(D0, D1, sigma))
+        parts = self.form.exact_pencil(z, self.exact)
+        n, half = self.form.size, len(parts) // 2
+        C, D = parts[:half], parts[half:]
+        if not any(C[1:]) and dict(C[0]) == {(i, i): 1 for i in range(n)}:
+            return at_sigma(D, sigma)
+        return solved(n, at_sigma(C, sigma), at_sigma(D, sigma))
 
     def _start(self, sigma: Any) -> Any:
         """Λ^k of the decaying space at the far end."""
@@ -182,8 +184,7 @@ class Enclosure:
         return acb_mat(len(found), 1, found)
 
     def _wall_minors(self, sigma: Any) -> list[Any]:
-        W0, W1 = self.form.exact_wall(self.exact)
-        rows = [[acb(a) + acb(b) * sigma for a, b in zip(x, y, strict=True)] for x, y in zip(W0, W1, strict=True)]
+        rows = matrices.polynomial([[[acb(x) for x in row] for row in W] for W in self.form.exact_wall(self.exact)], sigma)
         return minors([list(column) for column in zip(*rows, strict=True)], self.form.decaying)
 
     def _at_wall(self, sigma: Any, y: Any) -> Any:

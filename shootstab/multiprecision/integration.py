@@ -6,7 +6,7 @@ end to the wall, in one arithmetic with one choice of settings. All numbers and 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -21,16 +21,14 @@ Base = tuple[Any, ...]  # what a base flow had to be solved for, as mpmath numbe
 
 @dataclass(frozen=True)
 class Expansion:
-    """The pencil about a point of the path, as series in the fraction t of a step of length h: (C0 + σ C1) dψ/dt = h (D0 + σ D1) ψ.
+    """The pencil about a point of the path, as series in the fraction t of a step of length h: C dψ/dt = h D ψ.
 
-    at_wall says whether t = 1 is the wall.
+    C and D are given by their coefficients of σ⁰, σ¹, …; at_wall says whether t = 1 is the wall.
     """
 
     h: Any
-    C0: Entries
-    C1: Entries
-    D0: Entries
-    D1: Entries
+    C: Sequence[Entries]
+    D: Sequence[Entries]
     at_wall: bool
 
 
@@ -53,8 +51,8 @@ class Integration(Protocol):
         """Go to the end of the last expansion's step."""
         ...
 
-    def wall_rows(self) -> tuple[Matrix, Matrix]:
-        """W0, W1 (k, n), asked for at the wall."""
+    def wall_rows(self) -> Sequence[Matrix]:
+        """W0, W1, … (k, n), asked for at the wall."""
         ...
 
     def corrected_base(self) -> Base:

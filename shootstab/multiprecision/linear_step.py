@@ -21,11 +21,15 @@ Entries = Mapping[tuple[int, int], Taylor]
 Subsystem = tuple[list[int], list[int]]  # rows and unknowns
 
 
-def affine(part0: Entries, part1: Entries, sigma: Any) -> dict[tuple[int, int], Taylor]:
-    """part0 + σ part1, entry by entry; what is exactly zero is left out."""
-    out = dict(part0)
-    for at, entry in part1.items():
-        out[at] = out[at] + sigma * entry if at in out else sigma * entry
+def at_sigma(parts: Sequence[Entries], sigma: Any) -> dict[tuple[int, int], Taylor]:
+    """Σ σ^k (part k), entry by entry; what is exactly zero is left out."""
+    out: dict[tuple[int, int], Taylor] = {}
+    factor: Any = 1
+    for k, part in enumerate(parts):
+        factor = sigma if k == 1 else factor * sigma
+        for at, entry in part.items():
+            term = factor * entry if k else entry
+            out[at] = out[at] + term if at in out else term
     return {at: entry for at, entry in out.items() if not entry.zero}
 
 

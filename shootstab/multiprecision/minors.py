@@ -1,4 +1,4 @@
-"""The linear system of a closed form in any ring: affine in σ, solved for the derivative, and carried over to minors."""
+"""The linear system of a closed form in any ring: at one σ, solved for the derivative, and carried over to minors."""
 
 from __future__ import annotations
 
@@ -14,11 +14,16 @@ from shootstab.multiprecision.tailed_series import TailedSeries
 Entries = dict[tuple[int, int], Any]
 
 
-def affine(part0: Any, part1: Any, sigma: Any) -> Entries:
-    out = {at: e if isinstance(e, TailedSeries) else acb(e) for at, e in part0.items()}
-    for at, e in part1.items():
-        term = (e if isinstance(e, TailedSeries) else acb(e)) * sigma
-        out[at] = out[at] + term if at in out else term
+def at_sigma(parts: Sequence[Any], sigma: Any) -> Entries:
+    """Σ σ^k (part k), entry by entry."""
+    out: Entries = {}
+    factor = acb(1)
+    for k, part in enumerate(parts):
+        factor = factor * sigma if k else factor
+        for at, e in part.items():
+            term = e if isinstance(e, TailedSeries) else acb(e)
+            term = term * factor if k else term
+            out[at] = out[at] + term if at in out else term
     return out
 
 

@@ -19,6 +19,14 @@ def combined(A: Matrix, B: Matrix, factor: Any) -> Matrix:
     return [[a + factor * b for a, b in zip(x, y, strict=True)] for x, y in zip(A, B, strict=True)]
 
 
+def polynomial(coefficients: Sequence[Matrix], sigma: Any) -> Matrix:
+    """Σ σ^k A_k, all (m, n), by Horner's rule."""
+    total = coefficients[-1]
+    for A in reversed(coefficients[:-1]):
+        total = combined(A, total, sigma)
+    return total
+
+
 def scaled(A: Matrix, factor: Any) -> Matrix:
     """factor A, (n, m)."""
     return [[factor * a for a in row] for row in A]

@@ -1,7 +1,7 @@
 """D(σ) by Taylor steps: the decaying space carried to the wall, kept well conditioned without losing that D is analytic.
 
 After every step the frame Y (n, k) is multiplied by the inverse of its best k rows, whose determinant is kept as a factor: D =
-det[(W0 + σW1) Y] times all of them is what it would be without, whichever rows are chosen.
+det[W(σ) Y] times all of them is what it would be without, whichever rows are chosen.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from shootstab.core.errors import ConvergenceError
 from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
 from shootstab.multiprecision.integration import Base, Expansion, Integration, Progress
-from shootstab.multiprecision.linear_step import affine, carried
+from shootstab.multiprecision.linear_step import at_sigma, carried
 from shootstab.multiprecision.settings import Settings, step_limit
 
 MOST_TAYLOR_STEPS = 5000  # chosen: a budget of some minutes for one D
@@ -79,12 +79,12 @@ class TaylorShooting:
         raise ConvergenceError("no Taylor step is short enough: sigma lies on the continuous spectrum")
 
     def _at_wall(self, sigma: Any, Y: Matrix, det: Any) -> Any:
-        rows = matrices.combined(*self._rows, sigma)
+        rows = matrices.polynomial(self._rows, sigma)
         return self.arithmetic.rounded(det * matrices.determinant(self.arithmetic, matrices.product(self.arithmetic, rows, Y)))
 
     def _carried(self, step: Expansion, sigma: Any, Y: Matrix) -> tuple[Matrix, list[Matrix]]:
         """The frame at the end of the step, and the last terms of its series."""
-        C, D = affine(step.C0, step.C1, sigma), affine(step.D0, step.D1, sigma)
+        C, D = at_sigma(step.C, sigma), at_sigma(step.D, sigma)
         return carried(self.arithmetic, self._n, C, {at: e * step.h for at, e in D.items()}, Y, self.settings.order)
 
     def _limit(self, Y: Matrix, last: list[Matrix]) -> float:

@@ -19,10 +19,10 @@ from shootstab.problems.truncation import tails, truncation_distance
 
 @dataclass(frozen=True, eq=False)
 class WallBeginning:
-    """A wall at z with rows (W0, W1), each (m, n)."""
+    """A wall at z with rows (W0, W1, …), each (m, n)."""
 
     z: float
-    rows: tuple[ComplexArray, ComplexArray]
+    rows: tuple[ComplexArray, ...]
     distance: float = 0.0
 
     @classmethod
@@ -33,7 +33,7 @@ class WallBeginning:
     @property
     def holds_sigma(self) -> bool:
         """Whether the free solutions depend on σ, so that the rows are kept as conditions where the subdomain arrives."""
-        return bool(self.rows[1].any())
+        return any(W.any() for W in self.rows[1:])
 
     def space(self, distance: float) -> ConstantSpace:
         """The free solutions (n, n−m), or all of Cⁿ where the rows hold σ; the same at any distance."""
@@ -66,7 +66,7 @@ class InfiniteBeginning:
         side = self.limit.direction
         z = self.origin + side * distance
         frozen = self.given.start is not None and self.given.limit is None
-        limit = AsymptoticPencil(*self.pencil.at(z), side) if frozen else self.limit
+        limit = AsymptoticPencil(self.pencil.at(z), side) if frozen else self.limit
         tail = None if frozen else tails(self.pencil, limit, self.origin, distance)
         return DecayingSpace(KatoFrame(limit, self.k, self.reference, distance), self.pencil, self.origin, z, tail, INFINITIES[side])
 

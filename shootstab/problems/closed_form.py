@@ -42,15 +42,15 @@ class ClosedForm(Protocol):
         ...
 
     def exact_pencil(self, z: Any, exact: Exact) -> Sequence[Mapping[tuple[int, int], Any]]:
-        """C0, C1, D0, D1 at z by their non-zero entries; z is a number, an array or a power series."""
+        """C0, C1, D0, D1, or C0, …, Cq, D0, …, Dq, at z by their non-zero entries; z is a number, an array or a power series."""
         ...
 
     def exact_far(self, sigma: Any, exact: Exact) -> Sequence[Sequence[Any]]:
         """The decaying space (n, k) at the far end, analytic in σ."""
         ...
 
-    def exact_wall(self, exact: Exact) -> tuple[Sequence[Sequence[Any]], Sequence[Sequence[Any]]]:
-        """W0, W1 (k, n): (W0 + σ W1) ψ = 0 at the wall."""
+    def exact_wall(self, exact: Exact) -> Sequence[Sequence[Sequence[Any]]]:
+        """W0, W1 (k, n), or more: (W0 + σ W1 + …) ψ = 0 at the wall."""
         ...
 
 
@@ -69,11 +69,13 @@ class ClosedProblem:
         return self.form.decaying
 
     def pencil(self, z: ComplexArray) -> Pencil:
-        dense = [np.zeros((len(z), self.size, self.size), dtype=np.complex128) for _ in range(4)]
-        for out, part in zip(dense, self.form.exact_pencil(z, complex), strict=True):
+        dense = []
+        for part in self.form.exact_pencil(z, complex):
+            dense.append(np.zeros((len(z), self.size, self.size), dtype=np.complex128))
             for (i, j), entry in part.items():
-                out[:, i, j] = entry
-        return Pencil(*dense)
+                dense[-1][:, i, j] = entry
+        half = len(dense) // 2
+        return Pencil.of(dense[:half], dense[half:])
 
     def start(self, sigma: complex, tolerance: float) -> float:
         """The far end."""
@@ -87,9 +89,8 @@ class ClosedProblem:
     def mesh(self, start: float) -> NDArray[np.float64]:
         return np.linspace(start, self._ends[1], FIRST_MESH_POINTS)
 
-    def wall_rows(self) -> tuple[ComplexArray, ComplexArray]:
-        W0, W1 = (np.array(W, dtype=np.complex128) for W in self.form.exact_wall(complex))
-        return W0, W1
+    def wall_rows(self) -> tuple[ComplexArray, ...]:
+        return tuple(np.array(W, dtype=np.complex128) for W in self.form.exact_wall(complex))
 
     def with_base_flow_error(self, factor: float) -> ClosedProblem:
         """Itself: the base flow is in closed form."""

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from shootstab.core import polynomial
 from shootstab.core.errors import InputError, Undecidable
 from shootstab.problems.ends import INFINITIES
 from shootstab.problems.protocol import ComplexArray
@@ -98,13 +99,10 @@ class EndConditions:
 
     @property
     def scale(self) -> float:
-        """A size of σ: of the ratios of the fixed entries to those that σ multiplies, the smallest above 0; 1 where there is none."""
-        ratios = []
-        for limit in self.limits.values():
-            for still, moving in ((limit.C0, limit.C1), (limit.D0, limit.D1)):
-                fixed, moved = float(np.abs(still).max()), float(np.abs(moving).max())
-                ratios += [fixed / moved] if fixed > 0.0 and moved > 0.0 and math.isfinite(fixed / moved) else []
-        return min(ratios, default=1.0)
+        """A size of σ: the smallest at which entries that σ multiplies come to those that are fixed; 1 where there is none."""
+        parts = [part for limit in self.limits.values() for part in (limit.pencil.C, limit.pencil.D)]
+        sizes = [polynomial.size_of_root([float(np.abs(M).max()) for M in part]) for part in parts]
+        return min((size for size in sizes if size > 0.0), default=1.0)
 
 
 def consistent_splitting(conditions: EndConditions, near: complex | None) -> ConsistentSplitting:

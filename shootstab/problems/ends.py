@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from shootstab.core import polynomial
 from shootstab.core.errors import InputError
 from shootstab.problems.protocol import GENERIC_SIGMA, ComplexArray
 
@@ -18,7 +21,7 @@ INFINITIES = {-1: "-infinity", 1: "+infinity"}
 
 @dataclass(frozen=True, eq=False)
 class Wall:
-    """A finite end at z with m conditions (rows + σ moving) ψ = 0; rows and moving are (m, n).
+    """A finite end at z with m conditions (rows + σ moving) ψ = 0; rows and moving are (m, n), or moving (q, m, n) for σ, …, σ^q.
 
     approximates is a singular point, as r = 0 of a pipe, in place of which the wall stands next to it at z = ε with rows that hold there in
     the limit. Every mode then errs by what the rest of the way does. It is measured, with the wall twice as far from the point, and is
@@ -35,8 +38,8 @@ class Wall:
         """The same wall at twice the distance from the point that it approximates; itself if there is none."""
         return self if self.approximates is None else replace(self, z=2.0 * self.z - self.approximates)
 
-    def matrices(self, n: int, where: str) -> tuple[ComplexArray, ComplexArray]:
-        """W0, W1 (m, n). Raises InputError for a place that is none, and for rows of the wrong shape, not finite or dependent."""
+    def matrices(self, n: int, where: str) -> tuple[ComplexArray, ...]:
+        """W0, W1, … (m, n). Raises InputError for a place that is none, and for rows of the wrong shape, not finite or dependent."""
         if not math.isfinite(self.z):
             raise InputError(f"the {where} wall is at z = {self.z}: allowed is a finite number, or st.Infinity()")
         side = -1 if where == WALLS[-1] else 1
@@ -70,7 +73,10 @@ class Infinity:
 
 @dataclass(frozen=True, eq=False)
 class Interface:
-    """Conditions inside, at z: (before + σ before_moving) ψ(z−) + (behind + σ behind_moving) ψ(z+) = 0, all (n, n)."""
+    """Conditions inside, at z: (before + σ before_moving) ψ(z−) + (behind + σ behind_moving) ψ(z+) = 0, all (n, n).
+
+    What moves may be (q, n, n), for σ, …, σ^q.
+    """
 
     z: float
     before: ArrayLike
@@ -84,26 +90,40 @@ class Interface:
         at: Any = np.asarray(J)
         return cls(z, at, -np.eye(*at.shape[:1]), moving)
 
-    def matrices(self, n: int) -> tuple[ComplexArray, ComplexArray]:
-        """M0, M1 (n, 2n) over (ψ(z−), ψ(z+)). Raises InputError for matrices of the wrong shape, not finite or of dependent rows."""
+    def matrices(self, n: int) -> tuple[ComplexArray, ...]:
+        """M0, M1, … (n, 2n) over (ψ(z−), ψ(z+)). Raises InputError for matrices of the wrong shape, not finite or of dependent rows."""
         named = f"the conditions at the interface z = {self.z:g}"
         parts = []
         for side, fixed, moving in (("before", self.before, self.before_moving), ("behind", self.behind, self.behind_moving)):
             parts.append(_rows(fixed, moving, (n, n), f"{named}, {side}", independent=False))
-        M0, M1 = (np.concatenate((a, b), axis=1) for a, b in zip(*parts, strict=True))
-        require_independent(M0, M1, named)
-        return M0, M1
+        nothing = np.zeros((n, n), dtype=np.complex128)
+        matrices = tuple(np.concatenate((a, b), axis=1) for a, b in itertools.zip_longest(*parts, fillvalue=nothing))
+        require_independent(matrices, named)
+        return matrices
 
 
 def _rows(
     fixed: ArrayLike, moving: ArrayLike | None, shape: tuple[int | None, int], named: str, independent: bool = True
-) -> tuple[ComplexArray, ComplexArray]:
-    """Both arrays, the second zero if it is not given. Raises InputError."""
+) -> tuple[ComplexArray, ...]:
+    """All coefficients, that of σ zero if it is not given. Raises InputError."""
     W0 = as_matrix(fixed, shape, named)
-    W1 = np.zeros_like(W0) if moving is None else as_matrix(moving, (len(W0), shape[1]), f"{named} times sigma")
+    if moving is None:
+        later = [np.zeros_like(W0)]
+    else:
+        given = list(moving) if _is_stack(moving) else [moving]  # type: ignore[arg-type]
+        powers = ["sigma", *(f"sigma**{k}" for k in range(2, len(given) + 1))]
+        later = [as_matrix(W, (len(W0), shape[1]), f"{named} times {power}") for W, power in zip(given, powers, strict=True)]
     if independent:
-        require_independent(W0, W1, named)
-    return W0, W1
+        require_independent((W0, *later), named)
+    return (W0, *later)
+
+
+def _is_stack(moving: Any) -> bool:
+    """Whether its members are matrices, of one shape or not."""
+    try:
+        return np.ndim(next(iter(moving))) == 2
+    except (TypeError, ValueError, StopIteration):
+        return False  # what it is instead is told where it is made a matrix
 
 
 def as_matrix(values: ArrayLike, shape: tuple[int | None, int], named: str) -> ComplexArray:
@@ -121,10 +141,11 @@ def as_matrix(values: ArrayLike, shape: tuple[int | None, int], named: str) -> C
     return matrix
 
 
-def require_independent(W0: ComplexArray, W1: ComplexArray, named: str) -> None:
-    """Raise InputError if the rows of W0 + σ W1, (k, n), are dependent whatever σ is."""
-    sizes = np.maximum(np.abs(W0).max(axis=1), np.abs(W1).max(axis=1))
+def require_independent(rows: Sequence[ComplexArray], named: str) -> None:
+    """Raise InputError if the rows of W0 + σ W1 + …, (k, n), are dependent whatever σ is."""
+    sizes = np.abs(rows).max(axis=(0, 2))
     with np.errstate(invalid="ignore", divide="ignore"):
-        rank = 0 if (sizes == 0.0).any() else int(np.linalg.matrix_rank((W0 + GENERIC_SIGMA * (1 + 1j) * W1) / sizes[:, None]))
-    if rank < len(W0):
-        raise InputError(f"{named} are {len(W0)} conditions of rank {rank}: allowed are independent ones")
+        matrix = polynomial.value(rows, GENERIC_SIGMA * (1 + 1j)) / sizes[:, None]
+        rank = 0 if (sizes == 0.0).any() else int(np.linalg.matrix_rank(matrix))
+    if rank < len(rows[0]):
+        raise InputError(f"{named} are {len(rows[0])} conditions of rank {rank}: allowed are independent ones")

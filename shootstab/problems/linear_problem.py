@@ -1,4 +1,4 @@
-"""(C0 + σ C1) ψ′ = (D0 + σ D1) ψ between two ends, written down by whoever has it: see `problem`."""
+"""C(σ) ψ′ = D(σ) ψ, polynomials in σ, between two ends, written down by whoever has it: see `problem`."""
 
 from __future__ import annotations
 
@@ -42,11 +42,12 @@ def problem(
     vectorized: bool = False,
     coarser: Callable[[float], LinearProblem] | None = None,
 ) -> LinearProblem:
-    """The eigenvalue problem (C0 + σ C1) ψ′ = (D0 + σ D1) ψ, ψ of this size, between a left and a right end.
+    """The eigenvalue problem (C0 + σ C1) ψ′ = (D0 + σ D1) ψ, or one of higher degree in σ, ψ of this size, between a left and a right end.
 
-    pencil(z) returns D0, D1 (C is the identity) or C0, C1, D0, D1, arrays (size, size); compiled with numba it is fast; vectorized, it
-    takes z (m,) and returns (m, size, size). An end is a `Wall` with rows or an `Infinity`, of whose limiting matrix the decaying space
-    is found; both may be infinite: the two sides then meet at z = fold. Interfaces couple ψ(z−) and ψ(z+). continuum(z) is σ_c(z), the σ
+    pencil(z) returns D0, D1 (C is the identity) or C0, C1, D0, D1, arrays (size, size), or C0, …, Cq, D0, …, Dq for powers of σ up to
+    the q-th; compiled with numba it is fast; vectorized, it takes z (m,) and returns (m, size, size). An end is a
+    `Wall` with rows or an `Infinity`, of whose limiting matrix the decaying space is found; both may be infinite: the two sides then
+    meet at z = fold. Interfaces couple ψ(z−) and ψ(z+). continuum(z) is σ_c(z), the σ
     for which C is singular at z; by default it is found from the pencil, and led around where it is one curve and analytic; with
     continuum=False it is not looked for. coarser(factor) is the problem on a base flow computed less accurately by this factor, if the
     base flow is computed at all.
@@ -141,7 +142,7 @@ class LinearProblem:
         graded = np.sinh(GRADING * x) / math.sinh(GRADING) if self.at_infinity else x
         return np.asarray(end + (start - end) * graded)
 
-    def wall_rows(self) -> tuple[ComplexArray, ComplexArray]:
+    def wall_rows(self) -> tuple[ComplexArray, ...]:
         return self.reduction.rows
 
     def with_base_flow_error(self, factor: float) -> LinearProblem:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -11,12 +12,12 @@ import numpy as np
 from shootstab.core.errors import InputError
 from shootstab.problems.protocol import ComplexArray, Pencil
 
-PENCIL_NAMES = {2: ("D0", "D1"), 4: ("C0", "C1", "D0", "D1")}
+ALLOWED = "two matrices, D0 and D1, or four, C0, C1, D0 and D1, or as many of C as of D for higher powers of sigma"
 
 
 @dataclass(frozen=True, eq=False)
 class PencilFunction:
-    """A function of z that returns D0, D1, where C is the identity, or C0, C1, D0, D1, each (n, n).
+    """A function of z that returns D0, D1, where C is the identity, or C0, C1, D0, D1, or C0, …, Cq, D0, …, Dq, each (n, n).
 
     Vectorized, it takes points (m,) and returns arrays (m, n, n) or, what does not depend on z, (n, n). It is given real z unless the
     path of integration leaves the real axis, as it does next to a continuous spectrum: then z is complex.
@@ -41,10 +42,9 @@ class PencilFunction:
             raise InputError(f"the pencil is not of one shape at all z ({error}): allowed is ({self.size}, {self.size})") from None
         return self._pencil(stacked, z)
 
-    def at(self, z: complex) -> tuple[ComplexArray, ComplexArray, ComplexArray, ComplexArray]:
-        """C0, C1, D0, D1 at one point, each (n, n); z may be ±∞."""
-        pencil = self(np.array([z], dtype=np.complex128))
-        return pencil.C0[0], pencil.C1[0], pencil.D0[0], pencil.D1[0]
+    def at(self, z: complex) -> Pencil:
+        """The matrices at one point, each (n, n); z may be ±∞."""
+        return self(np.array([z], dtype=np.complex128)).each(lambda M: M[0])
 
     def _parts(self, z: Any) -> tuple[Any, ...]:
         with np.errstate(all="ignore"):  # what is not finite is found below, and named
@@ -52,14 +52,14 @@ class PencilFunction:
                 parts = self.function(z)
             except (ArithmeticError, ValueError) as error:
                 raise _not_computed(f"z = {z:g}" if isinstance(z, float) else "some z", error) from error
-        if not isinstance(parts, tuple | list) or len(parts) not in PENCIL_NAMES:
+        if not isinstance(parts, tuple | list) or len(parts) < 2 or len(parts) % 2:
             count = len(parts) if isinstance(parts, tuple | list) else type(parts).__name__
-            raise InputError(f"the pencil gives {count}: allowed are two matrices, D0 and D1, or four, C0, C1, D0 and D1")
+            raise InputError(f"the pencil gives {count}: allowed are {ALLOWED}")
         return tuple(parts)
 
     def _pencil(self, stacked: list[Any], z: ComplexArray) -> Pencil:
         n = self.size
-        for name, M in zip(PENCIL_NAMES[len(stacked)], stacked, strict=True):
+        for name, M in zip(_names(len(stacked)), stacked, strict=True):
             if M.shape[1:] != (n, n):
                 raise InputError(f"the pencil's {name} has shape {M.shape[1:]}: allowed is ({n}, {n})")
             if not (np.isfinite(M.sum()) or np.isfinite(M).all()):  # a sum is quicker, and finite only if all are
@@ -68,14 +68,16 @@ class PencilFunction:
         if len(stacked) == 2:
             identity = np.broadcast_to(np.eye(n, dtype=np.complex128), (len(z), n, n))
             stacked = [identity, np.broadcast_to(np.zeros((n, n), dtype=np.complex128), (len(z), n, n)), *stacked]
-        return Pencil(*(np.asarray(M, dtype=np.complex128) for M in stacked))
+        matrices = [np.asarray(M, dtype=np.complex128) for M in stacked]
+        half = len(matrices) // 2
+        return Pencil.of(matrices[:half], matrices[half:])
 
     def _filled(self, points: Any) -> Pencil:
         """All points in one compiled loop."""
         n, count = self.size, len(self._parts(points[0]))
         out = np.empty((count, len(points), n, n), dtype=np.complex128)
         try:
-            _loop(count)(self.function, points, out)
+            _loop()(self.function, points, out)
         except (ArithmeticError, ValueError) as error:
             for z in points.tolist():  # the one point that is singular is found, and named
                 self._parts(z)
@@ -88,28 +90,23 @@ def _not_computed(where: str, error: Exception) -> InputError:
     return InputError(f"the pencil cannot be computed at {where}: {type(error).__name__}: {error}: {advice}")
 
 
-_LOOPS: dict[int, Any] = {}
+@cache
+def _loop() -> Any:
+    """The compiled loop over points, for a pencil of any number of matrices."""
+    from numba import literal_unroll, njit
+
+    @njit
+    def loop(pencil, points, out):  # type: ignore[no-untyped-def]
+        for i in range(len(points)):
+            j = 0
+            for matrix in literal_unroll(pencil(points[i])):  # enumerate is not unrolled
+                out[j, i] = matrix
+                j += 1  # noqa: SIM113
+
+    return loop
 
 
-def _loop(count: int) -> Any:
-    """The compiled loop over points for a pencil of two or of four matrices."""
-    if count not in _LOOPS:
-        from numba import njit
-
-        if count == 2:
-
-            @njit
-            def loop(pencil, points, out):  # type: ignore[no-untyped-def]
-                for i in range(len(points)):
-                    D0, D1 = pencil(points[i])
-                    out[0, i], out[1, i] = D0, D1
-        else:
-
-            @njit
-            def loop(pencil, points, out):  # type: ignore[no-untyped-def]
-                for i in range(len(points)):
-                    C0, C1, D0, D1 = pencil(points[i])
-                    out[0, i], out[1, i], out[2, i], out[3, i] = C0, C1, D0, D1
-
-        _LOOPS[count] = loop
-    return _LOOPS[count]
+def _names(count: int) -> list[str]:
+    """What is called so many matrices: C is given from four on."""
+    half = count // 2
+    return ["D0", "D1"] if half == 1 else [f"{part}{k}" for part in "CD" for k in range(half)]

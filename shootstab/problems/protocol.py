@@ -1,7 +1,8 @@
-"""What a problem is: (C0 + σ C1) ψ′ = (D0 + σ D1) ψ with a decaying space at the far end and rows at the wall."""
+"""What a problem is: C(σ) ψ′ = D(σ) ψ with a decaying space at the far end and rows at the wall, polynomials in σ, affine mostly."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -14,12 +15,45 @@ GENERIC_SIGMA = 0.35  # chosen: a real σ that is no special value of anything; 
 
 @dataclass(frozen=True)
 class Pencil:
-    """The matrices at m points, each (m, n, n)."""
+    """C = C0 + σ C1 + … and D = D0 + σ D1 + … at m points, each (m, n, n), or at one, (n, n); higher are (C2, D2), (C3, D3), …"""
 
     C0: ComplexArray
     C1: ComplexArray
     D0: ComplexArray
     D1: ComplexArray
+    higher: tuple[tuple[ComplexArray, ComplexArray], ...] = ()
+
+    @classmethod
+    def of(cls, C: Sequence[ComplexArray], D: Sequence[ComplexArray]) -> Pencil:
+        """From the coefficients of C and of D, (m, n, n), as many of both and two at least."""
+        return cls(C[0], C[1], D[0], D[1], tuple(zip(C[2:], D[2:], strict=True)))
+
+    @property
+    def C(self) -> tuple[ComplexArray, ...]:
+        """C0, C1, …, (m, n, n)."""
+        return (self.C0, self.C1, *(C for C, _ in self.higher))
+
+    @property
+    def D(self) -> tuple[ComplexArray, ...]:
+        """D0, D1, …, (m, n, n)."""
+        return (self.D0, self.D1, *(D for _, D in self.higher))
+
+    @property
+    def named(self) -> dict[str, ComplexArray]:
+        """All by their names, C0, C1, …, D0, D1, …, (m, n, n)."""
+        return {f"{name}{k}": M for name, part in (("C", self.C), ("D", self.D)) for k, M in enumerate(part)}
+
+    def each(self, change: Callable[[ComplexArray], ComplexArray]) -> Pencil:
+        """With every matrix, (m, n, n), changed."""
+        return Pencil.of([change(M) for M in self.C], [change(M) for M in self.D])
+
+    def stretched(self, factor: float) -> Pencil:
+        """Over t with z = factor·t: D times the factor."""
+        return Pencil.of(self.C, [factor * M for M in self.D])
+
+    def rescaled(self, unit: complex) -> Pencil:
+        """In v with σ = unit·v."""
+        return Pencil.of(*([unit**k * M if k else M for k, M in enumerate(part)] for part in (self.C, self.D)))
 
 
 @dataclass(frozen=True)
@@ -66,8 +100,8 @@ class Problem(Protocol):
         """Points (m,) from start to the wall, both included, roughly as dense as the solutions vary: a first mesh."""
         ...
 
-    def wall_rows(self) -> tuple[ComplexArray, ComplexArray]:
-        """W0, W1 (k, n): (W0 + σ W1) ψ = 0 at the wall."""
+    def wall_rows(self) -> tuple[ComplexArray, ...]:
+        """W0, W1, … (k, n), two at least: (W0 + σ W1 + …) ψ = 0 at the wall."""
         ...
 
     def with_base_flow_error(self, factor: float) -> Problem:

@@ -28,7 +28,7 @@ class RescaledContinuum:
 
 @dataclass(frozen=True, eq=False)
 class Rescaled:
-    """The pencil (C0 + v unit C1) ψ′ = (D0 + v unit D1) ψ.
+    """The pencil C(unit v) ψ′ = D(unit v) ψ.
 
     Multiplication by a complex number is analytic and keeps orientation: D stays analytic, and a curve's left side stays its left side.
     """
@@ -46,8 +46,7 @@ class Rescaled:
         return self.problem.decaying
 
     def pencil(self, z: ComplexArray) -> Pencil:
-        p = self.problem.pencil(z)
-        return Pencil(p.C0, self.unit * p.C1, p.D0, self.unit * p.D1)
+        return self.problem.pencil(z).rescaled(self.unit)
 
     def start(self, sigma: complex, tolerance: float) -> float:
         return self.problem.start(self.unit * sigma, tolerance)
@@ -59,9 +58,8 @@ class Rescaled:
     def mesh(self, start: float) -> NDArray[np.float64]:
         return self.problem.mesh(start)
 
-    def wall_rows(self) -> tuple[ComplexArray, ComplexArray]:
-        W0, W1 = self.problem.wall_rows()
-        return W0, self.unit * W1
+    def wall_rows(self) -> tuple[ComplexArray, ...]:
+        return tuple(self.unit**k * W if k else W for k, W in enumerate(self.problem.wall_rows()))
 
     def with_base_flow_error(self, factor: float) -> Rescaled:
         crude = self.problem.with_base_flow_error(factor)

@@ -1,16 +1,16 @@
-"""The curve σ_c(z) on which C0 + σ C1 is singular, from the pencil itself.
+"""The curve σ_c(z) on which C(σ) is singular, from the pencil itself.
 
-With σ_j(z) the finite eigenvalues of (C0, −C1), as often as they are zeros of det(C0 + σ C1),
+With σ_j(z) the zeros of det C(σ), as often as they are such,
 
-    tr[(C0 + σ C1)⁻¹ C1] = Σ_j 1/(σ − σ_j),
+    tr[C⁻¹ dC/dσ] = Σ_j 1/(σ − σ_j),
 
 so that one curve of multiplicity m has tr = m/(σ − σ_c): two values of σ give both, a third tests it. No eigenvalue at infinity, of
-which a singular C1 has many, ever enters, and σ_c is as analytic in z as the pencil is.
+which a singular leading coefficient has many, ever enters, and σ_c is as analytic in z as the pencil is.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,11 +19,14 @@ import scipy.linalg
 import scipy.optimize
 from numpy.typing import NDArray
 
+from shootstab.core import polynomial
 from shootstab.core.errors import InputError
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray
 
-PROBE_SIGMAS = np.array([0.83 + 1.31j, -1.17 + 0.59j, 0.41 - 1.73j])  # chosen: σ of no property, in the scale of C0 over C1
+PROBE_SIGMAS = np.array(
+    [0.83 + 1.31j, -1.17 + 0.59j, 0.41 - 1.73j]
+)  # chosen: σ of no property, in the scale that the sizes of C0, C1, … give
 TRACE_NOISE = 1e-9  # chosen: relative, what is told from 0 or from another number in the trace; a solve of a good C leaves 1e-14
 CURVE_PROBES = 65  # chosen: of a subdomain at which the pencil is asked for curves
 DIFFERENCE_STEP = 1e-5  # chosen: of the subdomain, by which derivatives along and across the real axis are compared
@@ -68,11 +71,11 @@ class ContinuumOnLine:
 
 
 def traces(function: PencilFunction, z: ComplexArray, sigmas: ComplexArray) -> ComplexArray:
-    """tr[(C0 + σ C1)⁻¹ C1] for σ (s,) at points z (p,): (s, p). Not finite where C is singular at one of these σ."""
-    pencil = function(z)
+    """tr[C⁻¹ dC/dσ] for σ (s,) at points z (p,): (s, p). Not finite where C is singular at one of these σ."""
+    C = function(z).C
     with np.errstate(all="ignore"):
         try:
-            solved = [np.linalg.solve(pencil.C0 + sigma * pencil.C1, pencil.C1) for sigma in sigmas.tolist()]
+            solved = [np.linalg.solve(polynomial.value(C, sigma), polynomial.slope(C, sigma)) for sigma in sigmas.tolist()]
         except np.linalg.LinAlgError:
             return np.full((len(sigmas), len(z)), np.nan + 0j)
     return np.asarray(np.trace(np.array(solved), axis1=2, axis2=3))
@@ -83,11 +86,10 @@ def singular_curves(function: PencilFunction, z: ComplexArray) -> SingularCurve 
 
     It is one that a path in z may lead around if it is not constant and the pencil is analytic next to the line.
     """
-    pencil = function(z)
-    fixed, moving = float(np.abs(pencil.C0).max()), float(np.abs(pencil.C1).max())
-    if fixed == 0.0 or moving == 0.0:
+    C = function(z).C
+    scale = polynomial.size_of_root([float(np.abs(M).max()) for M in C])
+    if scale == 0.0:
         return ()
-    scale = fixed / moving
     t = scale * traces(function, z, np.asarray(scale * PROBE_SIGMAS, dtype=np.complex128))
     if not np.isfinite(t).all() or np.abs(t).max() < TRACE_NOISE:
         return ()
@@ -97,15 +99,16 @@ def singular_curves(function: PencilFunction, z: ComplexArray) -> SingularCurve 
         off = np.abs(t[2] - m / (PROBE_SIGMAS[2] - sigma)) / np.abs(t[2])
     multiplicity = round(float(m[0].real)) if np.isfinite(m[0]) else 0
     if multiplicity < 1 or not (np.abs(m - multiplicity) < 1e-6).all() or not (off < 1e-6).all():
-        return _several(pencil.C0, pencil.C1)
+        return _several(C)
     if np.ptp(np.abs(sigma - sigma[0])) > TRACE_NOISE * max(1.0, float(np.abs(sigma).max())) and _analytic(function, z):
         return SingularCurve(function, scale, multiplicity)
     return (np.asarray(scale * sigma),)
 
 
-def _several(C0: ComplexArray, C1: ComplexArray) -> tuple[ComplexArray, ...]:
+def _several(C: Sequence[ComplexArray]) -> tuple[ComplexArray, ...]:
     """As many curves as are finite everywhere, joined from point to point by the least total distance."""
-    alphas, betas = zip(*(scipy.linalg.eig(a, -b, right=False, homogeneous_eigvals=True) for a, b in zip(C0, C1, strict=True)), strict=True)
+    pairs = zip(*polynomial.companion(C), strict=True)
+    alphas, betas = zip(*(scipy.linalg.eig(a, b, right=False, homogeneous_eigvals=True) for a, b in pairs), strict=True)
     size = np.abs(np.array(betas)) / np.hypot(np.abs(np.array(alphas)), np.abs(np.array(betas)))
     count = int((size > np.sqrt(TRACE_NOISE)).sum(axis=1).min())
     rows: list[ComplexArray] = []
@@ -132,7 +135,6 @@ def _analytic(function: PencilFunction, z: ComplexArray) -> bool:
 
 
 def _difference(function: PencilFunction, places: ComplexArray, step: complex) -> NDArray[np.complex128]:
-    """The derivative of C0, C1, D0 and D1 by a central difference, (4, p, n, n)."""
-    ahead, behind = function(places + step), function(places - step)
-    names = ("C0", "C1", "D0", "D1")
-    return np.array([(getattr(ahead, name) - getattr(behind, name)) / (2.0 * step) for name in names])
+    """The derivative of C0, C1, …, D0, … by a central difference, (2q, p, n, n)."""
+    ahead, behind = (function(places + sign * step).named for sign in (1, -1))
+    return np.array([(ahead[name] - behind[name]) / (2.0 * step) for name in ahead])

@@ -26,9 +26,10 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from shootstab.core import polynomial
 from shootstab.core.errors import Undecidable
 from shootstab.core.scaled import EPSILON
-from shootstab.problems.protocol import ComplexArray
+from shootstab.problems.protocol import ComplexArray, Pencil
 
 CLOSE_RATES = 1e-12  # chosen: of the largest rate; a gap below this is rounding
 UNRESOLVED_GAP = 100.0  # chosen: ‖E‖ ‖T12‖ in units of sep², times this; a defective pair that rounding has split has 1/4 to 1
@@ -36,12 +37,9 @@ UNRESOLVED_GAP = 100.0  # chosen: ‖E‖ ‖T12‖ in units of sep², times thi
 
 @dataclass(frozen=True, eq=False)
 class AsymptoticPencil:
-    """The pencil at an end, C0, C1, D0, D1 (n, n), and direction: +1 towards z = +∞, −1 towards −∞."""
+    """The pencil at an end, its matrices (n, n), and direction: +1 towards z = +∞, −1 towards −∞."""
 
-    C0: ComplexArray
-    C1: ComplexArray
-    D0: ComplexArray
-    D1: ComplexArray
+    pencil: Pencil
     direction: int
 
     def matrix(self, sigma: complex) -> tuple[ComplexArray, ComplexArray]:
@@ -49,22 +47,30 @@ class AsymptoticPencil:
 
         Raises Undecidable where C is singular.
         """
-        C = self.C0 + sigma * self.C1
+        C, D = polynomial.value(self.pencil.C, sigma), polynomial.value(self.pencil.D, sigma)
         try:
-            A = np.linalg.solve(C, self.D0 + sigma * self.D1)
-            slope = np.linalg.solve(C, self.D1 - self.C1 @ A)
+            A = np.linalg.solve(C, D)
+            slope = np.linalg.solve(C, polynomial.slope(self.pencil.D, sigma) - polynomial.slope(self.pencil.C, sigma) @ A)
         except np.linalg.LinAlgError:
             raise Undecidable(f"C is singular at the end at infinity for sigma = {sigma:.6g}: it lies on the continuous spectrum") from None
         return np.asarray(self.direction * A), np.asarray(self.direction * slope)
 
     def rescaled(self, unit: complex) -> AsymptoticPencil:
         """The same for v with σ = unit·v."""
-        return replace(self, C1=unit * self.C1, D1=unit * self.D1)
+        return replace(self, pencil=self.pencil.rescaled(unit))
 
     def rates(self, sigma: complex) -> ComplexArray:
         """The rates (n,), by rising real part."""
         rates = np.linalg.eigvals(self.matrix(sigma)[0])
         return np.asarray(rates[np.argsort(rates.real)])
+
+    def rates_at(self, sigmas: ComplexArray) -> ComplexArray:
+        """The rates (m, n) at σ (m,), in no order; NaN where C is singular."""
+        C, D = (polynomial.value(part, sigmas[:, None, None]) for part in (self.pencil.C, self.pencil.D))
+        whole = np.linalg.cond(C) < 1.0 / EPSILON
+        rates = np.full(D.shape[:2], np.nan, dtype=np.complex128)
+        rates[whole] = np.linalg.eigvals(self.direction * np.linalg.solve(C[whole], D[whole]))
+        return rates
 
     def splitting(self, sigma: complex, k: int) -> SpectralSplitting:
         """The k solutions that decay fastest.

@@ -3,7 +3,7 @@
 Subdomain j holds ψ on z = offset + scale·t. A subdomain that begins with a space (at a wall, at infinity) runs towards the interface, or
 the wall, where t = 0, and contributes n components. A subdomain whose solutions are free at its beginning is augmented: beside ψ it
 carries a, ψ's value at t = T, and begins with [I; I]. So conditions at both its ends are conditions at t = 0, and those of all subdomains
-together are the wall rows of one problem, affine in σ as they were:
+together are the wall rows of one problem, of the degree in σ that they have:
 
     whole line            (ψ_left, ψ_right), ψ_left = ψ_right at the fold
     interface at z_i      the same with M_− ψ_− + M_+ ψ_+ = 0
@@ -53,12 +53,12 @@ class Subdomain:
     def pencil(self, function: PencilFunction, t: ComplexArray) -> Pencil:
         """The matrices (m, N, N) of ψ, and of a before it if the subdomain is augmented."""
         p = function(self.points(t))
-        own = p if self.scale == 1.0 else Pencil(p.C0, p.C1, self.scale * p.D0, self.scale * p.D1)
+        own = p if self.scale == 1.0 else p.stretched(self.scale)
         if not self.augmented:
             return own
         n = function.size
         still = np.zeros((len(t), n, n), dtype=np.complex128)
-        return blocks([Pencil(still + np.eye(n), still, still, still), own])
+        return blocks([Pencil.of([still + np.eye(n), *[still for _ in own.C[1:]]], [still for _ in own.D]), own])
 
     def frame(self, sigma: complex) -> FarFrame:
         """The frame where the subdomain begins; [I; I] times it where it is augmented."""
@@ -72,7 +72,8 @@ def blocks(pencils: list[Pencil]) -> Pencil:
     """The pencil of a system in blocks."""
     if len(pencils) == 1:
         return pencils[0]
-    return Pencil(*(_diagonal([getattr(p, name) for p in pencils]) for name in ("C0", "C1", "D0", "D1")))
+    C, D = ([_diagonal(list(power)) for power in zip(*parts, strict=True)] for parts in ([p.C for p in pencils], [p.D for p in pencils]))
+    return Pencil.of(C, D)
 
 
 def frames(parts: list[FarFrame]) -> FarFrame:

@@ -21,6 +21,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from shootstab.core import polynomial
 from shootstab.core.errors import InputError
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import Pencil
@@ -38,7 +39,7 @@ def limit_at(pencil: PencilFunction, direction: int, given: tuple[object, ...] |
     """The pencil at ±∞, as given or as the function says. Raises InputError where it says nothing finite."""
     source = pencil if given is None else PencilFunction(pencil.size, lambda z: given)
     try:
-        return AsymptoticPencil(*source.at(direction * math.inf), direction)
+        return AsymptoticPencil(source.at(direction * math.inf), direction)
     except InputError as error:
         if given is not None:
             raise InputError(f"the limit given at {where}: {error}") from error
@@ -52,17 +53,17 @@ def truncation_distance(pencil: PencilFunction, limit: AsymptoticPencil, k: int,
     Raises InputError where they come to it slower than exponentially.
     """
     split = limit.splitting(reference, k)
-    there = limit.C0, limit.C1, limit.D0, limit.D1
-    nearest = _parts(pencil(np.array([origin + limit.direction * NEAREST_TRIED], dtype=np.complex128)))
-    fixed, moving = (float(np.abs(M).max()) for M in (nearest[2], nearest[3]))
-    size = min(max(abs(reference), fixed / moving if moving > 0.0 else 0.0), LARGEST_SIGMA * abs(reference))
+    nearest = pencil.at(origin + limit.direction * NEAREST_TRIED)
+    own = polynomial.size_of_root([float(np.abs(M).max()) for M in nearest.D])
+    size = min(max(abs(reference), own), LARGEST_SIGMA * abs(reference))
     to_basis, from_basis = np.abs(np.concatenate((split.left, split.left2))), np.abs(np.concatenate((split.X, split.X2), axis=1))
     rates = float((to_basis @ np.abs(split.A) @ from_basis).max()) or 1.0
 
     def settled(distance: float) -> bool:
         z = (origin + limit.direction * distance * np.geomspace(1.0, 1.0 + TAIL_LENGTH, TAIL_SAMPLES)).astype(np.complex128)
-        off = [np.abs(at - end) for at, end in zip(_parts(pencil(z)), there, strict=True)]
-        return bool((to_basis @ _moved(limit, off, split, reference, size) @ from_basis).max() <= NEGLIGIBLE_RATE * rates)
+        return bool(
+            (to_basis @ _moved(limit, _off(limit, pencil(z)), split, reference, size) @ from_basis).max() <= NEGLIGIBLE_RATE * rates
+        )
 
     far = NEAREST_TRIED
     while not settled(far):
@@ -82,11 +83,10 @@ def truncation_distance(pencil: PencilFunction, limit: AsymptoticPencil, k: int,
 
 
 def tails(pencil: PencilFunction, limit: AsymptoticPencil, origin: float, distance: float) -> tuple[NDArray[np.float64], ...]:
-    """∫|ΔC0|, ∫|ΔC1|, ∫|ΔD0|, ∫|ΔD1|, each (n, n), from there outwards; beyond the samples as of coefficients that fall off as 1/s²."""
+    """∫|ΔC0|, ∫|ΔC1|, …, ∫|ΔD0|, …, each (n, n), from there outwards; beyond the samples as of coefficients that fall off as 1/s²."""
     s = distance * np.geomspace(1.0, 1.0 + TAIL_LENGTH, TAIL_SAMPLES)
     at = pencil((origin + limit.direction * s).astype(np.complex128))
-    off = [np.abs(M - end) for M, end in zip(_parts(at), (limit.C0, limit.C1, limit.D0, limit.D1), strict=True)]
-    return tuple(np.trapezoid(M, s, axis=0) + s[-1] * M[-1] for M in off)
+    return tuple(np.trapezoid(M, s, axis=0) + s[-1] * M[-1] for M in _off(limit, at))
 
 
 def tail_error(limit: AsymptoticPencil, tail: tuple[NDArray[np.float64], ...], split: SpectralSplitting, sigma: complex) -> float:
@@ -100,10 +100,10 @@ def tail_error(limit: AsymptoticPencil, tail: tuple[NDArray[np.float64], ...], s
 def _moved(
     limit: AsymptoticPencil, off: Sequence[NDArray[np.float64]], split: SpectralSplitting, sigma: complex, size: float
 ) -> NDArray[np.float64]:
-    """|C⁻¹| (|ΔD| + |ΔC| |A|), (…, n, n), for ΔC0, ΔC1, ΔD0, ΔD1 of the same shape and |σ| = size in them."""
-    C0, C1, D0, D1 = off
-    inverse = np.abs(np.linalg.inv(limit.C0 + sigma * limit.C1))
-    return np.asarray(inverse @ (D0 + size * D1 + (C0 + size * C1) @ np.abs(split.A)))
+    """|C⁻¹| (|ΔD| + |ΔC| |A|), (…, n, n), for |ΔC0|, |ΔC1|, …, |ΔD0|, … of the same shape and |σ| = size in them."""
+    C, D = (polynomial.value(part, size) for part in (off[: len(off) // 2], off[len(off) // 2 :]))
+    inverse = np.abs(np.linalg.inv(polynomial.value(limit.pencil.C, sigma)))
+    return np.asarray(inverse @ (D + C @ np.abs(split.A)))
 
 
 def frozen_error(
@@ -111,10 +111,10 @@ def frozen_error(
 ) -> float:
     """The relative error that the frozen space at z makes after half the way to the origin, damped by the gap."""
     step = 1e-3 * (z - origin)
-    near = AsymptoticPencil(*pencil.at(z - step), limit.direction).matrix(sigma)[0]
+    near = AsymptoticPencil(pencil.at(z - step), limit.direction).matrix(sigma)[0]
     turning = np.abs(split.left2 @ (split.A - near) @ split.X) / abs(step)
     way = np.linspace(1.0, 0.5, WAY)
-    gaps = [gap(AsymptoticPencil(*pencil.at(origin + (z - origin) * x), limit.direction).rates(sigma), k) for x in way]
+    gaps = [gap(AsymptoticPencil(pencil.at(origin + (z - origin) * x), limit.direction).rates(sigma), k) for x in way]
     damped = math.exp(-float(np.trapezoid(gaps[::-1], abs(z - origin) * way[::-1])))
     return damped * _relative(split, np.concatenate((np.zeros((k, k)), turning / gaps[0])))
 
@@ -126,5 +126,6 @@ def _relative(split: SpectralSplitting, moved: NDArray[np.float64]) -> float:
     return float((change / np.maximum(rows, 1e-8 * rows.max())).max())
 
 
-def _parts(pencil: Pencil) -> tuple[NDArray[np.complex128], ...]:
-    return pencil.C0, pencil.C1, pencil.D0, pencil.D1
+def _off(limit: AsymptoticPencil, at: Pencil) -> list[NDArray[np.float64]]:
+    """|ΔC0|, |ΔC1|, …, |ΔD0|, …, by which the matrices lie off their limit."""
+    return [np.abs(M - end) for M, end in zip(at.named.values(), limit.pencil.named.values(), strict=True)]

@@ -7,6 +7,7 @@ subdomain meets the next, and all begin at the same t: see subdomains.py.
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,12 +31,12 @@ Beginnings = dict[int, WallBeginning | InfiniteBeginning]  # by side: −1 left,
 
 @dataclass(frozen=True, eq=False)
 class TwoPointReduction:
-    """The subdomains, all from t = start to t = end, and the rows (W0, W1), each (k, size), that hold at t = end."""
+    """The subdomains, all from t = start to t = end, and the rows (W0, W1, …), each (k, size), that hold at t = end."""
 
     subdomains: tuple[Subdomain, ...]
     start: float
     end: float
-    rows: tuple[ComplexArray, ComplexArray]
+    rows: tuple[ComplexArray, ...]
 
     @property
     def size(self) -> int:
@@ -99,7 +100,7 @@ def _ordered(left: Wall | Infinity, right: Wall | Infinity, interfaces: tuple[In
 def _limit(pencil: PencilFunction, end: Infinity, side: int) -> AsymptoticPencil:
     """What the pencil is at an infinite end; frozen at the start where it has no limit."""
     if end.start is not None and end.limit is None:
-        return AsymptoticPencil(*pencil.at(side * end.start), side)
+        return AsymptoticPencil(pencil.at(side * end.start), side)
     return limit_at(pencil, side, end.limit, INFINITIES[side])
 
 
@@ -126,8 +127,8 @@ def _one_subdomain(beginnings: Beginnings) -> TwoPointReduction:
             return TwoPointReduction((Subdomain(0.0, 1.0, far.space(far.distance)),), far.z, other.z, other.rows)
     left, right = beginnings[-1], beginnings[1]
     assert isinstance(left, WallBeginning) and isinstance(right, WallBeginning)
-    W0, W1 = (scipy.linalg.block_diag(a, b) for a, b in zip(left.rows, right.rows, strict=True))
-    return TwoPointReduction((Subdomain(0.0, 1.0, left.space(0.0), augmented=True),), left.z, right.z, (W0, W1))
+    rows = tuple(scipy.linalg.block_diag(a, b) for a, b in zip(*_to_one_degree([left.rows, right.rows]), strict=True))
+    return TwoPointReduction((Subdomain(0.0, 1.0, left.space(0.0), augmented=True),), left.z, right.z, rows)
 
 
 def _many_subdomains(n: int, beginnings: Beginnings, joints: tuple[Interface, ...]) -> TwoPointReduction:
@@ -146,18 +147,23 @@ def _many_subdomains(n: int, beginnings: Beginnings, joints: tuple[Interface, ..
     widths = [n * (1 + subdomain.augmented) for subdomain in subdomains]
     begins = [sum(widths[:j]) for j in range(len(widths))]
     arrives = [begin + n * subdomain.augmented for begin, subdomain in zip(begins, subdomains, strict=True)]
-    rows: tuple[list[ComplexArray], list[ComplexArray]] = [], []
+    parts: list[tuple[ComplexArray, ...]] = []
     for side, at in ((-1, 0), (1, -1)):
         begun = beginnings[side]
         if isinstance(begun, WallBeginning) and begun.holds_sigma:
-            for collected, W in zip(rows, begun.rows, strict=True):
-                collected.append(_placed(W, begins[at], sum(widths)))
+            parts.append(tuple(_placed(W, begins[at], sum(widths)) for W in begun.rows))
     for j, joint in enumerate(joints):
         # the solution of the last subdomain arrives at its joint; of one in between it is a, its value where it begins
         behind = arrives[j + 1] if j + 1 == len(joints) else begins[j + 1]
-        for collected, M in zip(rows, joint.matrices(n), strict=True):
-            collected.append(_placed(M[:, :n], arrives[j], sum(widths)) + _placed(M[:, n:], behind, sum(widths)))
-    return TwoPointReduction(subdomains, T, 0.0, (np.concatenate(rows[0]), np.concatenate(rows[1])))
+        parts.append(tuple(_placed(M[:, :n], arrives[j], sum(widths)) + _placed(M[:, n:], behind, sum(widths)) for M in joint.matrices(n)))
+    rows = tuple(np.concatenate(power) for power in zip(*_to_one_degree(parts), strict=True))
+    return TwoPointReduction(subdomains, T, 0.0, rows)
+
+
+def _to_one_degree(polynomials: Sequence[tuple[ComplexArray, ...]]) -> list[tuple[ComplexArray, ...]]:
+    """Each with zeros for the higher powers that it lacks."""
+    most = max(map(len, polynomials))
+    return [(*p, *[np.zeros_like(p[0]) for _ in range(most - len(p))]) for p in polynomials]
 
 
 def _placed(rows: ComplexArray, first: int, size: int) -> ComplexArray:

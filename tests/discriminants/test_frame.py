@@ -138,7 +138,7 @@ def test_the_determinant_of_wall_rows_and_frame(real: bool) -> None:
         return complex(np.linalg.det((W0 + s * W1) @ (Y + (s - sigma) * dY)))
 
     for kernel in (elimination.wall_determinant, elimination.wall_determinant.py_func):
-        det, slope = kernel(W0, W1, sigma, Y, dY)
+        det, slope = kernel(W0 + sigma * W1, W1, Y, dY)
         assert det == pytest.approx(exact(sigma), rel=1e-12)
         assert slope == pytest.approx((exact(sigma + 1e-5) - exact(sigma - 1e-5)) / 2e-5, rel=1e-7)
 

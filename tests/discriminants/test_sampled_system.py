@@ -17,9 +17,8 @@ SIGMA = 0.7 - 0.4j
 def matrix(pencil: Pencil, n: int) -> np.ndarray:
     """A(σ) at every point."""
     X, V, G, T = reduce_pencil(pencil, n)
-    gamma = G[:, 0] + SIGMA * G[:, 1]
-    tau = T[:, 0] + SIGMA * T[:, 1] + SIGMA**2 * T[:, 2]
-    return np.asarray(X[:, 0] + SIGMA * X[:, 1] + V @ np.linalg.solve(gamma, tau))
+    rest, gamma, tau = (sum(SIGMA**k * part[:, k] for k in range(part.shape[1])) for part in (X, G, T))
+    return np.asarray(rest + V @ np.linalg.solve(gamma, tau))
 
 
 def random_pencil(n: int, moving: list[int], columns: list[int], seed: int) -> Pencil:
@@ -37,6 +36,18 @@ def test_the_reduction_is_the_inverse_of_C_times_D(n: int, moving: list[int], co
     p = random_pencil(n, moving, columns, seed=n)
     exact = np.linalg.solve(p.C0 + SIGMA * p.C1, p.D0 + SIGMA * p.D1)
     np.testing.assert_allclose(matrix(p, n), exact, rtol=1e-10, atol=1e-10)
+
+
+@pytest.mark.parametrize("degree", [2, 3, 5])
+@pytest.mark.parametrize("moving", [[], [1], [0, 2]])
+def test_the_reduction_of_higher_powers(degree: int, moving: list[int]) -> None:
+    n, rng = 4, np.random.default_rng(degree)
+    C, D = ([rng.standard_normal((3, n, n)) + 1j * rng.standard_normal((3, n, n)) for _ in range(degree + 1)] for _ in range(2))
+    still = np.setdiff1d(np.arange(n), moving)
+    for M in C[1:]:
+        M[:, still] = 0.0
+    exact = np.linalg.solve(*(sum(SIGMA**k * M for k, M in enumerate(part)) for part in (C, D)))
+    np.testing.assert_allclose(matrix(Pencil.of(C, D), n), exact, rtol=1e-9, atol=1e-9)
 
 
 @pytest.mark.parametrize("coupling", [1.0, 0.0, 1e-12])

@@ -23,6 +23,16 @@ def test_characteristic_values_of_mathieus_equation() -> None:
     assert st.count(problem, st.Rectangle(-3 - 1j, 8 + 1j)) == 3
 
 
+def test_a_square_of_the_eigenvalue_gives_both_roots() -> None:
+    equation = ["d(y,2) + (omega**2 - 6*cos(2*z))*y"]
+    problem = st.equations(["y"], equation, st.Periodic(0), st.Periodic(np.pi), eigenvalue="omega")
+    root = np.sqrt(mathieu_b(2, 3.0))
+    for sign in (1, -1):
+        mode = st.refine(problem, guess=sign * root + 0.01)
+        assert abs(mode.sigma - sign * root) <= mode.error < 1e-10
+    assert problem.size == 4  # (a, ψ), without states for powers
+
+
 def test_double_eigenvalues_are_counted_twice() -> None:
     """Without the potential σ = (2n)²: 0 once, 4 and 16 twice."""
     assert st.count(mathieu(0.0), st.Rectangle(-1 - 1j, 5 + 1j)) == 3
@@ -33,5 +43,3 @@ def test_what_users_are_told() -> None:
         mathieu(1.0, 2.0)
     with pytest.raises(InputError, match="one end is periodic and the other is not"):
         st.equations(["y"], ["d(y,2) + sigma*y"], st.Periodic(0), st.Conditions(1, ["y"]))
-    with pytest.raises(InputError, match="the eigenvalue occurs to higher powers"):
-        st.equations(["y"], ["d(y,2) + sigma**2*y"], st.Periodic(0), st.Periodic(1))

@@ -108,18 +108,20 @@ def test_a_scheme_on_a_fixed_mesh_is_analytic_however_coarse() -> None:
 def random_system(n: int, m: int, degree: int, steps: int, real: bool = False) -> tuple[ReducedSystem, Callable[[complex], np.ndarray]]:
     """A system constant along the path, with zeros in it, and its A as a dense function of σ."""
     make = RNG.standard_normal if real else lambda shape: random_complex(*shape)
-    X, V, G, T = make((2, n, n)), make((n, m)), make((2, m, m)), make((3, m, n))
-    X[:, 0, 1], V[n - 1], T[:, :, 0], T[degree + 1 :] = 0, 0, 0, 0
+    q = max(2, degree)
+    X, V, G, T = make((q, n, n)), make((n, m)), make((q, m, m)), make((degree + 1, m, n))
+    X[:, 0, 1], V[n - 1], T[:, :, 0] = 0, 0, 0
     G[0] += 3 * np.eye(m)
     everywhere = (np.broadcast_to(a, (steps, 12, *a.shape)).astype(complex) for a in (X, V, G, T))
 
     def dense(s: complex) -> np.ndarray:
-        return X[0] + s * X[1] + V @ np.linalg.solve(G[0] + s * G[1], T[0] + s * T[1] + s * s * T[2])
+        rest, gamma, tau = (sum(s**j * M for j, M in enumerate(part)) for part in (X, G, T))
+        return np.asarray(rest + V @ np.linalg.solve(gamma, tau))
 
     return sample(np.full(steps, 1 / steps, complex), *everywhere), dense
 
 
-@pytest.mark.parametrize(("m", "degree"), [(0, 1), (1, 1), (1, 2), (3, 2)])
+@pytest.mark.parametrize(("m", "degree"), [(0, 1), (0, 4), (1, 1), (1, 2), (3, 2), (2, 5)])
 def test_sampled_system_equals_its_dense_form(m: int, degree: int) -> None:
     n, sigma = 5, 0.2 + 0.1j
     sampled, dense = random_system(n, m, degree, 1)
@@ -130,7 +132,7 @@ def test_sampled_system_equals_its_dense_form(m: int, degree: int) -> None:
         np.testing.assert_allclose(dA, (dense(sigma + 1e-5) - dense(sigma - 1e-5)) / 2e-5, rtol=1e-6, atol=1e-8)
 
 
-@pytest.mark.parametrize(("m", "degree", "k"), [(1, 1, 4), (1, 2, 3), (2, 2, 5), (2, 1, 1)])
+@pytest.mark.parametrize(("m", "degree", "k"), [(1, 1, 4), (1, 2, 3), (2, 2, 5), (2, 1, 1), (2, 4, 2), (0, 3, 3)])
 def test_transport_through_a_resolvent(m: int, degree: int, k: int) -> None:
     n, sigma = 6, 0.2 - 0.1j
     sampled, dense = random_system(n, m, degree, 40)

@@ -223,7 +223,7 @@ def test_errors_of_graded_rows_are_relative_to_their_grade() -> None:
     table, Y, units = random_table(4, 6, 0.6), random_complex(4, 2), np.array([1.0, 1e-4, 1e3, 1e-2])
     row = np.searchsorted(table.start, np.arange(16), side="right") - 1
     scaled = table._replace(
-        P=table.P * np.concatenate([(units[row] / units[table.column])[at] for at in (np.arange(16), table.linear, table.quadratic)])
+        P=table.P * np.concatenate([(units[row] / units[table.column])[at] for at in (np.arange(16), table.linear, table.higher)])
     )
     plain, graded = propagate(table, 0j, Y)[3], propagate(scaled, 0j, units[:, None] * Y)[3]
     assert (np.abs(np.log10(graded / plain)) < 1.5).all()

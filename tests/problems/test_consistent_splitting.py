@@ -10,6 +10,7 @@ import pytest
 
 import shootstab as st
 from shootstab.problems.consistent_splitting import EndConditions, consistent_splitting
+from shootstab.problems.protocol import Pencil
 from shootstab.problems.splitting import AsymptoticPencil
 
 MOVING = np.array([[0, 0], [1, 0]], dtype=np.complex128)
@@ -141,7 +142,7 @@ def test_shocks() -> None:
 def limits(D0: Any, D1: Any) -> dict[int, AsymptoticPencil]:
     n = len(D0)
     one, none = np.eye(n, dtype=np.complex128), np.zeros((n, n), dtype=np.complex128)
-    return {side: AsymptoticPencil(one, none, np.array(D0, complex), np.array(D1, complex), side) for side in (-1, 1)}
+    return {side: AsymptoticPencil(Pencil(one, none, np.array(D0, complex), np.array(D1, complex)), side) for side in (-1, 1)}
 
 
 @pytest.mark.parametrize(

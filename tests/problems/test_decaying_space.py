@@ -11,7 +11,7 @@ import pytest
 
 import shootstab as st
 from shootstab.core.errors import InputError, Undecidable
-from shootstab.problems.protocol import ComplexArray
+from shootstab.problems.protocol import ComplexArray, Pencil
 from shootstab.problems.splitting import AsymptoticPencil
 
 SIMILAR = np.array([[1.0, 0.5], [-0.3, 1.0]])
@@ -21,7 +21,7 @@ SHARP = np.array([[1.0, 2.0], [3.0, 7.0]])
 def constant(A: Any) -> AsymptoticPencil:
     """C = I, D = A, whatever σ is."""
     none = np.zeros_like(np.asarray(A, dtype=np.complex128))
-    return AsymptoticPencil(np.eye(len(A), dtype=np.complex128), none, np.asarray(A, dtype=np.complex128), none, 1)
+    return AsymptoticPencil(Pencil(np.eye(len(A), dtype=np.complex128), none, np.asarray(A, dtype=np.complex128), none), 1)
 
 
 def exact_space(A: ComplexArray, k: int) -> ComplexArray:

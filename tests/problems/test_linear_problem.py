@@ -13,6 +13,7 @@ import shootstab as st
 from shootstab.core.errors import InputError, Undecidable
 from shootstab.discriminants.frame import Frame
 from shootstab.problems.kato_frame import KatoFrame
+from shootstab.problems.protocol import Pencil
 from shootstab.problems.splitting import AsymptoticPencil
 
 ORSZAG = -1j * (0.23752648882047010745 + 0.0037396706229794099322j)
@@ -247,7 +248,7 @@ def test_with_a_fold_the_continuum_is_a_barrier() -> None:
 def random_limit(n: int, direction: int = 1, seed: int = 3) -> AsymptoticPencil:
     rng = np.random.default_rng(seed)
     C0, C1, D0, D1 = (rng.normal(size=(4, n, n)) + 1j * rng.normal(size=(4, n, n))) * np.array([1, 0.05, 1, 0.3])[:, None, None]
-    return AsymptoticPencil(C0 + 3 * np.eye(n), C1, D0, D1, direction)
+    return AsymptoticPencil(Pencil(C0 + 3 * np.eye(n), C1, D0, D1), direction)
 
 
 @pytest.mark.parametrize(("n", "k"), [(2, 1), (4, 2), (5, 2), (8, 4)])

@@ -10,7 +10,7 @@ import pytest
 
 import shootstab as st
 from shootstab.core.errors import InputError, Undecidable
-from shootstab.problems.quadratic import affine
+from shootstab.problems.protocol import Pencil
 from shootstab.problems.splitting import AsymptoticPencil
 
 FIXED = [[1.0, 0.0]]
@@ -27,11 +27,6 @@ def moving_c(z: Any) -> tuple[Any, ...]:
 
 def without_derivative(z: Any) -> tuple[Any, ...]:
     return np.diag([1.0, 0.0]), np.zeros((2, 2)), np.array([[0.0, 1.0], [1.0, 1.0]]), np.eye(2)
-
-
-def quadratic_on_other_columns() -> Any:
-    none = np.zeros((1, 2, 2))
-    return affine(none, none, none, none, np.ones((1, 2, 2)), [0])
 
 
 REFUSALS: dict[str, tuple[Any, tuple[str, ...]]] = {
@@ -56,7 +51,14 @@ REFUSALS: dict[str, tuple[Any, tuple[str, ...]]] = {
         lambda: st.problem(2, string, st.Wall(0, FIXED), st.Infinity(limit=(np.eye(3), np.eye(3)))),
         ("the limit given at +infinity", "(3, 3)", "(2, 2)"),
     ),
-    "D2 elsewhere": (quadratic_on_other_columns, ("D2 acts", "[0]")),
+    "five matrices": (
+        lambda: st.problem(2, lambda z: (*string(z), *string(z), np.eye(2)), st.Wall(0, FIXED), st.Infinity()),
+        ("the pencil gives 5", "as many of C as of D"),
+    ),
+    "rows times sigma squared of another shape": (
+        lambda: st.problem(2, string, st.Wall(0, FIXED, [[[1.0, 0.0]], [[1.0]]]), st.Wall(1, FIXED)),
+        ("left wall", "times sigma**2", "(1, 2)"),
+    ),
 }
 
 
@@ -71,6 +73,6 @@ def test_what_was_wrong_is_named(what: str) -> None:
 
 
 def test_an_end_whose_c_is_singular_lies_on_the_spectrum() -> None:
-    limit = AsymptoticPencil(*(np.asarray(M, dtype=np.complex128) for M in moving_c(0.0)), 1)
+    limit = AsymptoticPencil(Pencil(*(np.asarray(M, dtype=np.complex128) for M in moving_c(0.0))), 1)
     with pytest.raises(Undecidable, match=r"C is singular at the end at infinity for sigma = 1\b"):
         limit.rates(1.0)

@@ -20,7 +20,7 @@ from shootstab.models.chute.perturbations import Perturbations
 from shootstab.models.chute.wall import wall_rows
 from shootstab.multiprecision.arithmetic import TAIL_TERMS, Arithmetic, Matrix, exact, simplified
 from shootstab.multiprecision.integration import Base, Expansion, Progress
-from shootstab.multiprecision.linear_step import affine
+from shootstab.multiprecision.linear_step import at_sigma
 from shootstab.multiprecision.regular_singular_end import decaying_series
 from shootstab.multiprecision.secant import Secant, Values
 from shootstab.multiprecision.settings import Settings, step_limit
@@ -164,7 +164,7 @@ class ChuteIntegration:
         at_wall = h >= self._descent.remaining
         self._step = self._descent.to_base(self._place) if at_wall else self.arithmetic.number(-h)
         C0, C1, D0, D1, _ = self._scaled_pencil(self._place, self._step, self.settings.order)
-        return Expansion(self._step, C0, C1, D0, D1, at_wall)
+        return Expansion(self._step, (C0, C1), (D0, D1), at_wall)
 
     def advance(self) -> None:
         assert self._place is not None
@@ -210,7 +210,7 @@ class ChuteIntegration:
         if key not in self._frames:
             C0, C1, D0, D1, decay = self._far_pencil
             C0, C1 = ({at: e * decay for at, e in part.items()} for part in (C0, C1))
-            C, D = affine(C0, C1, sigma), affine(D0, D1, sigma)
+            C, D = at_sigma((C0, C1), sigma), at_sigma((D0, D1), sigma)
             K = self._wavenumber
             s = [1j * self._kx, 1j * self._ky, -self.arithmetic.complex(K)]
             B = [[-s[i] * s[j] / (7 * K) + (K if i == j else 0) for j in range(3)] for i in range(3)]

@@ -70,7 +70,9 @@ class Perturbations:
 
     def pencil(self, z: ComplexArray) -> Pencil:
         """The scaled first-order system (see first_order_system.py) at z (m,); off the real axis the flow is continued along z."""
-        return Pencil(*(_dense(e, len(z)) for e in system.pencil_entries(self._background(z), self.flow.chute.tan_theta, self.kx, self.ky)))
+        parts = system.pencil_entries(self._background(z), self.flow.chute.tan_theta, self.kx, self.ky)
+        C0, C1, D0, D1 = (_dense(entries, len(z)) for entries in parts)
+        return Pencil(C0, C1, D0, D1)
 
     def start(self, sigma: complex, tolerance: float) -> float:
         """Where the series of the far field holds to the tolerance."""

@@ -18,13 +18,11 @@ from shootstab.models.gallery.plate_system import PLATE_SIZE, Entries, backgroun
 from shootstab.problems import Infinity, LinearProblem, Wall
 from shootstab.problems.linear_problem import problem
 from shootstab.problems.protocol import ComplexArray
-from shootstab.problems.quadratic import affine, with_zeros
 
 STOKES = -2 / 3  # exact: second coefficient of viscosity, in μ, by Stokes' hypothesis
 MACK = 2 / 3 * (1.2 - 1)  # derived: the same for Mack's ratio 1.2 of bulk viscosity
 RANKINE = 1 / 1.8  # exact: kelvin
 STILL_WALL = np.eye(PLATE_SIZE)[[0, 2, 4, 6]]  # exact: u = v = θ = w = 0
-SQUARED = [0, 2, 3, 4, 6]  # exact: u, v, p, θ, w, what α² acts on
 PLATE_ROUNDING = 1e-16  # chosen, a unit of rounding: relative error of the profile
 
 Matrices = Callable[[ComplexArray], tuple[Any, ...]]
@@ -59,26 +57,23 @@ def plate_temporal(
 def plate_spatial(
     gas: Gas, reynolds: float, omega: float, beta: float = 0.0, second: float = STOKES, accuracy: float = 0.0
 ) -> LinearProblem:
-    """The eigenvalue is α. The order is 8 + 5: α times u, v, p, θ and w beside the state (see linear/quadratic.py)."""
+    """The eigenvalue is α, to the second power: in α², aΔ and aΛ."""
     _require(reynolds, second, omega=omega)
 
     def pencil(flow: PlateFlow) -> Matrices:
         def matrices(y: ComplexArray) -> tuple[Any, ...]:
             C, D = system(background(flow, y), gas, reynolds, beta, second)
             at = {(i, j): (-1j * omega) ** j for i in range(3) for j in range(2)}
-            C0, C1 = (_dense(C, at, ((i, 0), (i, 1)), len(y)) for i in range(2))
-            D0, D1, D2 = (_dense(D, at, ((i, 0), (i, 1)), len(y)) for i in range(3))
-            return affine(C0, C1, D0, D1, D2, SQUARED)
+            return tuple(_dense(part, at, ((i, 0), (i, 1)), len(y)) for part in (C, D) for i in range(3))
 
         return matrices
 
     def coarser(factor: float) -> LinearProblem:
         return plate_spatial(gas, reynolds, omega, beta, second, factor * PLATE_ROUNDING)
 
-    size, rows = PLATE_SIZE + len(SQUARED), with_zeros(STILL_WALL, len(SQUARED))
-    made, end = None if accuracy else coarser, Wall(0.0, rows)
+    made, end = None if accuracy else coarser, Wall(0.0, STILL_WALL)
     # c = 0.91: between the acoustic spectra, c < 1 − 1/M and c > 1 + 1/M, and beside that of vorticity, c = 1
-    return problem(size, pencil(_flow(gas, accuracy)), end, Infinity(), reference=1.1 * omega, vectorized=True, coarser=made)
+    return problem(PLATE_SIZE, pencil(_flow(gas, accuracy)), end, Infinity(), reference=1.1 * omega, vectorized=True, coarser=made)
 
 
 def plate(

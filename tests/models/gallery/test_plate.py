@@ -13,7 +13,6 @@ from shootstab.core.errors import InputError
 from shootstab.models.gallery.plate import MACK, STOKES, malik_3, malik_6, plate_temporal, stagnation
 from shootstab.models.gallery.plate_flow import Gas, plate_flow
 from shootstab.models.gallery.plate_system import background, system
-from shootstab.problems.quadratic import affine
 
 GAS = Gas(2.5, 148.0)
 NAMES = ("u", "v", "w", "p", "theta")
@@ -147,21 +146,6 @@ def dense(entries: Any, alpha: complex, sigma: complex) -> Any:
     for at, polynomial in entries.items():
         out[at] = sum(x * alpha**i * sigma**j for (i, j), x in polynomial.items())
     return out
-
-
-def test_spatial_and_temporal_are_one_system() -> None:
-    """At given α and σ the enlarged pencil on (φ, αφ_J) is the quadratic one: φ′ agrees, and ξ′ = αφ_J′."""
-    rng = np.random.default_rng(2)
-    C0, C1, D0, D1, D2 = (rng.normal(size=(1, 3, 3)) + 1j * rng.normal(size=(1, 3, 3)) for _ in range(5))
-    D2[:, :, 1] = 0
-    alpha = 0.4 - 0.3j
-    B0, B1, E0, E1 = affine(C0, C1, D0, D1, D2, [0, 2])
-    phi = rng.normal(size=3) + 0j
-    slope = np.linalg.solve(C0[0] + alpha * C1[0], (D0[0] + alpha * D1[0] + alpha**2 * D2[0]) @ phi)
-    larger = np.linalg.solve(B0[0] + alpha * B1[0], (E0[0] + alpha * E1[0]) @ np.concatenate((phi, alpha * phi[[0, 2]])))
-    np.testing.assert_allclose(larger, np.concatenate((slope, alpha * slope[[0, 2]])), rtol=1e-11)
-    with pytest.raises(InputError, match="other components"):
-        affine(C0, C1, D0, D1, D2, [0])
 
 
 # Malik's cases

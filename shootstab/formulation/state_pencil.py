@@ -1,0 +1,55 @@
+"""The first-order system with its conditions by powers of σ: what the engine takes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from shootstab.core.errors import InputError
+from shootstab.formulation.expression import Expression
+from shootstab.formulation.first_order import Entries, FirstOrder
+from shootstab.formulation.system import Row, coefficients, degree
+
+Condition = dict[int, Expression]  # of the states by their number, polynomials in σ
+Powers = tuple[Entries, ...]  # of σ⁰, σ¹, …, by their non-zero entries
+
+
+@dataclass(frozen=True, eq=False)
+class StatePencil:
+    """C(z, σ) ψ′ = D(z, σ) ψ, as many powers of C as of D, and the rows (W0, W1, …) at the ends, by (row, state); two powers at least."""
+
+    size: int
+    C: Powers
+    D: Powers
+    left: Powers
+    right: Powers
+    left_rows: int
+    right_rows: int
+
+
+def state_pencil(first: FirstOrder, left: Sequence[Condition], right: Sequence[Condition]) -> StatePencil:
+    """left and right are the conditions at the ends that hold any."""
+    highest = max(1, first.degree)
+    rows = [{(r, j): c for r, row in enumerate(end) for j, c in row.items()} for end in (left, right)]
+    at_left, at_right = (_powers(entries, max(1, *map(degree, entries.values())) if entries else 1) for entries in rows)
+    return StatePencil(first.order, _powers(first.C, highest), _powers(first.D, highest), at_left, at_right, len(left), len(right))
+
+
+def in_states(rows: list[tuple[str, Row]], first: FirstOrder) -> list[Condition]:
+    """The conditions on the states. Raises InputError for one that holds already, by the equations."""
+    number_of = {state: i for i, state in enumerate(first.states)}
+    out = []
+    for where, row in rows:
+        reduced = first.in_states(row)
+        if not reduced:
+            raise InputError(f"{where} says nothing: the equations themselves make it true; allowed are conditions that they leave open")
+        out.append({number_of[at]: c for at, c in reduced.items()})
+    return out
+
+
+def _powers(entries: Entries, highest: int) -> Powers:
+    out: Powers = tuple({} for _ in range(highest + 1))
+    for at, entry in entries.items():
+        for power, c in coefficients(entry).items():
+            out[power][at] = c
+    return out
