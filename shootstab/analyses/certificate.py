@@ -14,11 +14,11 @@ from typing import Any
 
 from flint import acb
 
-from shootstab.analyses.prove import OUTER, Proof
+from shootstab.analyses.prove import OUTER, Proof, enclosable
 from shootstab.core.errors import ConvergenceError, InputError, shortened
 from shootstab.core.reading import bytes_of, json_of, text_of
 from shootstab.multiprecision.enclosure import Enclosure, at_bits, decimal
-from shootstab.problems.capabilities import CERTIFIED, CLOSED_FORM
+from shootstab.problems.capabilities import CERTIFIED
 from shootstab.problems.protocol import Problem
 
 CHECKERS: Mapping[str, str] = {"plane Poiseuille": "shootstab.checkers.plane_poiseuille"}
@@ -75,5 +75,5 @@ def _log_size(problem: Problem, proof: Proof) -> float:
     """ln |D| on the circle of the proof."""
     with at_bits(proof.bits):
         centre, radius = proof.region["centre"], proof.region["radius"]
-        D = Enclosure(CLOSED_FORM.required(problem), proof.bits)(acb(decimal(centre["re"]), decimal(centre["im"])) + decimal(radius))
+        D = Enclosure(enclosable(problem), proof.bits)(acb(decimal(centre["re"]), decimal(centre["im"])) + decimal(radius))
         return float(abs(D).log().mid())

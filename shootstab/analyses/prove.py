@@ -20,19 +20,21 @@ from flint import acb, arb
 from shootstab.analyses.refine import refine
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.regions import Rectangle
+from shootstab.multiprecision.enclosable import ClosedFormEnclosable, Enclosable
 from shootstab.multiprecision.enclosure import Enclosure, at_bits, decimal
-from shootstab.problems.capabilities import CLOSED_FORM, GROWING_REGION
+from shootstab.problems.capabilities import CLOSED_FORM, ENCLOSABLE, GROWING_REGION
 from shootstab.problems.protocol import Problem
-from shootstab.roots.pellet import TaylorModel, points_for, polynomial_model, taylor_model
+from shootstab.roots.pellet import SPARE_POINTS, TaylorModel, nats_for, points_for, polynomial_model, taylor_model
 
 LEMMAS = ("E1", "E2", "E3", "E4", "E5", "E6", "E7")  # of the guide's page on proofs: E7 is what "with multiplicity" rests on
 SPARE_BITS = 96  # chosen: beyond the digits asked for; more are taken where the enclosure of D is too wide
 MORE_BITS, MOST_BITS = 1.6, 4096  # chosen: the factor of bits from one attempt to the next, and a budget of some minutes
 KNOWN_BITS = 40  # chosen: of D on the circle: an inequality that fails with so many fails for another reason than too few bits
+TOLD, MOST_PROBES = 4, 12  # chosen: bits of D from which on it is told from 0, and how often more are tried
 MOST_POINTS = 96  # chosen: values of D on a circle
 OUTER = 0.5  # chosen: the circle on which |D| is bounded, in |σ|; nearer circles need more points, wider ones more bits
 # chosen: of |σ|, the first disc in the search for the largest in which a mode is alone, and the factor to the next
-WIDEST, NARROWER = 0.125, 4.0
+WIDEST, NARROWER = 0.125, 1.25
 SPARE_DIGITS = 6  # chosen: of the mode beyond the digits of the disc around it
 CONTOUR_SAMPLES_BITS = 192  # chosen: of the values of D that tell how many bits and points a contour needs
 # chosen: spare bits of D on a contour, for a zero 2^−12 of the contour away; how often they are raised
@@ -87,7 +89,7 @@ def prove(problem: Problem, guess: Any, digits: int = 12) -> Proof:
     """
     if not 1 <= digits <= 1000:
         raise InputError(f"digits = {digits}: allowed is 1 to 1000")
-    form = CLOSED_FORM.required(problem)
+    form = enclosable(problem)
     began = perf_counter()
     mode = refine(problem, guess, digits=max(digits + SPARE_DIGITS, 13))
     if not mode.converged:
@@ -106,7 +108,7 @@ def prove_disc(problem: Problem, centre: complex, radius: float) -> Proof:
     if not 0.0 < radius < math.inf:
         raise InputError(f"radius = {radius!r}: allowed is a finite number above 0")
     at = complex(centre)
-    return _around(CLOSED_FORM.required(problem), (repr(at.real), repr(at.imag)), repr(float(radius)), perf_counter(), False)
+    return _around(enclosable(problem), (repr(at.real), repr(at.imag)), repr(float(radius)), perf_counter(), False)
 
 
 def prove_rectangle(problem: Problem, region: Rectangle, progress: Progress | None = None) -> Proof:
@@ -114,7 +116,7 @@ def prove_rectangle(problem: Problem, region: Rectangle, progress: Progress | No
 
     progress(done, total) counts values of D. Raises ConvergenceError where an eigenvalue lies on the boundary or too near to it.
     """
-    form = CLOSED_FORM.required(problem)
+    form = enclosable(problem)
     began = perf_counter()
     corners = [(repr(v.real), repr(v.imag)) for v in region.vertices]
     middle, half = (region.vertices[0] + region.vertices[2]) / 2, abs(region.vertices[2] - region.vertices[0]) / 2
@@ -141,56 +143,85 @@ def prove_growing(problem: Problem, floor: float, progress: Progress | None = No
 
     Raises InputError where there is no such theorem, and as `prove_rectangle` does.
     """
-    region = GROWING_REGION.required(problem)(floor)
-    return replace(prove_rectangle(problem, region, progress), floor=floor, lemmas=(*LEMMAS, "P1"))
+    region, lemma = GROWING_REGION.required(problem)(floor)
+    return replace(prove_rectangle(problem, region, progress), floor=floor, lemmas=(*LEMMAS, lemma))
 
 
-def _around(form: Any, centre: Decimals, radius: str, began: float, alone: bool) -> Proof:
+def enclosable(problem: Problem) -> Enclosable:
+    """The problem in balls: by its own formulation, or by its closed form. Raises InputError where it has neither."""
+    form = CLOSED_FORM.of(problem)
+    return ENCLOSABLE.required(problem) if form is None else ClosedFormEnclosable(form)  # type: ignore[no-any-return]
+
+
+def _around(form: Enclosable, centre: Decimals, radius: str, began: float, alone: bool) -> Proof:
     """Pellet's theorem on a disc, with as many bits as it takes."""
     size = max(abs(complex(float(centre[0]), float(centre[1]))), float(radius))
-    bits = SPARE_BITS + max(0, math.ceil(math.log2(size / float(radius))))
-    spent = 0
-    while bits <= MOST_BITS:
-        with at_bits(bits):
-            enclosure, at, r = Enclosure(form, bits), _number(centre), decimal(radius)
-            model, points = _model(enclosure, at, r, max(OUTER * size, 4.0 * float(radius)))
-            spent += points
-            count = model.proved()
-            if count is not None:
-                widest = _alone(enclosure, at, float(radius), size, count) if alone and count > 0 else None
-                shape = {"shape": "disc", "centre": _named(centre), "radius": radius}
-                return Proof(count, shape, model.margin(count), bits, points, spent, perf_counter() - began, alone=widest)
-            known = int(enclosure(at + r).rel_accuracy_bits())
-        if known > KNOWN_BITS:
+    outer = max(OUTER * size, 4.0 * float(radius))
+    bits, spent = _enough_bits(form, centre, radius, SPARE_BITS + max(0, math.ceil(math.log2(size / float(radius)))))
+    with at_bits(bits):
+        enclosure, at, r = Enclosure(form, bits), _number(centre), decimal(radius)
+        model = _model(enclosure, at, r, outer)
+        count = model.proved()
+        if count is None:
             raise ConvergenceError(
                 f"no term dominates the Taylor series of D on the circle of radius {radius}: take a smaller disc, or another centre"
             )
-        bits = math.ceil(MORE_BITS * bits)
+        spent += len(model.sizes) + 1
+        widest = None
+        if alone and count > 0:
+            wider = _wide_model(enclosure, at, float(radius), size)
+            widest = max(_alone(wider, count, float(radius)), float(radius))
+            spent += len(wider.sizes) + 1
+    shape = {"shape": "disc", "centre": _named(centre), "radius": radius}
+    return Proof(count, shape, model.margin(count), bits, len(model.sizes), spent, perf_counter() - began, alone=widest)
+
+
+def _enough_bits(form: Enclosable, centre: Decimals, radius: str, bits: int) -> tuple[int, int]:
+    """Bits with which D on the circle is known to KNOWN_BITS, and how many values it took to find out."""
+    for spent in range(1, MOST_PROBES):
+        with at_bits(bits):
+            known = int(Enclosure(form, bits)(_number(centre) + decimal(radius)).rel_accuracy_bits())
+        if known >= KNOWN_BITS:
+            return bits, spent
+        bits = bits + KNOWN_BITS - known if known >= TOLD else math.ceil(MORE_BITS * bits)
+        if bits > MOST_BITS:
+            break
     raise ConvergenceError(f"{MOST_BITS} bits do not enclose D well enough on the circle of radius {radius}")
 
 
-def _model(enclosure: Enclosure, centre: Any, radius: Any, outer: float) -> tuple[TaylorModel, int]:
-    """The Taylor model on a circle, and how many values of D it took."""
-    log_bound = enclosure.growth(_disc(centre, arb(outer)))
-    log_size = abs(enclosure(centre + radius)).log()
-    if not log_size.is_finite():
-        log_size = log_bound - 200  # D is not told from 0 there: as many points as for a D smaller by e^200 than its bound
+def _model(enclosure: Enclosure, centre: Any, radius: Any, outer: float) -> TaylorModel:
+    """The Taylor model on a circle; it takes a value of D more than it has points."""
+    log_bound, log_size = enclosure.growth(_disc(centre, arb(outer))), _log_size(enclosure, centre + radius)
     points = points_for(log_bound, log_size, radius, arb(outer), MOST_POINTS)
-    return taylor_model(enclosure, log_bound, centre, radius, arb(outer), points), points + 1
+    return taylor_model(enclosure, log_bound, centre, radius, arb(outer), points)
 
 
-def _alone(enclosure: Enclosure, centre: Any, radius: float, size: float, count: int) -> float:
-    """The largest disc about the centre, from WIDEST·|σ| down by factors, in which the count is still proved."""
-    trial = WIDEST * size
-    while trial > radius:
-        model, _ = _model(enclosure, centre, arb(trial), max(OUTER * size, 8.0 * trial))
-        if model.proved() == count:
-            return trial
-        trial /= NARROWER
-    return radius
+def _wide_model(enclosure: Enclosure, centre: Any, radius: float, size: float) -> TaylorModel:
+    """The same on a circle of WIDEST·|σ|, or a smaller one for which MOST_POINTS do."""
+    outer = max(OUTER * size, 8.0 * radius)
+    log_bound, log_size = enclosure.growth(_disc(centre, arb(outer))), _log_size(enclosure, centre + arb(radius))
+    log_size += math.log(WIDEST * size / radius) if radius < WIDEST * size else 0.0  # D grows about so much, being linear
+    far = outer * math.exp(-nats_for(log_bound, log_size) / (MOST_POINTS - SPARE_POINTS))
+    return _model(enclosure, centre, arb(max(min(WIDEST * size, far), radius)), outer)
 
 
-def _contour_settings(form: Any, corners: Sequence[complex], middle: complex, radius: float) -> tuple[int, int]:
+def _log_size(enclosure: Enclosure, sigma: Any) -> Any:
+    """ln |D|; where D is not told from 0 some number, which serves to choose points."""
+    found = abs(enclosure(sigma)).log()
+    return found if found.is_finite() else arb(-200)
+
+
+def _alone(model: TaylorModel, count: int, least: float) -> float:
+    """The largest disc up to that of the model, by factors, in which the same is proved; 0 where it is none above the least."""
+    radius = float(model.radius)
+    while radius > least:
+        if model.shrunk(arb(radius)).proved() == count:
+            return radius
+        radius /= NARROWER
+    return 0.0
+
+
+def _contour_settings(form: Enclosable, corners: Sequence[complex], middle: complex, radius: float) -> tuple[int, int]:
     """Bits and points, from the sizes of D on the contour and on the circle and from what an enclosure of D loses; choices, not bounds."""
     with at_bits(CONTOUR_SAMPLES_BITS):
         enclosure, centre, R = Enclosure(form, CONTOUR_SAMPLES_BITS), acb(middle.real, middle.imag), arb(radius)

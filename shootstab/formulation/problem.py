@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,9 @@ from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.singular_curve import ContinuumOnLine
 from shootstab.problems.two_point import reduce_to_two_points
+
+if TYPE_CHECKING:
+    from shootstab.multiprecision.enclosable import Enclosable
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -84,6 +87,18 @@ class EquationProblem(LinearProblem):
             return None
         start = RegularStart(space.end, Fraction(space.x))
         return lambda: EquationDigits(self.states, places[0], places[1], start, backwards=self.statement.holding[0])
+
+    @property
+    def enclosable(self) -> Enclosable | None:
+        """The same expressions in balls. None where a function is given to doubles only, or an end has no conditions."""
+        if self.statement.domain.given or not all(self.statement.holding):
+            return None
+        from shootstab.formulation.enclosed import EquationEnclosable
+
+        left, right = (
+            Fraction(Gaussian.of(end.at).re) for end in (self.statement.left, self.statement.right) if isinstance(end, Conditions)
+        )
+        return EquationEnclosable(self.affine, left, right)
 
     @property
     def crossings(self) -> tuple[tuple[NDArray[np.float64], ComplexArray], ...]:

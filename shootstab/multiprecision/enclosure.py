@@ -1,8 +1,8 @@
-"""D(σ) of a problem in closed form enclosed in a ball: Taylor steps with rigorous tails on the compound vector.
+"""D(σ) enclosed in a ball: Taylor steps with rigorous tails on the compound vector.
 
-The decaying space Y (n, k) is carried as y = Λ^k Y, which obeys y′ = A^(k) y with A = C⁻¹D, and D = Σ_I w_I y_I with the minors w of the
-wall rows: no division by anything that depends on the solution, no orthonormalization, and one ball for each component. σ is thin: a
-circle is sampled, never enclosed (theory, lemmas E2 and E3).
+The solutions Y (n, k) that the first end admits are carried as y = Λ^k Y, which obeys y′ = A^(k) y with A = C⁻¹D, and D = Σ_I w_I y_I
+with the minors w of the conditions at the other end: no division by anything that depends on the solution, no orthonormalization, and one
+ball for each component. σ is thin: a circle is sampled, never enclosed (theory, lemmas E2 and E3).
 
 On a step z = z_0 + h t, |t| ≤ 1, with B = h A^(k) = Σ B_j t^j + (tail): the coefficients (m + 1) y_{m+1} = Σ_{j≤m} B_j y_{m−j} are
 computed for m + 1 < N, and X_i = Σ_{m≥N} |y_{m,i}| obeys X ≤ G X + R with
@@ -21,14 +21,12 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from flint import acb, acb_mat, arb, ctx, fmpq
+from flint import acb, acb_mat, arb, ctx
 
 from shootstab.core.errors import ConvergenceError
-from shootstab.multiprecision import small_matrices as matrices
-from shootstab.multiprecision.arithmetic import exact
-from shootstab.multiprecision.minors import Entries, at_sigma, compound, minors, solved
+from shootstab.multiprecision.enclosable import Enclosable, ball
+from shootstab.multiprecision.minors import Entries, at_sigma, compound, solved
 from shootstab.multiprecision.tailed_series import NO_TAIL, TailedSeries, variable
-from shootstab.problems.closed_form import ClosedForm
 
 ENCLOSURE_STEPS = 20_000  # chosen, a budget: some minutes for one D
 SHORTEST_ENCLOSURE = 2.0**-40  # chosen: of the whole way: a step below it means a singular point of the coefficients
@@ -39,12 +37,9 @@ GROWTH_SUBINTERVALS = 96
 
 @dataclass(frozen=True, eq=False)
 class Enclosure:
-    """A closed form with the arithmetic that encloses its D: bits of working precision, terms of a Taylor step.
+    """A problem with the arithmetic that encloses its D: bits of working precision, terms of a Taylor step."""
 
-    step is what |B| may be at most, in units of its spectral radius: the length of a step.
-    """
-
-    form: ClosedForm
+    problem: Enclosable
     bits: int
 
     @property
@@ -59,17 +54,12 @@ class Enclosure:
     @property
     def reach(self) -> float:
         """ρ(|A^(k)|) h of the longest step; chosen so that the number of terms is a few times it."""
-        return max(2.0, self.bits / 16)
-
-    def exact(self, x: float) -> Any:
-        """The decimal that a float stands for, as a ball."""
-        fraction = exact(x)
-        return acb(fmpq(fraction.numerator, fraction.denominator))
+        return max(2.0, self.bits / 8)
 
     def __call__(self, sigma: Any) -> Any:
         """A ball that holds D(σ) for every σ in the ball given, which should be thin. To be called at the working precision."""
         y = self._start(sigma)
-        here, wall = (acb(end).real for end in self.form.exact_ends(self.exact))
+        here, wall = self.problem.ends()
         whole = float((wall - here).mid())
         length = whole
         for _ in range(ENCLOSURE_STEPS):
@@ -82,14 +72,14 @@ class Enclosure:
 
     def growth(self, sigma: Any) -> Any:
         """An upper bound on ln |D| over the whole ball σ: the logarithmic norm of A^(k) integrated along the way (theory, lemma E4)."""
-        start, wall = (acb(end).real for end in self.form.exact_ends(self.exact))
+        start, wall = self.problem.ends()
         weights = self._weights(sigma, start, wall)
         y = self._start(sigma)
         total = _largest([abs(y[i, 0]) / arb(w) for i, w in enumerate(weights)]).log()
         piece = (wall - start) / GROWTH_SUBINTERVALS
         for i in range(GROWTH_SUBINTERVALS):
             z = (start + piece * i).union(start + piece * (i + 1))
-            A = compound(self.form.size, self.form.decaying, self._system(acb(z), sigma))
+            A = compound(self.problem.size, self.problem.decaying, self._system(acb(z), sigma))
             rates = []
             for row in range(len(weights)):
                 rate = (A.get((row, row), acb(0)) * piece).real
@@ -98,7 +88,7 @@ class Enclosure:
                         rate += abs(entry) * abs(piece) * arb(weights[b]) / arb(weights[row])
                 rates.append(rate)
             total += _largest(rates)
-        w = self._wall_minors(sigma)
+        w = self.problem.wall(sigma)
         ends = sum((abs(x) * arb(weight) for x, weight in zip(w, weights, strict=True)), NO_TAIL)
         return total + ends.upper().log()
 
@@ -121,8 +111,8 @@ class Enclosure:
 
     def _natural(self, sigma: Any, here: Any) -> float:
         """A length of step from the spectral radius of |A^(k)| here, in doubles: a choice, not a bound."""
-        A = compound(self.form.size, self.form.decaying, self._system(acb(here), sigma))
-        size = math.comb(self.form.size, self.form.decaying)
+        A = compound(self.problem.size, self.problem.decaying, self._system(acb(here), sigma))
+        size = math.comb(self.problem.size, self.problem.decaying)
         dense = np.zeros((size, size))
         for (i, j), entry in A.items():
             dense[i, j] = float(abs(entry).mid())
@@ -131,7 +121,7 @@ class Enclosure:
     def _carried(self, sigma: Any, y: Any, here: Any, h: Any) -> Any:
         """y at the end of the step, or None where its tail cannot be bounded."""
         N, size = self.terms, y.nrows()
-        A = compound(self.form.size, self.form.decaying, self._system(variable(here, h, N), sigma))
+        A = compound(self.problem.size, self.problem.decaying, self._system(variable(here, h, N), sigma))
         entries = {at: _series(entry, N) * acb(h) for at, entry in A.items()}
         orders = range(max(len(e.c) for e in entries.values()))
         B = [_matrix(size, {at: e.c[m] for at, e in entries.items() if m < len(e.c)}) for m in orders]
@@ -170,32 +160,25 @@ class Enclosure:
 
     def _system(self, z: Any, sigma: Any) -> Entries:
         """A = C⁻¹ D at z, a number or a series, by its non-zero entries."""
-        parts = self.form.exact_pencil(z, self.exact)
-        n, half = self.form.size, len(parts) // 2
-        C, D = parts[:half], parts[half:]
+        C, D = self.problem.pencil(z)
+        n = self.problem.size
         if not any(C[1:]) and dict(C[0]) == {(i, i): 1 for i in range(n)}:
             return at_sigma(D, sigma)
         return solved(n, at_sigma(C, sigma), at_sigma(D, sigma))
 
     def _start(self, sigma: Any) -> Any:
-        """Λ^k of the decaying space at the far end."""
-        rows = [[acb(x) for x in row] for row in self.form.exact_far(sigma, self.exact)]
-        found = minors(rows, self.form.decaying)
+        found = self.problem.start(sigma)
         return acb_mat(len(found), 1, found)
 
-    def _wall_minors(self, sigma: Any) -> list[Any]:
-        rows = matrices.polynomial([[[acb(x) for x in row] for row in W] for W in self.form.exact_wall(self.exact)], sigma)
-        return minors([list(column) for column in zip(*rows, strict=True)], self.form.decaying)
-
     def _at_wall(self, sigma: Any, y: Any) -> Any:
-        return sum((w * y[i, 0] for i, w in enumerate(self._wall_minors(sigma))), acb(0))
+        return sum((w * y[i, 0] for i, w in enumerate(self.problem.wall(sigma))), acb(0))
 
     def _weights(self, sigma: Any, start: Any, wall: Any) -> list[float]:
         """A scaling of the components in which |A^(k)| grows little: Perron's vector halfway, in doubles. Any positive one would do."""
-        size = math.comb(self.form.size, self.form.decaying)
+        size = math.comb(self.problem.size, self.problem.decaying)
         dense = np.zeros((size, size))
         for part in (0.1, 0.5, 0.9):
-            A = compound(self.form.size, self.form.decaying, self._system(acb(start + (wall - start) * part), acb(sigma.mid())))
+            A = compound(self.problem.size, self.problem.decaying, self._system(acb(start + (wall - start) * part), acb(sigma.mid())))
             for (i, j), entry in A.items():
                 dense[i, j] += float(abs(entry).mid())
         return _perron(dense)
@@ -208,8 +191,7 @@ def at_bits(bits: int) -> Any:
 
 def decimal(text: str) -> Any:
     """A decimal as a ball at the working precision."""
-    fraction = Fraction(text)
-    return arb(fmpq(fraction.numerator, fraction.denominator))
+    return ball(Fraction(text))
 
 
 def _series(entry: Any, terms: int) -> TailedSeries:

@@ -1,42 +1,50 @@
 """Power series on |t| ≤ 1 with rigorous tails: N balls and a bound on the ℓ¹ norm of every coefficient behind them.
 
 A `TailedSeries` (c_0, …, c_{N−1}; τ) stands for every f(t) = Σ_m f_m t^m with f_m ∈ c_m for m < N and Σ_{m≥N} |f_m| ≤ τ. The set is closed
-under the operations below, each of which encloses the exact result (theory, lemma E1). With ‖·‖ the ℓ¹ norm, b = b_0 (1 + u),
-s = max(1, |r|) and R = Σ_{k<N} |c_k| Σ_{j≥N−k} |u_j|:
+under the operations below, each of which encloses the exact result (theory, lemma E1). The first N coefficients of a result depend on no
+others: they are those of FLINT's series. With ‖·‖ the ℓ¹ norm, b = b_0 (1 + u), s = max(1, |r|) and R = Σ_{k<N} |c_k| Σ_{j≥N−k} |u_j|,
+the tails are
 
-    a b      Σ_{j+k≥N} |a_j||b_k| + τ_a ‖b‖ + τ_b ‖a‖ + τ_a τ_b
+    a b      Σ_{m≥N} |Σ_{j+k=m} a_j b_k| + τ_a ‖b‖ + τ_b ‖a‖ + τ_a τ_b
     a/b      (τ_a/|b_0| + R)/(1 − ‖u‖)                                   from c_m = a_m/b_0 − Σ_j u_j c_{m−j}
     b^r      s R/(1 − s ‖u‖)                                             from c_m = Σ_j ((r + 1) j/m − 1) u_j c_{m−j}
     exp a    R/(1 − ‖u‖), u = a − a_0                                    from m c_m = Σ_j j u_j c_{m−j}
     ln b     ((τ_u + R)/(1 − ‖u‖))                                       from c_m = u_m − Σ_j (1 − j/m) u_j c_{m−j}
+    erf a    the tail of u g, g = 2 e^{−a²}/√π                           from m c_m = Σ_j j u_j g_{m−j}
 
 A tail that these inequalities cannot bound, ‖u‖ ≥ 1 or s ‖u‖ ≥ 1, is infinite: the step is too long, and its maker takes a shorter one.
+So it is where b may cross the cut of a logarithm or root, the negative axis, on |t| ≤ 1; a series whose coefficients are all real and
+that is negative throughout keeps to the upper side of it, as numbers do.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from itertools import zip_longest
 from typing import Any
 
-from flint import acb, arb
+from flint import acb, acb_poly, acb_series, arb, ctx
 
 ZERO_BALL, NO_TAIL = acb(0), arb(0)
 UNBOUNDED = arb.pos_inf()
 
 
 class TailedSeries:
-    """c (p,) balls, the first p ≤ N = terms coefficients, those behind them up to N zero, and τ ≥ 0."""
+    """c (p,) balls, the first p ≤ N = terms coefficients, those behind them up to N zero, and τ ≥ 0.
 
-    __slots__ = ("c", "tail", "terms")
+    real says that the coefficients are known to be real, those of the tail included.
+    """
 
-    def __init__(self, c: Sequence[Any], terms: int, tail: Any = NO_TAIL) -> None:
-        self.c, self.terms, self.tail = list(c), terms, tail
+    __slots__ = ("c", "real", "tail", "terms")
+
+    def __init__(self, c: Sequence[Any], terms: int, tail: Any = NO_TAIL, real: bool = False) -> None:
+        self.c, self.terms, self.tail, self.real = list(c) or [ZERO_BALL], terms, tail, real
 
     @property
     def norm(self) -> Any:
         """‖f‖, an upper bound."""
-        return _sum(abs(x) for x in self.c) + self.tail
+        return _norm(self.c) + self.tail
 
     def beyond(self) -> list[Any]:
         """Σ_{j≥m} |f_j| for m = 0 … p, upper bounds; for m from p to N the last of them."""
@@ -45,16 +53,17 @@ class TailedSeries:
             sums.append(sums[-1] + abs(x))
         return sums[::-1]
 
-    def _like(self, c: Sequence[Any], tail: Any) -> TailedSeries:
-        return TailedSeries(c, self.terms, tail)
+    def _like(self, c: Sequence[Any], tail: Any, real: bool) -> TailedSeries:
+        return TailedSeries(c, self.terms, tail, real)
 
     def __neg__(self) -> TailedSeries:
-        return self._like([-x for x in self.c], self.tail)
+        return self._like([-x for x in self.c], self.tail, self.real)
 
     def __add__(self, other: Any) -> TailedSeries:
         if isinstance(other, TailedSeries):
-            return self._like([x + y for x, y in zip_longest(self.c, other.c, fillvalue=ZERO_BALL)], self.tail + other.tail)
-        return self._like([self.c[0] + other, *self.c[1:]], self.tail)
+            c = [x + y for x, y in zip_longest(self.c, other.c, fillvalue=ZERO_BALL)]
+            return self._like(c, self.tail + other.tail, self.real and other.real)
+        return self._like([self.c[0] + other, *self.c[1:]], self.tail, self.real and _is_real(other))
 
     __radd__ = __add__
 
@@ -66,18 +75,12 @@ class TailedSeries:
 
     def __mul__(self, other: Any) -> TailedSeries:
         if not isinstance(other, TailedSeries):
-            return self._like([x * other for x in self.c], self.tail * abs(acb(other)))
-        a, b, n = self.c, other.c, min(len(self.c) + len(other.c) - 1, self.terms)
-        c, tail = [ZERO_BALL] * n, NO_TAIL
-        for i, x in enumerate(a):
-            for j, y in enumerate(b):
-                if i + j < n:
-                    c[i + j] += x * y
-                else:
-                    tail += abs(x) * abs(y)
+            return self._like([x * other for x in self.c], self.tail * abs(acb(other)), self.real and _is_real(other))
+        whole = (acb_poly(self.c) * acb_poly(other.c)).coeffs()
+        tail = _norm(whole[self.terms :])
         if self.tail != 0 or other.tail != 0:
-            tail += self.tail * other.norm + other.tail * _sum(abs(x) for x in a)
-        return self._like(c, tail)
+            tail += self.tail * other.norm + other.tail * _norm(self.c)
+        return self._like(whole[: self.terms], tail, self.real and other.real)
 
     __rmul__ = __mul__
 
@@ -85,37 +88,49 @@ class TailedSeries:
         if not isinstance(other, TailedSeries):
             return self * (1 / acb(other))
         first, u = other._relative()
-        scaled = [x / first for x in self.c]
-        return _recurrence(u, lambda m: scaled[m] if m < len(scaled) else ZERO_BALL, lambda j, m: -1, self.tail / abs(first), arb(1))
+        if not u.norm < 1:
+            return self._unbounded()
+        with _capped(self.terms):
+            c = (self._flint() / other._flint()).coeffs()
+        return self._like(c, _carried(u, c, self.tail / abs(first), arb(1)), self.real and other.real)
 
     def __rtruediv__(self, other: Any) -> TailedSeries:
-        return self._like([acb(other)], NO_TAIL) / self
+        return self._like([acb(other)], NO_TAIL, _is_real(other)) / self
 
     def __pow__(self, exponent: Any) -> TailedSeries:
-        """A natural power by multiplication, any other one on the branch of b_0^r that acb takes."""
+        """A natural power by multiplication, any other one on the branch that numbers have: cut along the negative axis."""
         if isinstance(exponent, int) and exponent >= 0:
-            power = self._like([acb(1)], NO_TAIL)
+            power = self._like([acb(1)], NO_TAIL, True)
             for _ in range(exponent):
                 power = power * self
             return power
         first, u = self._relative()
         r = acb(exponent)
         size = arb(1).max(abs(r))
-        start = first**r
-        return _recurrence(u, lambda m: start if m == 0 else ZERO_BALL, lambda j, m: (r + 1) * j / m - 1, NO_TAIL, size)
+        if not (size * u.norm < 1 and self._off_the_cut(u)):
+            return self._unbounded()
+        with _capped(self.terms):
+            c = ((acb_series([1, *u.c[1:]], self.terms).log() * r).exp() * first**r).coeffs()
+        return self._like(c, _carried(u, c, NO_TAIL, size), self.real and _is_real(r) and first.real > 0)
 
     def exp(self) -> TailedSeries:
         """e^f."""
-        start = self.c[0].exp()
-        u = self._like([ZERO_BALL, *self.c[1:]], self.tail)
-        return _recurrence(u, lambda m: start if m == 0 else ZERO_BALL, lambda j, m: acb(j) / m, NO_TAIL, arb(1))
+        u = self._like([ZERO_BALL, *self.c[1:]], self.tail, self.real)
+        if not u.norm < 1:
+            return self._unbounded()
+        with _capped(self.terms):
+            c = self._flint().exp().coeffs()
+        return self._like(c, _carried(u, c, NO_TAIL, arb(1)), self.real)
 
     def log(self) -> TailedSeries:
-        """ln f on the branch of ln f_0 that acb takes."""
+        """ln f, cut along the negative axis."""
         first, u = self._relative()
-        found = _recurrence(u, lambda m: u.c[m] if 0 < m < len(u.c) else ZERO_BALL, lambda j, m: acb(j) / m - 1, u.tail, arb(1))
-        shifted: TailedSeries = found + first.log()
-        return shifted
+        if not (u.norm < 1 and self._off_the_cut(u)):
+            return self._unbounded()
+        with _capped(self.terms):
+            c = acb_series([1, *u.c[1:]], self.terms).log().coeffs()
+        tail = _carried(u, c, u.tail, arb(1))
+        return self._like([first.log(), *c[1:]], tail, self.real and first.real > 0)
 
     def sqrt(self) -> TailedSeries:
         """f^{1/2}."""
@@ -124,12 +139,17 @@ class TailedSeries:
     def sin(self) -> Any:
         """(e^{if} − e^{−if})/2i."""
         turn = self * acb(0, 1)
-        return (turn.exp() - (-turn).exp()) * (1 / acb(0, 2))
+        return ((turn.exp() - (-turn).exp()) * (1 / acb(0, 2)))._known_real(self.real)
 
     def cos(self) -> TailedSeries:
         """(e^{if} + e^{−if})/2."""
         turn = self * acb(0, 1)
-        return (turn.exp() + (-turn).exp()) * (acb(1) / 2)
+        return ((turn.exp() + (-turn).exp()) * (acb(1) / 2))._known_real(self.real)
+
+    def tan(self) -> TailedSeries:
+        """sin f/cos f."""
+        quotient: TailedSeries = self.sin() / self.cos()
+        return quotient
 
     def sinh(self) -> Any:
         """(e^f − e^{−f})/2."""
@@ -143,31 +163,68 @@ class TailedSeries:
         """1 − 2/(e^{2f} + 1)."""
         return 1 - 2 / ((self * 2).exp() + 1)
 
+    def sech(self) -> TailedSeries:
+        """2/(e^f + e^{−f})."""
+        return 1 / self.cosh()
+
+    def erf(self) -> TailedSeries:
+        """The integral of 2 e^{−f²}/√π df from 0."""
+        u = self._like([ZERO_BALL, *self.c[1:]], self.tail, self.real)
+        bell = (-(self * self)).exp() * (2 / arb.pi().sqrt())
+        with _capped(self.terms):
+            c = (acb_series(bell.c, self.terms) * self._flint().derivative()).integral().coeffs()
+        return self._like([self.c[0].erf(), *c[1 : self.terms]], (u * bell).tail, self.real)
+
     def _relative(self) -> tuple[Any, TailedSeries]:
         """b_0 and u with b = b_0 (1 + u)."""
+        first = acb(self.c[0].real) if self.real else self.c[0]
+        return first, self._like([ZERO_BALL, *(x / first for x in self.c[1:])], self.tail / abs(first), self.real)
+
+    def _off_the_cut(self, u: TailedSeries) -> bool:
+        """Whether 1 + u keeps b away from the negative axis, or b is real and keeps its sign."""
         first = self.c[0]
-        return first, self._like([ZERO_BALL, *(x / first for x in self.c[1:])], self.tail / abs(first))
+        if self.real or first.real > 0:
+            return bool(u.norm < 1)
+        return bool(abs(first.imag) > abs(first) * u.norm)
+
+    def _known_real(self, real: bool) -> TailedSeries:
+        """The same, whose coefficients are real if the argument's are: what was computed by way of complex ones may have lost it."""
+        return self._like([acb(x.real) for x in self.c], self.tail, True) if real else self
+
+    def _unbounded(self) -> TailedSeries:
+        return self._like([acb(0, 0)], UNBOUNDED, False)
+
+    def _flint(self) -> Any:
+        return acb_series(self.c, self.terms)
 
 
 def variable(centre: Any, step: Any, terms: int) -> TailedSeries:
     """z = centre + step·t."""
-    return TailedSeries([acb(centre), acb(step)], terms)
+    return TailedSeries([acb(centre), acb(step)], terms, NO_TAIL, _is_real(centre) and _is_real(step))
 
 
-def _recurrence(u: TailedSeries, given: Callable[[int], Any], weight: Callable[[int, int], Any], tail: Any, size: Any) -> TailedSeries:
-    """c_m = given(m) + Σ_{j=1}^m weight(j, m) u_j c_{m−j}, where |weight| ≤ size and Σ_{m≥N} |given(m)| ≤ tail."""
+def _carried(u: TailedSeries, c: list[Any], tail: Any, size: Any) -> Any:
+    """Σ_{m≥N} |c_m| of c_m = g_m + Σ_{j=1}^m w_{jm} u_j c_{m−j}, |w_{jm}| ≤ size and Σ_{m≥N} |g_m| ≤ tail: see the head of this module."""
     n, p = u.terms, len(u.c)
-    c: list[Any] = []
-    for m in range(n):
-        total = given(m)
-        for j in range(1, min(m, p - 1) + 1):
-            total = total + weight(j, m) * u.c[j] * c[m - j]
-        c.append(total)
     beyond = u.beyond()
-    rest = _sum(abs(x) * beyond[min(n - k, p)] for k, x in enumerate(c))
+    rest = sum((abs(x) * beyond[min(n - k, p)] for k, x in enumerate(c)), NO_TAIL)
     room = 1 - size * u.norm
-    return TailedSeries(c, n, (tail + size * rest) / room if room > 0 else UNBOUNDED)
+    return (tail + size * rest) / room if room > 0 else UNBOUNDED
 
 
-def _sum(numbers: Any) -> Any:
-    return sum(numbers, NO_TAIL)
+@contextmanager
+def _capped(terms: int) -> Iterator[None]:
+    """FLINT's series with so many terms."""
+    before, ctx.cap = ctx.cap, terms
+    try:
+        yield
+    finally:
+        ctx.cap = before
+
+
+def _is_real(x: Any) -> bool:
+    return bool(acb(x).imag == 0)
+
+
+def _norm(coefficients: Sequence[Any]) -> Any:
+    return sum((abs(x) for x in coefficients), NO_TAIL)

@@ -107,10 +107,12 @@ UNSCALED = Capability("unscaled", None, "this problem is stated in its own eigen
 CLOSED_FORM = Capability(
     "closed_form", None, "more than 12 digits ask for a problem in closed form: exact_ends, exact_pencil, exact_far and exact_wall"
 )
+# a multiprecision.enclosable.Enclosable, where a problem is one otherwise than by its closed form
+ENCLOSABLE = Capability("enclosable", None, "a proof asks for a problem in closed form or in equations, between finite ends")
 FAMILY = Capability("family", None, "this problem belongs to no family of problems with parameters: a sweep is over parameters of a family")
 EXPLANATION = Capability("explanation", None, "this problem was not written in equations: allowed is a scene with equations in [problem]")
 BASE_FLOW = Capability("flow", None, "this problem has no steady flow of grains: allowed is a scene with a [flow]")
-# growing_region(floor): a rectangle that holds every eigenvalue with Re σ ≥ floor, by a theorem that its docstring names
+# growing_region(floor): a rectangle that holds every eigenvalue with Re σ ≥ floor, and the name of the lemma by which it does
 GROWING_REGION = Capability("growing_region", None, "this problem has no theorem that bounds its growing modes")
 # a name and parameters by which a checker of certificates knows the problem
 CERTIFIED = Capability("certified", None, "this problem has no checker of certificates")

@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
+from shootstab.core.regions import Rectangle
+from shootstab.problems.capabilities import ENCLOSABLE, MULTIPRECISION
 from shootstab.problems.decaying_space import AtInfinity, DecayingSpace
 from shootstab.problems.ends import Infinity, Interface, Wall
 from shootstab.problems.pencil_function import PencilFunction
@@ -41,6 +43,8 @@ def problem(
     reference: complex | None = None,
     vectorized: bool = False,
     coarser: Callable[[float], LinearProblem] | None = None,
+    written: Callable[[], Any] | None = None,
+    growing_region: Callable[[float], tuple[Rectangle, str]] | None = None,
 ) -> LinearProblem:
     """The eigenvalue problem (C0 + σ C1) ψ′ = (D0 + σ D1) ψ, or one of higher degree in σ, ψ of this size, between a left and a right end.
 
@@ -50,7 +54,8 @@ def problem(
     meet at z = fold. Interfaces couple ψ(z−) and ψ(z+). continuum(z) is σ_c(z), the σ
     for which C is singular at z; by default it is found from the pencil, and led around where it is one curve and analytic; with
     continuum=False it is not looked for. coarser(factor) is the problem on a base flow computed less accurately by this factor, if the
-    base flow is computed at all.
+    base flow is computed at all; written makes the same problem by `equations`, which gives it many digits and proofs;
+    growing_region(floor) is a rectangle that a theorem says to hold every σ with Re σ ≥ floor, and the name of the theorem.
 
     reference is a σ at which the solutions that decay are as many as are wanted, in the part of the plane where modes are looked for; found
     on the axes if it is not given, which does where that part is not cut off from them by continuous spectra.
@@ -81,7 +86,7 @@ def problem(
         moved = moved.over(reduction.start, reduction.end)
         farther = LinearProblem(function, moved, *_curves(function, moved, continuum))
     curve, fixed = _curves(function, reduction, continuum)
-    return LinearProblem(function, reduction, curve, fixed, coarser, farther)
+    return LinearProblem(function, reduction, curve, fixed, coarser, farther, written, growing_region)
 
 
 def _curves(
@@ -106,7 +111,8 @@ class LinearProblem:
     """A user's problem behind the problem protocol; made by `problem`.
 
     curve is σ_c(z), fixed are continuous spectra that no path leads around. coarser is the problem on a base flow that is less accurate by
-    a factor, farther_walls that with its approximate walls twice as far from the points that they approximate.
+    a factor, farther_walls that with its approximate walls twice as far from the points that they approximate, written the same in
+    equations; growing_region is that of problems.capabilities.
     """
 
     function: PencilFunction
@@ -115,6 +121,8 @@ class LinearProblem:
     fixed: Crossings = ()
     coarser: Callable[[float], LinearProblem] | None = None
     farther_walls: LinearProblem | None = None
+    written: Callable[[], Any] | None = None
+    growing_region: Callable[[float], tuple[Rectangle, str]] | None = None
 
     @property
     def size(self) -> int:
@@ -172,6 +180,16 @@ class LinearProblem:
         return tuple((z.real, curve(z)) for z in self.reduction.lines)
 
     @property
+    def multiprecision(self) -> Any:
+        """That of the problem in equations, if there is one."""
+        return None if self._in_equations is None else MULTIPRECISION.of(self._in_equations)
+
+    @property
+    def enclosable(self) -> Any:
+        """That of the problem in equations, if there is one."""
+        return None if self._in_equations is None else ENCLOSABLE.of(self._in_equations)
+
+    @property
     def at_infinity(self) -> tuple[DecayingSpace, ...]:
         """The ends at infinity."""
         return tuple(subdomain.far for subdomain in self.reduction.subdomains if isinstance(subdomain.far, DecayingSpace))
@@ -189,6 +207,10 @@ class LinearProblem:
     def _on_line(self) -> ContinuumOnLine | None:
         low, high = sorted((self.reduction.start, self.reduction.end))
         return None if self.curve is None else ContinuumOnLine(self.curve, self.function.vectorized, low, high)
+
+    @cached_property
+    def _in_equations(self) -> Any:
+        return None if self.written is None else self.written()
 
     @cached_property
     def _crude(self) -> dict[float, LinearProblem]:

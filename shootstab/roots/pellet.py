@@ -22,6 +22,7 @@ from flint import acb, acb_poly, arb, ctx
 from shootstab.core.errors import ConvergenceError
 
 NO_RADIUS = arb(0)
+SPARE_POINTS = 2  # chosen: of K
 FIRST_PIECE, SHORTEST_PIECE = 1 / 64, 2.0**-48  # of a side of a polygon; chosen
 Ball = Callable[[Any], Any]  # σ ↦ an enclosure of D(σ)
 
@@ -40,6 +41,12 @@ class TaylorModel:
         others = sum((x for k, x in enumerate(self.sizes) if k != n), NO_RADIUS) + self.tail
         ratio = self.sizes[n].lower() / others.upper() if others.upper() > 0 else arb.pos_inf()
         return float(ratio) if ratio.is_finite() else math.inf
+
+    def shrunk(self, radius: Any) -> TaylorModel:
+        """The same series on a smaller circle."""
+        ratio = radius / self.radius
+        powers = [ratio**k for k in range(len(self.sizes) + 1)]
+        return TaylorModel(self.centre, radius, tuple(x * p for x, p in zip(self.sizes, powers[:-1], strict=True)), self.tail * powers[-1])
 
     def proved(self) -> int | None:
         """The number of zeros, None where the inequality holds for no n."""
@@ -67,10 +74,14 @@ def taylor_model(D: Ball, log_bound: Any, centre: Any, radius: Any, outer: Any, 
     return TaylorModel(centre, radius, tuple(sizes), (M * spill / (1 - q)).upper())
 
 
+def nats_for(log_bound: Any, log_size: Any) -> float:
+    """By how much the tail has to fall below the bound to be about a thousandth of the size given."""
+    return max(float((log_bound - log_size).mid()) + 7.0, 7.0)
+
+
 def points_for(log_bound: Any, log_size: Any, radius: Any, outer: Any, most: int) -> int:
     """K for which the tail is about a thousandth of the size given; a choice, not a bound."""
-    nats = max(float((log_bound - log_size).mid()) + 7.0, 7.0)
-    return min(most, max(6, math.ceil(nats / float((outer / radius).log().mid())) + 2))
+    return min(most, max(6, math.ceil(nats_for(log_bound, log_size) / float((outer / radius).log().mid())) + SPARE_POINTS))
 
 
 @dataclass(frozen=True, eq=False)

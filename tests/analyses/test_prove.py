@@ -17,6 +17,7 @@ from flint import acb, arb, ctx  # noqa: E402
 import shootstab as st  # noqa: E402
 from shootstab.analyses.certificate import certify, check  # noqa: E402
 from shootstab.analyses.prove import prove, prove_disc, prove_growing, prove_rectangle  # noqa: E402
+from shootstab.multiprecision.enclosable import ClosedFormEnclosable  # noqa: E402
 from shootstab.multiprecision.enclosure import Enclosure  # noqa: E402
 
 MODE = 0.0037396706229799 - 0.2375264888204701j  # Orszag's, R = 10000, α = 1
@@ -56,7 +57,7 @@ def string_D(sigma: complex) -> Any:
 @pytest.mark.parametrize("sigma", [-3.0 + 0.5j, 40 - 7j, -500 + 0.125j])
 def test_the_enclosure_holds_the_exact_value(sigma: complex) -> None:
     with ctx.workprec(200), mpmath.workprec(200):
-        D = Enclosure(String(), 200)(acb(sigma.real, sigma.imag))  # type: ignore[arg-type]
+        D = Enclosure(ClosedFormEnclosable(String()), 200)(acb(sigma.real, sigma.imag))  # type: ignore[arg-type]
         truth = string_D(sigma)
         assert D.real.contains(arb(mpmath.nstr(truth.real, 40))) or abs(D.real - arb(mpmath.nstr(truth.real, 40))) < arb("1e-35") * abs(D)
         assert D.rel_accuracy_bits() > 100
@@ -65,7 +66,7 @@ def test_the_enclosure_holds_the_exact_value(sigma: complex) -> None:
 def test_the_bound_on_growth_lies_above_the_values() -> None:
     rng = np.random.default_rng(3)
     with ctx.workprec(120):
-        enclosure = Enclosure(st.gallery.PlanePoiseuille(half=True), 120)
+        enclosure = Enclosure(ClosedFormEnclosable(st.gallery.PlanePoiseuille(half=True)), 120)
         at, radius = acb(MODE.real, MODE.imag), 0.05
         spread = arb(0, radius)
         bound = enclosure.growth(acb(at.real + spread, at.imag + spread))
@@ -156,9 +157,55 @@ def test_the_checker_imports_neither_the_program_nor_flint() -> None:
         assert names <= {"json", "math", "re", "sys", "pathlib", "typing", "mpmath"}, path
 
 
+def test_problems_in_equations_with_eigenvalues_known_exactly() -> None:
+    """Powers of σ, a condition with σ at both ends, functions of z: each against its exact eigenvalue."""
+    water = st.equations(
+        ["f"], ["d(f,2) - k**2*f"], st.Conditions(-1, ["d(f)"]), st.Conditions(0, ["sigma**2*f + g*d(f)"]), parameters={"k": 1, "g": 1}
+    )
+    stretched = st.equations(["y"], ["d(y,2) - d(y) + sigma*exp(2*z)*y"], st.Conditions(0, ["y"]), st.Conditions(1, ["y"]))
+    ends = st.equations(["y"], ["d(y,2) + y"], st.Conditions(0, ["d(y) - sigma*y"]), st.Conditions(1, ["d(y) + sigma*y"]))
+    with mpmath.workdps(40):
+        cases = (
+            (water, mpmath.sqrt(mpmath.tanh(1)) * 1j),
+            (stretched, (mpmath.pi / (mpmath.e - 1)) ** 2),
+            (ends, mpmath.tan(mpmath.mpf(1) / 2)),  # y = cos(z − 1/2)
+        )
+        for problem, truth in cases:
+            proof = prove(problem, complex(truth), digits=20)
+            at, radius = proof.region["centre"], mpmath.mpf(proof.region["radius"])
+            assert proof.count == 1
+            assert abs(mpmath.mpc(at["re"], at["im"]) - truth) < radius <= 1e-20 * abs(truth) * 1.0001
+
+
+def test_every_function_of_the_language_in_a_proof() -> None:
+    """Against the digits of the other arithmetic, which encloses nothing."""
+    functions = "tanh(z)*sech(z)*sqrt(2+sin(z))*log(3+z)*erf(z)*tan(z/3)*cosh(z)*sinh(i*z)*(1+z)**(1/3)/(2+z)"
+    written = f"d(y,2) + sigma*y + {functions}*y + exp(i*z)*sqrt(z-2)*y"
+    problem = st.equations(["y"], [written], st.Conditions(0, ["y"]), st.Conditions(1, ["d(y)"]))
+    mode = st.refine(problem, 3.1725 - 0.9374j, digits=20)
+    with mpmath.workdps(30):
+        proof = prove_disc(problem, complex(mode.sigma), 1e-12)
+    assert proof.count == 1
+
+
+def test_the_modes_of_convection_that_grow() -> None:
+    layer = st.gallery.benard(2000.0, 3.117)
+    proof = prove_growing(layer, 0.0)
+    assert (proof.count, proof.lemmas[-1]) == (1, "P2")
+    assert prove_growing(st.gallery.benard(1700.0, 3.117), -1.0).count == 1
+    assert prove_growing(st.gallery.benard(1700.0, 3.117), 0.0).count == 0  # Ra_c = 1707.76
+    with pytest.raises(st.InputError, match="no theorem"):
+        prove_growing(st.gallery.benard(2000.0 + 1j, 3.117), 0.0)
+
+
 def test_what_cannot_be_proved_says_why(scenes: Any) -> None:
     with pytest.raises(st.InputError, match="closed form"):
         prove(scenes["high"], 0.004)
+    given = st.equations(
+        ["y"], ["d(y,2) - sigma*U*y"], st.Conditions(0, ["y"]), st.Conditions(1, ["y"]), given={"U": lambda z, order: 1.0 + 0 * z}
+    )
+    with pytest.raises(st.InputError, match="in equations"):
+        prove(given, -9.87)
     with pytest.raises(st.InputError, match="no theorem"):
         prove_growing(st.ClosedProblem(String()), 0.0)  # type: ignore[arg-type]
     with pytest.raises(st.InputError, match="digits"):

@@ -30,6 +30,9 @@ OPERATIONS: dict[str, Callable[[Any, Any], Any]] = {
     "sin": lambda a, b: a.sin(),
     "cosh": lambda a, b: a.cosh(),
     "tanh": lambda a, b: (a * acb("0.3")).tanh(),
+    "tan": lambda a, b: (a * acb("0.2")).tan(),
+    "sech": lambda a, b: (a * acb("0.3")).sech(),
+    "erf": lambda a, b: (a * acb("0.4")).erf(),
 }
 
 
@@ -79,3 +82,22 @@ def test_the_variable_has_no_tail() -> None:
     square = z * z
     assert [complex(x.mid()) for x in square.c] == [4, 2, 0.25]
     assert square.tail == 0
+
+
+def test_no_branch_is_taken_across_its_cut() -> None:
+    below = TailedSeries([acb(-2, "-1e-3"), acb(0, "0.1")], N)  # from the lower side of the negative axis to the upper one
+    assert not below.sqrt().tail.is_finite()
+    assert not below.log().tail.is_finite()
+    assert (below * acb(0, 1)).sqrt().tail.is_finite()
+
+
+def test_a_real_series_that_is_negative_has_the_root_and_logarithm_of_numbers() -> None:
+    with ctx.workprec(100):
+        z = variable(arb("0.3"), arb("0.1"), 30)
+        for function in (lambda x: (x - 2).sqrt(), lambda x: (x - 2) ** acb("0.3"), lambda x: (x * x - 1).log()):
+            found = function(z)
+            at_end = sum(found.c, acb(0))
+            truth = function(acb("0.4"))
+            assert abs(at_end - truth).lower() <= found.tail.upper() < arb("1e-15")
+        assert (z - 2).sin().real
+        assert not (z - 2).sqrt().real

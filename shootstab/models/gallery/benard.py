@@ -11,14 +11,23 @@ Source: S. Chandrasekhar, Hydrodynamic and Hydromagnetic Stability (1961), II; r
 
 from __future__ import annotations
 
+import math
+from functools import partial
+from typing import Any
+
 import numpy as np
 
 from shootstab.core.errors import InputError
+from shootstab.core.regions import Rectangle
+from shootstab.formulation.conditions import Conditions
+from shootstab.formulation.problem import EquationProblem, equations
 from shootstab.models.gallery.orr_sommerfeld import require_positive
 from shootstab.problems import LinearProblem, Wall
 from shootstab.problems.linear_problem import problem
 
 ROWS = {"rigid": [0, 1, 4], "free": [0, 2, 4]}
+CONDITIONS = {"rigid": ["W", "d(W)", "T"], "free": ["W", "d(W,2)", "T"]}
+REGION_MARGIN = 2.0**-20  # chosen: the margin of the region that holds all growing modes, far above rounding
 
 
 def benard(
@@ -36,7 +45,38 @@ def benard(
     D1 = np.zeros((6, 6), dtype=np.complex128)
     D1[3, 0], D1[3, 2], D1[5, 4] = -a2 / prandtl, 1 / prandtl, 1
     rows = np.eye(6)
-    return problem(6, lambda z: (D0, D1), Wall(0.0, rows[ROWS[lower]]), Wall(1.0, rows[ROWS[upper]]), vectorized=True)
+    walls = Wall(0.0, rows[ROWS[lower]]), Wall(1.0, rows[ROWS[upper]])
+    written = partial(in_equations, rayleigh, wavenumber, prandtl, lower, upper)
+    growing = partial(_growing, rayleigh, wavenumber, prandtl) if complex(rayleigh).imag == complex(wavenumber).imag == 0 else None
+    return problem(6, lambda z: (D0, D1), *walls, vectorized=True, written=written, growing_region=growing)
+
+
+def _growing(rayleigh: Any, wavenumber: Any, prandtl: float, floor: float) -> tuple[Rectangle, str]:
+    """A rectangle that holds every σ with Re σ ≥ floor, by lemma P2 of the guide's page on proofs: σ is real and at most
+
+        √(Ra a² Pr/(π² + a²)).
+
+    Source: A. Pellew & R. V. Southwell, Proc. R. Soc. Lond. A 176 (1940) 312. Raises InputError where the floor lies above that.
+    """
+    a2, height = abs(wavenumber) ** 2, math.pi**2
+    top = math.sqrt(abs(rayleigh) * a2 * prandtl / (height + a2)) * (1 + REGION_MARGIN)
+    if not floor < top:
+        raise InputError(f"floor = {floor!r}: allowed is a number below {top:.6g}, above which no mode grows")
+    return Rectangle(complex(floor, -height), complex(top, height)), "P2"
+
+
+def in_equations(rayleigh: complex, wavenumber: complex, prandtl: float, lower: str, upper: str) -> EquationProblem:
+    """The same, for many digits and proofs; every parameter is the decimal that was typed."""
+    return equations(
+        ["W", "T"],
+        [
+            "sigma*(d(W,2) - a**2*W)/Pr - (d(W,4) - 2*a**2*d(W,2) + a**4*W) + Ra*a**2*T",
+            "sigma*T - (d(T,2) - a**2*T) - W",
+        ],
+        Conditions(0, CONDITIONS[lower]),
+        Conditions(1, CONDITIONS[upper]),
+        parameters={"Ra": rayleigh, "a": wavenumber, "Pr": prandtl},
+    )
 
 
 def free_growth_rate(rayleigh: float, wavenumber: float, prandtl: float = 1.0, n: int = 1) -> float:

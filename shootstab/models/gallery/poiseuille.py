@@ -66,8 +66,8 @@ class PlanePoiseuille:
         """Chebyshev collocation in vorticity and streamfunction."""
         return PoiseuilleCollocation(self.reynolds, self.alpha, self.half)
 
-    def growing_region(self, floor: float) -> Rectangle:
-        """A rectangle that holds every σ with Re σ ≥ floor, whatever the floor (theory, lemma P1).
+    def growing_region(self, floor: float) -> tuple[Rectangle, str]:
+        """A rectangle that holds every σ with Re σ ≥ floor, whatever the floor, by lemma P1 of the guide's page on proofs.
 
         With Q = ∫|φ′|² + α²|φ|², multiplication of the equation by φ* and integration give c_r Q = ∫U(|φ′|² + α²|φ|²) − ∫|φ|² and
         c_i Q ≤ 2 ∫|φ′||φ|. As 0 ≤ U ≤ 1 and ∫|φ′|² ≥ λ∫|φ|², λ = π²/4:
@@ -82,7 +82,7 @@ class PlanePoiseuille:
         low, high = -self.alpha, self.alpha / (root * root + a2)
         if not floor < top:
             raise InputError(f"floor = {floor!r}: allowed is a number below {top:.6g}, above which no mode grows")
-        return Rectangle(complex(floor, low - REGION_MARGIN), complex(top + REGION_MARGIN, high + REGION_MARGIN))
+        return Rectangle(complex(floor, low - REGION_MARGIN), complex(top + REGION_MARGIN, high + REGION_MARGIN)), "P1"
 
     @property
     def certified(self) -> dict[str, Any]:

@@ -1,0 +1,88 @@
+"""Problems in equations in balls: the same expressions on numbers and series that carry their errors (theory, lemmas E1 to E3, E8).
+
+Both ends give conditions a(σ) ψ = 0 (m, n) and b(σ) ψ = 0 (k, n), m + k = n, and D(σ) = ± det [a; b Φ] with Φ the matrix that carries ψ
+from the left to the right end. By Laplace's expansion D = Σ_I b_I y_I, where b_I are the k-minors of b, y = Λ^k Φ y(left), and
+
+    y_I(left) = (−1)^{Σ I} det a[columns not in I],
+
+polynomials in σ: the eigenvalue may stand in the conditions at both ends.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import combinations
+from typing import Any
+
+from flint import acb, acb_mat, arb
+
+from shootstab.formulation.evaluation import Evaluator
+from shootstab.formulation.gaussian import Gaussian
+from shootstab.formulation.state_pencil import Powers, StatePencil
+from shootstab.multiprecision.enclosable import ball, row_minors
+from shootstab.multiprecision.minors import Entries
+from shootstab.multiprecision.tailed_series import TailedSeries
+
+
+class EquationEnclosable:
+    """See multiprecision.enclosable.Enclosable: a system between two finite ends with conditions, without given functions."""
+
+    def __init__(self, system: StatePencil, left: Fraction, right: Fraction) -> None:
+        self._system, self._ends = system, (left, right)
+
+    @property
+    def size(self) -> int:
+        return self._system.size
+
+    @property
+    def decaying(self) -> int:
+        """The number of conditions at the right end."""
+        return self._system.right_rows
+
+    def ends(self) -> tuple[Any, Any]:
+        return ball(self._ends[0]), ball(self._ends[1])
+
+    def pencil(self, z: Any) -> tuple[list[Entries], list[Entries]]:
+        at = on_balls(z)
+        C, D = ([{place: at(entry) for place, entry in part.items()} for part in powers] for powers in (self._system.C, self._system.D))
+        return C, D
+
+    def start(self, sigma: Any) -> list[Any]:
+        n, k = self.size, self.decaying
+        rows = self._rows(self._system.left, n - k, self._ends[0], sigma)
+        found = []
+        for chosen in combinations(range(n), k):
+            minor = acb_mat([[row[j] for j in range(n) if j not in chosen] for row in rows]).det() if n > k else acb(1)
+            found.append(-minor if sum(chosen) % 2 else minor)
+        return found
+
+    def wall(self, sigma: Any) -> list[Any]:
+        return row_minors(self._rows(self._system.right, self.decaying, self._ends[1], sigma)) if self.decaying else [acb(1)]
+
+    def _rows(self, parts: Powers, count: int, z: Fraction, sigma: Any) -> list[list[Any]]:
+        at = on_balls(acb(ball(z)))
+        rows = [[acb(0)] * self.size for _ in range(count)]
+        for power, part in enumerate(parts):
+            for (i, j), entry in part.items():
+                rows[i][j] = rows[i][j] + at(entry) * sigma**power
+        return rows
+
+
+def on_balls(z: Any) -> Evaluator:
+    """Expressions at z, an acb or a TailedSeries: both have the functions as methods, and the branches of numbers."""
+    return Evaluator(_number, lambda name, x: getattr(x, name)(), _power, {"z": z, "pi": acb(arb.pi())}, _not_given)
+
+
+def _number(c: Gaussian) -> Any:
+    return acb(ball(Fraction(c.re)), ball(Fraction(c.im)))
+
+
+def _power(x: Any, exponent: Fraction) -> Any:
+    if exponent.denominator == 1:
+        return 1 / x ** -int(exponent)
+    r = acb(ball(exponent))
+    return x**r if isinstance(x, TailedSeries) else acb(x) ** r
+
+
+def _not_given(name: str, order: int) -> Any:
+    raise AssertionError(f"{name} is known to doubles only: refused where the problem offers its capabilities")
