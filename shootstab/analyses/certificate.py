@@ -1,50 +1,87 @@
-"""Certificates: a proof as a JSON file of exact decimals that a checker of its own, on mpmath's intervals alone, verifies anew.
+"""Certificates: a proof as a JSON file of exact decimals that a checker of its own, on integers and mpmath's intervals, verifies anew.
 
-{"format": 1, "problem": {…}, "count": n, "disc": {"re", "im", "radius"}, "outer", "weight", "points", "bits", "order", "steps"}: what is
-claimed, and the settings with which the checker finds that it holds. The checker trusts none of them; poor ones make it refuse.
+{"format": 2, "problem": {…}, "count": n, "region": {"re", "im", "radius"} or {"floor"}, "outer", "weight", "points", "bits", "order",
+"steps"}: what is claimed, and the settings with which the checker finds that it holds; or {"format": 2, "parts": [… of these]}. The checker
+trusts none of the settings; poor ones make it refuse.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from flint import acb
 
-from shootstab.analyses.prove import OUTER, Proof, enclosable
+from shootstab.analyses import checker_settings
+from shootstab.analyses.contour_proof import CONTOUR_BITS, RIM
+from shootstab.analyses.proof import Proof
+from shootstab.analyses.prove import whole
 from shootstab.core.errors import ConvergenceError, InputError, shortened
 from shootstab.core.reading import bytes_of, json_of, text_of
 from shootstab.multiprecision.enclosure import Enclosure, at_bits, decimal
-from shootstab.problems.capabilities import CERTIFIED
+from shootstab.problems.capabilities import CERTIFIED, FACTORS
 from shootstab.problems.protocol import Problem
 
-CHECKERS: Mapping[str, str] = {"plane Poiseuille": "shootstab.checkers.plane_poiseuille"}
+
+@dataclass(frozen=True)
+class Checker:
+    """The module of a checker, and what chooses its settings."""
+
+    module: str
+    settings: Callable[..., dict[str, Any]]
+
+
+CHECKERS: Mapping[str, Checker] = {"plane Poiseuille": Checker("shootstab.checkers.plane_poiseuille", checker_settings.plane_poiseuille)}
+TAIL_NATS = 7.0  # chosen: the rest of a Taylor series on a circle lies below D there by a factor of a thousand
 LARGEST_CERTIFICATE = 2**20  # chosen: bytes of a certificate
 # chosen: values of D and bits that the checker has beyond what was needed here; where they are too few there are more attempts
 CHECKER_POINTS, CHECKER_BITS = 2, 24
 CERTIFICATE_ATTEMPTS = 3  # chosen: with more points and bits each, before a proof is said to have no certificate
 
 
-def certify(problem: Problem, proof: Proof) -> dict[str, Any]:
-    """The certificate of a proof on a disc; it is handed out only after its checker has accepted it.
+def certify(problem: Problem, proof: Proof, spare_bits: int = CONTOUR_BITS) -> dict[str, Any]:
+    """The certificate of a proof on a disc or on all that grows; it is handed out only after its checker has accepted it.
 
-    Raises InputError for a problem without a checker and a proof on another region, ConvergenceError where the checker does not accept.
+    Where D has factors it has one part for each. spare_bits as in `prove_growing`. Raises InputError for a problem without a
+    checker and a proof on another region, ConvergenceError where the checker does not accept.
     """
+    parts = FACTORS.of(problem)
+    if parts:
+        made = [_certified(part, proof, count, spare_bits) for part, count in zip(parts, proof.counts, strict=True)]
+        return {"format": 2, "parts": made}
+    return _certified(problem, proof, proof.count, spare_bits)
+
+
+def _certified(problem: Any, proof: Proof, count: int, spare_bits: int) -> dict[str, Any]:
     named: dict[str, Any] = CERTIFIED.required(problem)
-    if proof.region["shape"] != "disc":
-        raise InputError(f"a proof on a {proof.region['shape']}: allowed is one on a disc")
-    checker = import_module(CHECKERS[named["name"]])
-    centre, radius = proof.region["centre"], proof.region["radius"]
-    size = max(math.hypot(float(centre["re"]), float(centre["im"])), 8.0 * float(radius))
-    settings = checker.settings(named, {**centre, "radius": radius}, repr(OUTER * size), _log_size(problem, proof))
+    checker, choose = import_module(CHECKERS[named["name"]].module), CHECKERS[named["name"]].settings
+    enclosure = Enclosure(whole(problem), proof.bits)
+    if proof.floor is not None:
+        region: dict[str, str] = {"floor": repr(proof.floor)}
+        low, high = (complex(float(at["re"]), float(at["im"])) for at in proof.region["corners"])
+        corners = [low, complex(high.real, low.imag), high, complex(low.real, high.imag)]
+        sides = zip(corners, [*corners[1:], corners[0]], strict=True)
+        sampled = [a + (b - a) * x / RIM for a, b in sides for x in range(RIM)]
+        centre, radius, nats = (low + high) / 2, abs(high - low) / 2, spare_bits * math.log(2)
+    elif proof.region["shape"] == "disc":
+        at, size = proof.region["centre"], proof.region["radius"]
+        region = {**at, "radius": size}
+        centre, radius, nats = complex(float(at["re"]), float(at["im"])), float(size), TAIL_NATS
+        with at_bits(proof.bits):
+            sampled = [acb(decimal(at["re"]), decimal(at["im"])) + decimal(size)]
+    else:
+        raise InputError("a proof on a rectangle: allowed is one on a disc, or on all eigenvalues that grow")
+    with at_bits(proof.bits):
+        least = min(float(abs(enclosure(acb(sigma))).log().mid()) for sigma in sampled)
+    settings = choose(named, centre, radius, least, nats)
     for attempt in range(CERTIFICATE_ATTEMPTS):
         points = math.ceil(settings["points"] * 1.3**attempt) + CHECKER_POINTS
         bits = math.ceil(settings["bits"] * 1.3**attempt) + CHECKER_BITS
-        found = {"format": 1, "problem": named, "count": proof.count, "disc": {**centre, "radius": radius}, **settings}
-        found |= {"points": points, "bits": bits}
+        found = {"format": 2, "problem": named, "count": count, "region": region, **settings, "points": points, "bits": bits}
         reason = checker.check(found)
         if reason is None:
             return found
@@ -52,13 +89,22 @@ def certify(problem: Problem, proof: Proof) -> dict[str, Any]:
 
 
 def check(certificate: Any) -> str | None:
-    """None where the certificate proves what it says, else why not. Raises InputError for a problem that no checker knows."""
-    named = certificate.get("problem") if isinstance(certificate, dict) else None
-    name = named.get("name") if isinstance(named, dict) else None
-    if not isinstance(name, str) or name not in CHECKERS:
-        raise InputError(f"a certificate for {shortened(name)}: allowed is one for {', '.join(CHECKERS)}")
-    verdict: Callable[[Any], str | None] = import_module(CHECKERS[name]).check
-    return verdict(certificate)
+    """None where the certificate, or every one of its parts, proves what it says, else why not.
+
+    Raises InputError for a problem that no checker knows.
+    """
+    split = isinstance(certificate, dict) and set(certificate) == {"format", "parts"} and isinstance(certificate["parts"], list)
+    parts = certificate["parts"] if split and certificate["parts"] else [certificate]
+    for part in parts:
+        named = part.get("problem") if isinstance(part, dict) else None
+        name = named.get("name") if isinstance(named, dict) else None
+        if not isinstance(name, str) or name not in CHECKERS:
+            raise InputError(f"a certificate for {shortened(name)}: allowed is one for {', '.join(CHECKERS)}")
+        verdict: Callable[[Any], str | None] = import_module(CHECKERS[name].module).check
+        reason = verdict(part)
+        if reason is not None:
+            return reason
+    return None
 
 
 def read(path: Path) -> Any:
@@ -69,11 +115,3 @@ def read(path: Path) -> Any:
         raise
     except ValueError as error:
         raise InputError(f"{path}: {error}") from error
-
-
-def _log_size(problem: Problem, proof: Proof) -> float:
-    """ln |D| on the circle of the proof."""
-    with at_bits(proof.bits):
-        centre, radius = proof.region["centre"], proof.region["radius"]
-        D = Enclosure(enclosable(problem), proof.bits)(acb(decimal(centre["re"]), decimal(centre["im"])) + decimal(radius))
-        return float(abs(D).log().mid())

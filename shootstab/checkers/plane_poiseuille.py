@@ -1,207 +1,295 @@
-"""Check a certificate that exactly n modes of plane Poiseuille flow lie in a disc. Run as `python plane_poiseuille.py CERTIFICATE`.
+"""Check a certificate on modes of plane Poiseuille flow. Run as `python plane_poiseuille.py CERTIFICATE`.
 
-This file shares nothing with the program that wrote the certificate: no formula, no code, no library but mpmath. It
-derives everything anew.
+It claims that exactly n even or odd modes, with multiplicity, lie in a disc, or have Re σ ≥ a floor. This file shares nothing with the
+program that wrote it but mpmath, of which it takes cos, sin, exp and π in intervals. All else is integers: a `Ball` (x, y, r) is the disc
+|z − (x + iy) 2^−P| ≤ r 2^−P.
 
 Equation.  (D² − α²)² φ = R [(σ + iαU)(D² − α²) − iαU″] φ with U = 1 − y², that is φ⁗ = p φ″ + q φ with
 
     p = 2α² + R s,  q = −α⁴ − R α² s + 2iαR,  s = σ + iα(1 − y²).
 
-φ even: φ_1, φ_2 begin at y = 0 with (1, 0, 0, 0) and (0, 0, 1, 0); otherwise at y = −1 with (0, 0, 1, 0) and (0, 0, 0, 1). Modes are the
-zeros of D(σ) = φ_1 φ_2′ − φ_1′ φ_2 at y = 1, counted with multiplicity.
+φ_1, φ_2 begin at y = 0 with (φ, φ′, φ″, φ‴) = (1, 0, 0, 0), (0, 0, 1, 0) for even φ, (0, 1, 0, 0), (0, 0, 0, 1) for odd ones. Modes are
+the zeros of D(σ) = φ_1 φ_2′ − φ_1′ φ_2 at y = 1.
 
 Steps.  φ = Σ f_m t^m, y = y_0 + h t; with h² p = Σ p_j t^j, h⁴ q = Σ q_j t^j (j ≤ 2)
 
     (m+4)(m+3)(m+2)(m+1) f_{m+4} = Σ_j p_j (m−j+2)(m−j+1) f_{m−j+2} + Σ_j q_j f_{m−j}.
 
-If |f_m| ≤ A 2^−m for the last six m below N, and Σ|p_j| 2^{2+j}/(N(N−1)) + Σ|q_j| 2^{4+j}/(N(N−1)(N−2)(N−3)) ≤ 1, then by induction
-|f_m| ≤ A 2^−m for all m ≥ N, and as (N + i)/N ≤ 1 + i, Σ_{m≥N} m³ |f_m| ≤ A N³ 2^−N Σ_i (1 + i)³ 2^−i = 52 A N³ 2^−N, which bounds what
-φ, φ′, φ″, φ‴ lack.
+If |f_m| ≤ A 2^−m for the last six m below N, and Σ|p_j| 2^{2+j}/(N(N−1)) + Σ|q_j| 2^{4+j}/(N(N−1)(N−2)(N−3)) ≤ 1, then |f_m| ≤ A 2^−m
+for all m ≥ N by induction; as (N + i)/N ≤ 1 + i, Σ_{m≥N} m³ |f_m| ≤ 52 A N³ 2^−N, which bounds what φ, φ′, φ″, φ‴ lack.
 
 Growth.  The minors y = ([01], [02], [03], [12], [13], [23]) of (φ_1, φ_2) obey y_1′ = y_2, y_2′ = y_3 + y_4, y_3′ = p y_2 + y_5, y_4′ =
 y_5, y_5′ = y_6 + p y_4 − q y_1, y_6′ = −q y_2. In the norm max |y_i|/w_i, w = (1, k, k², k², k³, k⁴), the logarithmic norm is at most
 k max(2, 1 + |p|/k² + |q|/k⁴): so |D| ≤ |y(start)|_w exp ∫ of that.
 
-Count.  From K values of D on |σ − c| = r and |D| ≤ M on |σ − c| ≤ ρ, q = r/ρ: the discrete Fourier coefficients miss d_k r^k by at most
+Disc.  From K values of D on |σ − c| = r and |D| ≤ M on |σ − c| ≤ ρ, q = r/ρ: the discrete Fourier coefficients miss d_k r^k by at most
 M q^{k+K}/(1 − q^K), the rest of the Taylor series is below M q^K/(1 − q); |d_n| r^n > Σ_{k≠n} |d_k| r^k + rest proves n zeros (Pellet).
+
+Growing.  With Q = ∫|φ′|² + α²|φ|², φ* times the equation gives c_r Q = ∫U(|φ′|² + α²|φ|²) − ∫|φ|² and c_i Q ≤ 2 ∫|φ′||φ|; with λ = π²/4
+and ∫|φ′|² ≥ λ ∫|φ|², every mode has −α ≤ Im σ ≤ α/(λ + α²) and Re σ ≤ 2α√λ/(λ + α²), or 1 where α² > λ. On the disc around that
+rectangle D = Σ_{k<K} a_k u^k up to a spread e. Where Σ_{k≥1} |c_k| s^k + 4e < |c_0| for the series about the middle of a piece of the
+boundary of half length s, D is there within a quarter turn of its value at the middle, and the turns of the pieces add up to the count.
 """
 
 import json
 import math
 import re
 import sys
+from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from mpmath import iv
+from mpmath import iv, mp
 
-KEYS = {"format", "problem", "count", "disc", "outer", "weight", "points", "bits", "order", "steps"}
+KEYS = {"format", "problem", "count", "region", "outer", "weight", "points", "bits", "order", "steps"}
 MOST_CHECKING = 10**6  # chosen: points × steps × order, minutes; certificates of a thousand digits take 10⁵
 DECIMAL = re.compile(r"-?\d{1,2000}(\.\d{1,2000})?(e-?\d{1,4})?")
-ORIGIN = iv.mpc(0)
+BEGIN = {"even": ((0, 2), 1), "odd": ((1, 3), 3)}  # the free states, and the power of k in the weight of their minor
+
+
+class Ball(NamedTuple):
+    x: int
+    y: int
+    r: int
 
 
 def check(certificate: Any) -> str | None:
-    """None where the certificate proves what it says; else the reason why it does not."""
+    """None where the certificate, or every one of its parts, proves what it says; else the reason why it does not."""
+    if isinstance(certificate, dict) and set(certificate) == {"format", "parts"} and isinstance(certificate["parts"], list):
+        return next(filter(None, map(check, certificate["parts"])), None)
     try:
-        problem, disc = _read(certificate)
+        _read(certificate)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         return f"not a certificate of this kind: {error}"
-    saved = iv.prec
-    iv.prec = certificate["bits"]
+    saved, iv.prec = iv.prec, certificate["bits"]
     try:
-        return _check(certificate, problem, disc)
+        return Checker(certificate).reason()
     finally:
         iv.prec = saved
 
 
-def _read(certificate: Any) -> tuple[Any, Any]:
-    """The numbers that are texts, after a look at the form of everything. Raises ValueError and its like."""
-    if set(certificate) != KEYS or certificate["format"] != 1:
-        raise ValueError(f"its keys are to be {', '.join(sorted(KEYS))}, its format 1")
-    problem, disc = certificate["problem"], certificate["disc"]
-    if (
-        set(problem) != {"name", "reynolds", "alpha", "even"}
-        or problem["name"] != "plane Poiseuille"
-        or not isinstance(problem["even"], bool)
-    ):
-        raise ValueError("problem")
-    texts = [problem["reynolds"], problem["alpha"], disc["re"], disc["im"], disc["radius"], certificate["outer"], certificate["weight"]]
-    if not all(isinstance(x, str) and DECIMAL.fullmatch(x) for x in (*texts, *certificate["steps"])):
+def _read(certificate: Any) -> None:
+    """A look at the form of everything. Raises ValueError and its like."""
+    if set(certificate) != KEYS or certificate["format"] != 2:
+        raise ValueError(f"its keys are to be {', '.join(sorted(KEYS))}, its format 2")
+    problem, region = certificate["problem"], certificate["region"]
+    named = set(problem) == {"name", "reynolds", "alpha", "modes"} and problem["name"] == "plane Poiseuille" and problem["modes"] in BEGIN
+    if not named or set(region) not in ({"re", "im", "radius"}, {"floor"}):
+        raise ValueError("problem, or region")
+    texts = [problem["reynolds"], problem["alpha"], *region.values(), certificate["outer"], certificate["weight"]]
+    texts += certificate["steps"]
+    if len(texts) > 10000 or not all(isinstance(x, str) and DECIMAL.fullmatch(x) for x in texts):
         raise ValueError("a number is no decimal in quotes")
     for name, low, high in (("count", 0, 64), ("points", 2, 4096), ("bits", 53, 20000), ("order", 12, 5000)):
         if type(certificate[name]) is not int or not low <= certificate[name] <= high:
             raise ValueError(f"{name} = {certificate[name]!r}")
-    if not 1 <= len(certificate["steps"]) <= 10000:
-        raise ValueError("steps")
     if certificate["points"] * (len(certificate["steps"]) + 1) * certificate["order"] > MOST_CHECKING:
         raise ValueError("points, steps and order ask for more work than any certificate needs")
-    return problem, disc
 
 
-def _check(certificate: Any, problem: Any, disc: Any) -> str | None:
-    R, alpha, even = iv.mpf(problem["reynolds"]), iv.mpf(problem["alpha"]), problem["even"]
-    centre = iv.mpc(iv.mpf(disc["re"]), iv.mpf(disc["im"]))
-    radius, outer, k = iv.mpf(disc["radius"]), iv.mpf(certificate["outer"]), iv.mpf(certificate["weight"])
-    steps = [iv.mpf(h) for h in certificate["steps"]]
-    start = iv.mpf(0 if even else -1)
-    if not (R > 0 and alpha > 0 and radius > 0 and outer > radius and k > 0 and all(h > 0 for h in steps)):
-        return "a number that must be positive is not, or the outer circle is not the larger one"
-    if not sum(steps, start).b < 1:
-        return "the steps do not end before the wall"
-    steps.append(1 - sum(steps, start))
-    K, n = certificate["points"], certificate["count"]
-    values = []
-    roots = [iv.mpc(iv.cos(2 * iv.pi * j / K), iv.sin(2 * iv.pi * j / K)) for j in range(K)]
-    for root in roots:
-        D = _value(R, alpha, even, centre + radius * root, start, steps, certificate["order"])
-        if D is None:
+class Checker:
+    """One certificate, its decimals as fractions."""
+
+    def __init__(self, certificate: Any) -> None:
+        problem, region = certificate["problem"], certificate["region"]
+        self.P, self.N, self.K, self.n = (certificate[name] for name in ("bits", "order", "points", "count"))
+        self.R, self.alpha = Fraction(problem["reynolds"]), Fraction(problem["alpha"])
+        self.outer, self.k = Fraction(certificate["outer"]), Fraction(certificate["weight"])
+        self.free, self.power = BEGIN[problem["modes"]]
+        self.steps = [Fraction(h) for h in certificate["steps"]]
+        self.floor = Fraction(region["floor"]) if "floor" in region else None
+        if self.floor is None:
+            self.centre, self.radius = (Fraction(region["re"]), Fraction(region["im"])), Fraction(region["radius"])
+        else:
+            self.low, self.high = self.rectangle(self.floor)
+            self.centre = ((self.low[0] + self.high[0]) / 2, (self.low[1] + self.high[1]) / 2)
+            half = [(b - a) / 2 for a, b in zip(self.low, self.high, strict=True)]
+            self.radius = Fraction(math.isqrt(math.ceil((half[0] ** 2 + half[1] ** 2) * 2**40)) + 2, 2**20)
+
+    def reason(self) -> str | None:
+        """Why the certificate does not hold; None where it does."""
+        if not all(x > 0 for x in (self.R, self.alpha, self.radius, self.k, *self.steps)) or not self.outer > self.radius:
+            return "a number that must be positive is not, or the outer circle is not the larger one"
+        if self.n >= self.K or not sum(self.steps) < 1 or (self.floor is not None and not self.low[0] < self.high[0]):
+            return "more zeros than points, steps beyond the wall, or a floor above all modes"
+        self.steps.append(1 - sum(self.steps, Fraction(0)))
+        turns = [(iv.cos(2 * iv.pi * j / self.K), iv.sin(2 * iv.pi * j / self.K)) for j in range(self.K)]
+        roots = [self.exact(_fraction(c.mid), _fraction(s.mid), self.up(c.delta + s.delta)) for c, s in turns]
+        centre, radius = self.exact(*self.centre), self.exact(self.radius)
+        values: Any = [self.value(self.plus(centre, self.times(radius, w))) for w in roots]
+        if any(v is None for v in values):
             return "the tail of a Taylor step is not bounded: the order is too low for the steps"
-        values.append(D)
-    M = bound(R, alpha, even, centre, outer, k, start)
-    q = radius / outer
-    sizes = []
-    for m in range(K):
-        d = abs(sum((v * roots[-j * m % K] for j, v in enumerate(values)), ORIGIN)) / K
-        off = M * q ** (m + K) / (1 - q**K)
-        sizes.append(iv.mpf([max(0, (d - off).a), (d + off).b]))
-    if n >= K:
-        return "more zeros are claimed than there are points"
-    rest = sum((x for m, x in enumerate(sizes) if m != n), iv.mpf(0)) + M * q**K / (1 - q)
-    return None if sizes[n].a > rest.b else f"Pellet's inequality does not hold for n = {n}"
+        M, q = self.bound(self.centre, self.outer), iv.mpf(self.radius.numerator) / self.radius.denominator
+        q = q * self.outer.denominator / self.outer.numerator
+        coefficients = []
+        for m in range(self.K):
+            total = Ball(0, 0, 0)
+            for j, v in enumerate(values):
+                total = self.plus(total, self.times(v, roots[-j * m % self.K]))
+            off = self.up(M * q ** (m + self.K) / (1 - q**self.K))
+            coefficients.append(Ball(total.x // self.K, total.y // self.K, total.r // self.K + 3 + off))
+        rest = self.up(M * q**self.K / (1 - q))
+        if self.floor is not None:
+            return self.followed(coefficients, rest)
+        leading = coefficients.pop(self.n)
+        holds = math.isqrt(leading.x**2 + leading.y**2) - leading.r > sum(map(length, coefficients)) + rest
+        return None if holds else f"Pellet's inequality does not hold for n = {self.n}"
+
+    def followed(self, d: list[Ball], rest: int) -> str | None:
+        """The turns of D along the boundary of the rectangle, counter-clockwise."""
+        spread, a = rest + sum(x.r for x in d), [(x.x, x.y) for x in d]
+        off = [0] * self.K  # what the shift to a middle, |u| ≤ 1, loses by rounding, of every coefficient
+        for i in range(self.K):
+            for j in range(self.K - 2, i - 1, -1):
+                off[j] += off[j + 1] + 2
+        (left, low), (right, high) = self.low, self.high
+        corners, turns = [(left, low), (right, low), (right, high), (left, high)], 0.0
+        for begin, end in zip(corners, [*corners[1:], corners[0]], strict=True):
+            here, step = Fraction(0), Fraction(1, 64)
+            while here < 1:
+                ahead = min(Fraction(1), here + step)
+                at = [[b + (e - b) * t for b, e in zip(begin, end, strict=True)] for t in (here, (here + ahead) / 2, ahead)]
+                s = (ahead - here) / 2 * (abs(end[0] - begin[0]) + abs(end[1] - begin[1])) / self.radius
+                c = self.shifted(a, at[1])
+                others, power, unit = 0, 1 << self.P, math.ceil(s * 2**self.P) + 2
+                for (x, y), lost in zip(c[1:], off[1:], strict=True):
+                    power = (power * unit >> self.P) + 1
+                    others += ((math.isqrt(x * x + y * y) + 1 + lost) * power >> self.P) + 1
+                if others + 4 * (spread + off[0]) >= math.isqrt(c[0][0] ** 2 + c[0][1] ** 2):
+                    step = (ahead - here) / 2
+                    if step < Fraction(1, 2**48):
+                        return f"a mode lies too near to the boundary, {float(here):.3g} of the way from {complex(*map(float, begin)):.6g}"
+                    continue
+                ends = [self.shifted(a, sigma, 1)[0] for sigma in (at[0], at[2])]
+                turns += _turn(ends[0], c[0]) + _turn(c[0], ends[1])
+                here, step = ahead, (ahead - here) * 2
+        count = turns / (2 * math.pi)
+        return None if abs(count - self.n) < 0.01 else f"{self.n} are claimed, and {count:.3f} counted"
+
+    def shifted(self, a: list[tuple[int, int]], sigma: list[Fraction], terms: int | None = None) -> list[tuple[int, int]]:
+        """The first coefficients of Σ a_k (u + v)^k in powers of v, u that of σ, each rounding below 2 units of the last place."""
+        (x, y), P = (math.floor((s - c) / self.radius * 2**self.P) for s, c in zip(sigma, self.centre, strict=True)), self.P
+        re, im = [v[0] for v in a], [v[1] for v in a]
+        for i in range(self.K if terms is None else terms):
+            for j in range(self.K - 2, i - 1, -1):
+                b, c = re[j + 1], im[j + 1]
+                re[j] += (b * x - c * y) >> P
+                im[j] += (b * y + c * x) >> P
+        return list(zip(re, im, strict=True))
+
+    def rectangle(self, floor: Fraction) -> Any:
+        """Corners of a rectangle that holds all modes with Re σ ≥ floor."""
+        a = iv.mpf(self.alpha.numerator) / self.alpha.denominator
+        root = iv.pi / 2
+        top = 2 * a * root / (root**2 + a**2) if (a**2).b < (root**2).a else iv.mpf(1)
+        margin = Fraction(1, 2**20)
+        return (floor, -self.alpha - margin), (_fraction(top.b) + margin, _fraction((a / (root**2 + a**2)).b) + margin)
+
+    def value(self, sigma: Ball) -> Ball | None:
+        """D(σ), None where a tail is not bounded."""
+        states = [[self.exact(Fraction(int(i == j))) for i in range(4)] for j in self.free]
+        y, N, one = Fraction(0), self.N, 1 << self.P
+        R, a = self.R, self.alpha
+        for h in self.steps:
+            s = (
+                self.plus(sigma, self.exact(Fraction(0), a * (1 - y * y))),
+                self.exact(Fraction(0), -2 * a * y),
+                self.exact(Fraction(0), -a),
+            )
+            p = [self.times(x, self.exact(R * h ** (2 + j))) for j, x in enumerate(s)]
+            q = [self.times(x, self.exact(-R * a * a * h ** (4 + j))) for j, x in enumerate(s)]
+            p[0] = self.plus(p[0], self.exact(2 * a * a * h * h))
+            q[0] = self.plus(q[0], self.exact(-(a**4) * h**4, 2 * a * R * h**4))
+            room = Fraction(sum(length(x) << (2 + j) for j, x in enumerate(p)), N * (N - 1) * one)
+            room += Fraction(sum(length(x) << (4 + j) for j, x in enumerate(q)), N * (N - 1) * (N - 2) * (N - 3) * one)
+            if room > 1:
+                return None
+            states = [self.step(state, h, p, q) for state in states]
+            y += h
+        (f, f1), (g, g1) = (state[:2] for state in states)
+        product = self.times(f1, g)
+        return self.plus(self.times(f, g1), Ball(-product.x, -product.y, product.r))
+
+    def step(self, state: list[Ball], h: Fraction, p: list[Ball], q: list[Ball]) -> list[Ball]:
+        """(φ, φ′, φ″, φ‴) at the end of a step."""
+        f = [self.times(x, self.exact(h**i / math.factorial(i))) for i, x in enumerate(state)]
+        size = [length(x) for x in f]
+        pq = [(x.x, x.y, x.r, length(x) - x.r) for x in (*p, *q)]
+        P = self.P
+        for m in range(self.N - 4):
+            x = y = r = 0
+            for j in range(6):
+                at = m - j + 2 if j < 3 else m - j + 3
+                if at < 0 or (j < 3 and at < 2):
+                    continue
+                a, b, e, long = pq[j]
+                u, v, d = f[at]
+                w = at * (at - 1) if j < 3 else 1
+                x += w * (a * u - b * v)
+                y += w * (a * v + b * u)
+                r += w * (long * d + e * size[at])
+            n = ((m + 4) * (m + 3) * (m + 2) * (m + 1)) << P
+            f.append(Ball(x // n, y // n, r // n + 3))
+            size.append(length(f[-1]))
+        A = max(size[m] << m for m in range(self.N - 6, self.N))
+        lack = (52 * A * self.N**3 >> self.N) + 1
+        ends = []
+        for i in range(4):
+            weights = [math.perm(m, i) for m in range(self.N)]
+            total = Ball(*(sum(w * x[part] for w, x in zip(weights, f, strict=True)) for part in range(3)))
+            ends.append(self.times(Ball(total.x, total.y, total.r + lack), self.exact(1 / h**i)))
+        return ends
+
+    def bound(self, centre: tuple[Fraction, Fraction], outer: Fraction) -> Any:
+        """M ≥ |D| on |σ − centre| ≤ outer, a number of mpmath.iv; also for whoever must choose weight and points."""
+        R, a, k, re, im, rim = (iv.mpf(x.numerator) / x.denominator for x in (self.R, self.alpha, self.k, *centre, outer))
+        square = iv.mpf([-rim.b, rim.b])
+        sigma, total = iv.mpc(re + square, im + square), iv.mpf(0)
+        for i in range(64):
+            y = iv.mpf([i / 64, (i + 1) / 64])
+            s = sigma + 1j * a * (1 - y * y)
+            p, q = 2 * a**2 + R * s, -(a**4) - R * a**2 * s + 2j * a * R
+            rate = 1 + abs(p) / k**2 + abs(q) / k**4
+            total += k * max(2, rate.b) / 64
+        return iv.exp(total) / k**self.power
+
+    def exact(self, re: Fraction, im: Fraction = Fraction(0), off: int = 0) -> Ball:
+        return Ball((re.numerator << self.P) // re.denominator, (im.numerator << self.P) // im.denominator, off + 2)
+
+    def up(self, x: Any) -> int:  # at least x of mpmath.iv in units of the last place
+        return int(_fraction(x.b) * (1 << self.P)) + 2
+
+    def plus(self, a: Ball, b: Ball) -> Ball:
+        return Ball(a.x + b.x, a.y + b.y, a.r + b.r)
+
+    def times(self, a: Ball, b: Ball) -> Ball:
+        P, long = self.P, abs(a.x) + abs(a.y)
+        r = (long * b.r + length(b) * a.r >> P) + 3
+        return Ball((a.x * b.x - a.y * b.y) >> P, (a.x * b.y + a.y * b.x) >> P, r)
 
 
-def _coefficients(R: Any, alpha: Any, sigma: Any, y: Any) -> tuple[Any, Any]:
-    """p and q at y, as polynomials in y − y_0 about it: each (p_0, p_1, p_2)."""
-    s = (sigma + 1j * alpha * (1 - y * y), -2j * alpha * y, iv.mpc(0, -alpha))
-    p = tuple(R * x for x in s)
-    q = tuple(-R * alpha**2 * x for x in s)
-    return (2 * alpha**2 + p[0], p[1], p[2]), (q[0] - alpha**4 + 2j * alpha * R, q[1], q[2])
+def length(a: Ball) -> int:  # at least |a| in units of the last place
+    return abs(a.x) + abs(a.y) + a.r
 
 
-def _value(R: Any, alpha: Any, even: bool, sigma: Any, start: Any, steps: Any, N: int) -> Any:
-    """D(σ), None where a tail is not bounded."""
-    states = [[iv.mpc(int(i == j)) for i in range(4)] for j in ((0, 2) if even else (2, 3))]
-    y = start
-    for h in steps:
-        p, q = _coefficients(R, alpha, sigma, y)
-        p, q = [x * h ** (2 + j) for j, x in enumerate(p)], [x * h ** (4 + j) for j, x in enumerate(q)]
-        room = sum(abs(x) * 2 ** (2 + j) for j, x in enumerate(p)) / (N * (N - 1))
-        room += sum(abs(x) * 2 ** (4 + j) for j, x in enumerate(q)) / (N * (N - 1) * (N - 2) * (N - 3))
-        if not room <= 1:
-            return None
-        states = [_step(state, h, p, q, N) for state in states]
-        y = y + h
-    (f, f1), (g, g1) = (state[:2] for state in states)
-    return f * g1 - f1 * g
+def _fraction(x: Any) -> Fraction:  # of mpmath.iv, with two equal ends
+    mantissa, exponent = mp.mpf(x).man_exp
+    return Fraction(int(mantissa) * (-1 if x < 0 else 1)) * (Fraction(1 << exponent) if exponent >= 0 else Fraction(1, 1 << -exponent))
 
 
-def _step(state: Any, h: Any, p: Any, q: Any, N: int) -> Any:
-    """(φ, φ′, φ″, φ‴) at the end of a step."""
-    f = [state[0], state[1] * h, state[2] * h**2 / 2, state[3] * h**3 / 6]
-    for m in range(N - 4):
-        total = ORIGIN
-        for j in range(min(m, 2) + 1):  # where j > m the factors vanish
-            total += p[j] * f[m - j + 2] * ((m - j + 2) * (m - j + 1)) + q[j] * f[m - j]
-        f.append(total / ((m + 4) * (m + 3) * (m + 2) * (m + 1)))
-    A = max((abs(f[m]) * 2**m).b for m in range(N - 6, N))
-    lack = (52 * iv.mpf(A) * N**3 / iv.mpf(2) ** N).b
-    wide = iv.mpf([-lack, lack])
-    weights = (lambda m: 1, lambda m: m, lambda m: m * (m - 1), lambda m: m * (m - 1) * (m - 2))
-    ends = [sum((f[m] * w(m) for m in range(N - 1, -1, -1)), ORIGIN) + iv.mpc(wide, wide) for w in weights]
-    return [x / h**i for i, x in enumerate(ends)]
-
-
-def bound(R: Any, alpha: Any, even: bool, centre: Any, outer: Any, k: Any, start: Any, pieces: int = 64) -> Any:
-    """M ≥ |D| on |σ − centre| ≤ outer, numbers of mpmath.iv; also for whoever writes a certificate and must choose weight and points."""
-    square = iv.mpf([-outer.b, outer.b])
-    sigma = centre + iv.mpc(square, square)
-    total = iv.mpf(0)
-    for i in range(pieces):
-        low, high = start + (1 - start) * i / pieces, start + (1 - start) * (i + 1) / pieces
-        y = iv.mpf([low.a, high.b])
-        s = sigma + 1j * alpha * (1 - y * y)
-        p, q = 2 * alpha**2 + R * s, -(alpha**4) - R * alpha**2 * s + 2j * alpha * R
-        rate = 1 + abs(p) / k**2 + abs(q) / k**4
-        total += k * max(2, rate.b) * (1 - start) / pieces
-    # the minors begin with [02] = 1 (even) or [23] = 1
-    return iv.exp(total) / (k if even else k**4)
-
-
-def settings(problem: Any, disc: Any, outer: str, log_size: float) -> dict[str, Any]:
-    """Weight, points, bits, order and steps with which a certificate is likely to be accepted: choices, of which nothing is trusted.
-
-    log_size is ln |D| on the circle.
-    """
-    R, alpha = iv.mpf(problem["reynolds"]), iv.mpf(problem["alpha"])
-    centre = iv.mpc(iv.mpf(disc["re"]), iv.mpf(disc["im"]))
-    start = iv.mpf(0 if problem["even"] else -1)
-    length = 1.0 if problem["even"] else 2.0
-    rate = float((abs(_coefficients(R, alpha, centre, iv.mpf(0))[0][0]) + abs(_coefficients(R, alpha, centre, iv.mpf(1))[0][0])).b) ** 0.5
-    weights = [f"{rate * 1.1**j:.4g}" for j in range(-10, 6)]
-    nats = {w: float(iv.log(bound(R, alpha, problem["even"], centre, iv.mpf(outer), iv.mpf(w), start)).b) for w in weights}
-    weight = min(nats, key=lambda w: nats[w])
-    points = max(4, math.ceil((nats[weight] - log_size) / math.log(float(outer) / float(disc["radius"]))) + 2)
-    digits = -math.log2(float(disc["radius"]) / max(1e-300, float(abs(centre).b)))
-    bits = math.ceil(48 + digits + 2.0 * length * rate)
-    count = max(2, math.ceil(length * rate * 16 / bits))
-    step = math.floor(1e6 * length / count) / 1e6
-    order, size = 1, 0.0
-    while size > -bits or order < 24:
-        size += math.log2(2.0 * rate * step / order)
-        order += 1
-    return {"outer": outer, "weight": weight, "points": points, "bits": bits, "order": order, "steps": [f"{step:.6f}"] * (count - 1)}
+def _turn(a: tuple[int, int], b: tuple[int, int]) -> float:
+    """arg b/a; the ends of pieces are the same numbers for both neighbours, so that what doubles lose is all that the sum loses."""
+    x, y = b[0] * a[0] + b[1] * a[1], b[1] * a[0] - b[0] * a[1]
+    size = max(abs(x), abs(y))
+    return math.atan2((y << 60) / size, (x << 60) / size)
 
 
 def main() -> int:
     """Exit status 0 where the certificate proves its statement, 1 where it does not."""
-    if len(sys.argv) != 2:
-        print(str(__doc__).split("\n")[0])
-        return 2
     try:
         certificate = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        print(f"{sys.argv[1]}: not a certificate: {error}")
+    except (IndexError, OSError, ValueError, RecursionError) as error:
+        print(f"{str(__doc__).splitlines()[0]} Not one: {error}")
         return 2
     reason = check(certificate)
     print("proved" if reason is None else f"refused: {reason}")

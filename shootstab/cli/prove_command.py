@@ -69,7 +69,7 @@ def prove(options: Namespace) -> int:
         )
         return [Text(scene.heading), *(Text(line) for line in said)]
 
-    answer(options, {"statement": found.statement, **asdict(found)}, tables, scene)
+    answer(options, {"statement": found.statement, "count": found.count, **asdict(found)}, tables, scene)
     return DONE
 
 

@@ -27,6 +27,8 @@ from shootstab.multiprecision.tailed_series import TailedSeries
 class EquationEnclosable:
     """See multiprecision.enclosable.Enclosable: a system between two finite ends with conditions, without given functions."""
 
+    lemmas: tuple[str, ...] = ("E8",)
+
     def __init__(self, system: StatePencil, left: Fraction, right: Fraction) -> None:
         self._system, self._ends = system, (left, right)
 

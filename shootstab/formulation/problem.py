@@ -98,7 +98,7 @@ class EquationProblem(LinearProblem):
         left, right = (
             Fraction(Gaussian.of(end.at).re) for end in (self.statement.left, self.statement.right) if isinstance(end, Conditions)
         )
-        return EquationEnclosable(self.affine, left, right)
+        return EquationEnclosable(self.states, left, right)
 
     @property
     def crossings(self) -> tuple[tuple[NDArray[np.float64], ComplexArray], ...]:

@@ -21,6 +21,8 @@ class Enclosable(Protocol):
     the conditions at the second end; both are analytic in σ, which may be thick.
     """
 
+    lemmas: tuple[str, ...]  # of the guide's page on proofs, those that this formulation relies on beside the common ones
+
     @property
     def size(self) -> int:
         """n."""
@@ -50,6 +52,8 @@ class Enclosable(Protocol):
 
 class ClosedFormEnclosable:
     """See Enclosable: a closed form, whose floats stand for their shortest decimals."""
+
+    lemmas: tuple[str, ...] = ()
 
     def __init__(self, form: ClosedForm) -> None:
         self._form = form

@@ -109,6 +109,8 @@ CLOSED_FORM = Capability(
 )
 # a multiprecision.enclosable.Enclosable, where a problem is one otherwise than by its closed form
 ENCLOSABLE = Capability("enclosable", None, "a proof asks for a problem in closed form or in equations, between finite ends")
+# closed forms whose discriminants multiply to that of the problem, up to a constant
+FACTORS = Capability("factors", (), "this problem is not made of others")
 FAMILY = Capability("family", None, "this problem belongs to no family of problems with parameters: a sweep is over parameters of a family")
 EXPLANATION = Capability("explanation", None, "this problem was not written in equations: allowed is a scene with equations in [problem]")
 BASE_FLOW = Capability("flow", None, "this problem has no steady flow of grains: allowed is a scene with a [flow]")

@@ -23,7 +23,9 @@ def test_a_proof_its_certificate_and_a_tampered_one(tmp_path: Path, capsys: pyte
     assert cli.main(["check", str(file)]) == 0
     assert capsys.readouterr().out == "proved\n"
     certificate = json.loads(file.read_text())
-    file.write_text(json.dumps({**certificate, "count": 0}))
+    assert [part["problem"]["modes"] for part in certificate["parts"]] == ["even", "odd"]
+    certificate["parts"][0]["count"] = 1 - certificate["parts"][0]["count"]
+    file.write_text(json.dumps(certificate))
     assert cli.main(["check", str(file), "--json", "-"]) == 1
     assert "Pellet" in json.loads(capsys.readouterr().out)["reason"]
 

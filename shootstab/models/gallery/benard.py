@@ -21,13 +21,12 @@ from shootstab.core.errors import InputError
 from shootstab.core.regions import Rectangle
 from shootstab.formulation.conditions import Conditions
 from shootstab.formulation.problem import EquationProblem, equations
-from shootstab.models.gallery.orr_sommerfeld import require_positive
+from shootstab.models.gallery.orr_sommerfeld import REGION_MARGIN, require_positive
 from shootstab.problems import LinearProblem, Wall
 from shootstab.problems.linear_problem import problem
 
 ROWS = {"rigid": [0, 1, 4], "free": [0, 2, 4]}
 CONDITIONS = {"rigid": ["W", "d(W)", "T"], "free": ["W", "d(W,2)", "T"]}
-REGION_MARGIN = 2.0**-20  # chosen: the margin of the region that holds all growing modes, far above rounding
 
 
 def benard(

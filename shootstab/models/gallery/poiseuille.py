@@ -7,7 +7,7 @@ Source: S. A. Orszag, J. Fluid Mech. 50 (1971) 689: R = 10000, α = 1, c = 0.237
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,14 +15,12 @@ from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
 from shootstab.core.regions import Rectangle
-from shootstab.models.gallery.orr_sommerfeld import CLAMPED, orr_sommerfeld, require_positive
+from shootstab.models.gallery.orr_sommerfeld import CLAMPED, REGION_MARGIN, orr_sommerfeld, require_positive
 from shootstab.models.gallery.poiseuille_collocation import PoiseuilleCollocation
 from shootstab.problems import LinearProblem, Wall
 from shootstab.problems.closed_form import Exact
 from shootstab.problems.linear_problem import problem
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
-
-REGION_MARGIN = 2.0**-20  # chosen: the margin of the region that holds all growing modes, far above rounding
 
 
 @dataclass(frozen=True)
@@ -62,6 +60,16 @@ class PlanePoiseuille:
         return Pencil(C0, C1, D0, D1)
 
     @property
+    def _free(self) -> tuple[int, int]:
+        """The states that begin with any value."""
+        return (0, 2) if self.half else (2, 3)
+
+    @property
+    def factors(self) -> tuple[PlanePoiseuille, ...]:
+        """Of the whole channel: the even modes and the odd ones (theory, lemma E9)."""
+        return () if self.half else (replace(self, half=True), OddPoiseuille(self.reynolds, self.alpha))
+
+    @property
     def pseudospectral(self) -> PoiseuilleCollocation:
         """Chebyshev collocation in vorticity and streamfunction."""
         return PoiseuilleCollocation(self.reynolds, self.alpha, self.half)
@@ -85,9 +93,13 @@ class PlanePoiseuille:
         return Rectangle(complex(floor, low - REGION_MARGIN), complex(top + REGION_MARGIN, high + REGION_MARGIN)), "P1"
 
     @property
-    def certified(self) -> dict[str, Any]:
-        """What shootstab/checkers/plane_poiseuille.py knows the problem by."""
-        return {"name": "plane Poiseuille", "reynolds": repr(float(self.reynolds)), "alpha": repr(float(self.alpha)), "even": self.half}
+    def certified(self) -> dict[str, Any] | None:
+        """What shootstab/checkers/plane_poiseuille.py knows the problem by; the channel has that of its factors."""
+        return {"name": "plane Poiseuille", "reynolds": repr(float(self.reynolds)), "alpha": repr(float(self.alpha)), "modes": self._modes}
+
+    @property
+    def _modes(self) -> str:
+        return "even"
 
     @property
     def closed_form(self) -> PlanePoiseuille:
@@ -106,8 +118,7 @@ class PlanePoiseuille:
         return {(i, i): 1 for i in range(4)}, {}, D0, {(3, 0): -R * a2, (3, 2): R}
 
     def exact_far(self, sigma: Any, exact: Exact) -> list[list[int]]:
-        free = (0, 2) if self.half else (2, 3)
-        return [[int(i == j) for j in free] for i in range(4)]
+        return [[int(i == j) for j in self._free] for i in range(4)]
 
     def exact_wall(self, exact: Exact) -> tuple[list[list[int]], list[list[int]]]:
         return [[int(i == j) for j in range(4)] for i in range(2)], [[0] * 4] * 2
@@ -118,8 +129,7 @@ class PlanePoiseuille:
 
     def far_frame(self, z: float, sigma: complex) -> FarFrame:
         """Even solutions at the centre; at a wall those with φ = φ′ = 0."""
-        free = [0, 2] if self.half else [2, 3]
-        frame = np.eye(4, dtype=np.complex128)[:, free]
+        frame = np.eye(4, dtype=np.complex128)[:, list(self._free)]
         return FarFrame(frame, np.zeros_like(frame), 0.0, 0.0)
 
     def mesh(self, start: float) -> NDArray[np.float64]:
@@ -132,6 +142,23 @@ class PlanePoiseuille:
     def with_base_flow_error(self, factor: float) -> PlanePoiseuille:
         """Itself: the base flow is in closed form."""
         return self
+
+
+@dataclass(frozen=True)
+class OddPoiseuille(PlanePoiseuille):
+    """The modes with odd φ alone, in half the channel."""
+
+    @property
+    def _free(self) -> tuple[int, int]:
+        return 1, 3
+
+    @property
+    def pseudospectral(self) -> None:  # type: ignore[override]
+        """None: the collocation of half the channel is that of the even modes."""
+
+    @property
+    def _modes(self) -> str:
+        return "odd"
 
 
 def plane_poiseuille(reynolds: complex = 10000.0, alpha: complex = 1.0) -> LinearProblem:

@@ -1,0 +1,57 @@
+"""With which settings a checker is likely to accept: choices in doubles, of which it trusts nothing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+NORM_WEIGHTS = 1.1 ** np.arange(-12, 8)  # chosen: of the norm in which the growth is bounded, in units of the rate √|p|
+FARTHEST = 16.0  # chosen: of |σ| or the circle of values, the largest circle on which |D| is bounded; they are tried by factors of two
+ABSOLUTE_BITS = 64  # chosen: of the checker's numbers beyond what the growth of their errors takes
+RATE_SAMPLES = 129  # chosen: at which the rate of growth is sampled
+
+
+def plane_poiseuille(named: Mapping[str, str], centre: complex, radius: float, least: float, nats: float) -> dict[str, Any]:
+    """Outer circle, weight, points, bits, order and steps for values of D on a circle.
+
+    least is the smallest ln |D| where D must be told from 0, and the rest of its Taylor series is to lie below it by so many nats.
+    """
+    R, alpha = float(named["reynolds"]), float(named["alpha"])
+    y = np.linspace(0.0, 1.0, RATE_SAMPLES)
+    s = centre + 1j * alpha * (1 - y * y)
+    p, q = np.abs(2 * alpha**2 + R * s), np.abs(-(alpha**4) - R * alpha**2 * s + 2j * alpha * R)
+    rate = math.sqrt(float(p.max()) + R * radius)
+    power = 1 if named["modes"] == "even" else 3
+
+    def growth(weight: float, reach: float) -> float:
+        """The bound on ln |D| in |σ − centre| ≤ reach."""
+        thick = math.sqrt(2.0) * R * reach
+        rates = 1 + (p + thick) / weight**2 + (q + alpha**2 * thick) / weight**4
+        return float(weight * np.maximum(2.0, rates).mean()) - power * math.log(weight)
+
+    farthest = math.ceil(math.log2(FARTHEST * max(abs(centre), radius) / radius))
+    needed = {
+        (w, wider): (growth(w, wider * radius) - least + nats) / math.log(wider)
+        for w in (rate * NORM_WEIGHTS).tolist()
+        for wider in (2.0**j for j in range(1, farthest + 1))
+    }
+    weight, wider = min(needed, key=lambda at: needed[at])
+    errors = min(growth(w, radius) for w in (rate * NORM_WEIGHTS).tolist()) - least + nats
+    bits = math.ceil(errors / math.log(2)) + ABSOLUTE_BITS
+    count = max(2, math.ceil(rate * 8 / bits))
+    step = math.floor(1e6 / count) / 1e6
+    order, size = 1, 0.0
+    while size > -bits or order < 24:
+        size += math.log2(2.0 * rate * step / order)
+        order += 1
+    return {
+        "outer": repr(wider * radius),
+        "weight": f"{weight:.4g}",
+        "points": max(4, math.ceil(needed[weight, wider])),
+        "bits": bits,
+        "order": order,
+        "steps": [f"{step:.6f}"] * (count - 1),
+    }

@@ -1,0 +1,115 @@
+"""Exactly n zeros in a rectangle: D is one polynomial on a disc around it, its phase is followed along the boundary in proved pieces."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+from flint import acb, arb
+
+from shootstab.analyses.disc_proof import MORE_BITS, disc
+from shootstab.analyses.proof import Proof, lemmas, named
+from shootstab.core.errors import ConvergenceError
+from shootstab.core.regions import Rectangle
+from shootstab.multiprecision.enclosable import Enclosable
+from shootstab.multiprecision.enclosure import Enclosure, at_bits, decimal
+from shootstab.roots.pellet import PolynomialModel, polynomial_model
+
+CONTOUR_SAMPLES_BITS = 192  # chosen: of the values of D that tell how many bits and points a contour needs
+# chosen: spare bits of D on a contour, for a zero 2^−12 of the contour away; how often they are raised
+CONTOUR_BITS, CONTOUR_ATTEMPTS = 24, 3
+RIM = 12  # chosen: values of D on a circle, and on a side of a contour, by which its size is judged
+RECTANGLE_SLACK = 1.0625  # chosen: the disc on which D is one polynomial, over the half diagonal of the rectangle
+OUTER_CIRCLES = (2.0, 4.0, 8.0, 16.0)  # chosen: radii of the disc on which |D| is bounded, over that one; the one that needs fewest points
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True)
+class _Followed:
+    """What one factor of D gave."""
+
+    count: int
+    margin: float
+    bits: int
+    points: int
+    evaluations: int
+
+
+def along(forms: tuple[Enclosable, ...], region: Rectangle, spare: int, progress: Progress | None) -> Proof:
+    """The zeros of every factor of D in the rectangle, with so many spare bits.
+
+    Raises ConvergenceError where one is too near its boundary.
+    """
+    began = perf_counter()
+    found = [_followed(form, region, spare, progress) for form in forms]
+    corners = [named((repr(v.real), repr(v.imag))) for v in (region.vertices[0], region.vertices[2])]
+    return Proof(
+        tuple(part.count for part in found),
+        {"shape": "rectangle", "corners": corners},
+        min(part.margin for part in found),
+        max(part.bits for part in found),
+        max(part.points for part in found),
+        sum(part.evaluations for part in found),
+        perf_counter() - began,
+        lemmas(forms),
+    )
+
+
+def _followed(form: Enclosable, region: Rectangle, spare: int, progress: Progress | None) -> _Followed:
+    middle, half = (region.vertices[0] + region.vertices[2]) / 2, abs(region.vertices[2] - region.vertices[0]) / 2
+    bits, points, wider = _settings(form, region.vertices, middle, half * RECTANGLE_SLACK, spare)
+    spent = 0
+    for attempt in range(CONTOUR_ATTEMPTS):
+        with at_bits(bits):
+            model = _polynomial(Enclosure(form, bits), middle, half * RECTANGLE_SLACK, wider, points, progress)
+            spent += points
+            try:
+                count, margin = model.count([acb(decimal(repr(v.real)), decimal(repr(v.imag))) for v in region.vertices])
+            except ConvergenceError:
+                if attempt == CONTOUR_ATTEMPTS - 1:
+                    raise
+            else:
+                return _Followed(count, margin, bits, points, spent)
+        bits, points = math.ceil(MORE_BITS * bits), math.ceil(1.25 * points)
+    raise AssertionError("unreachable")
+
+
+def _polynomial(
+    enclosure: Enclosure, middle: complex, radius: float, wider: float, points: int, progress: Progress | None
+) -> PolynomialModel:
+    centre, R = acb(middle.real, middle.imag), arb(radius)
+    return polynomial_model(enclosure, enclosure.growth(disc(centre, wider * R)), centre, R, wider * R, points, progress)
+
+
+def _settings(form: Enclosable, corners: Sequence[complex], middle: complex, radius: float, spare: int) -> tuple[int, int, float]:
+    """Bits, points and the outer circle, from the sizes of D on the contour and on the circle, and from what an enclosure of D loses.
+
+    Choices, not bounds.
+    """
+    bits = CONTOUR_SAMPLES_BITS
+    while True:
+        with at_bits(bits):
+            enclosure, centre, R = Enclosure(form, bits), acb(middle.real, middle.imag), arb(radius)
+            rim = [enclosure(centre + R * (acb(2 * j) / RIM).exp_pi_i()) for j in range(RIM)]
+            sides = zip(corners, [*corners[1:], corners[0]], strict=True)
+            edge = [enclosure(acb(s.real, s.imag)) for a, b in sides for s in (a + (b - a) * x / RIM for x in range(RIM))]
+            known = min(int(D.rel_accuracy_bits()) for D in (*rim, *edge))
+            if known > 0 or bits > CONTOUR_SAMPLES_BITS * MORE_BITS**CONTOUR_ATTEMPTS:
+                break
+        bits = math.ceil(MORE_BITS * bits)
+    with at_bits(bits):
+        least, largest = min(map(_nats, edge)), max(map(_nats, rim))
+        needed = {
+            wider: (float(enclosure.growth(disc(centre, wider * R)).mid()) - least + spare * math.log(2)) / math.log(wider)
+            for wider in OUTER_CIRCLES
+        }
+    wider = min(needed, key=lambda x: needed[x])
+    return max(bits - known + math.ceil((largest - least) / math.log(2)) + spare, 64), math.ceil(needed[wider]), wider
+
+
+def _nats(D: Any) -> float:
+    return float(abs(D).log().mid())

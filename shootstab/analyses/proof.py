@@ -1,0 +1,80 @@
+"""What was proved: the record of a theorem on eigenvalues, and its statement in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import mpmath
+
+from shootstab.multiprecision.enclosable import Enclosable
+
+COMMON = ("E1", "E2", "E3", "E4", "E5", "E6", "E7")  # of the guide's page on proofs: E7 is what "with multiplicity" rests on
+
+Decimals = tuple[str, str]  # real and imaginary part
+
+
+@dataclass(frozen=True)
+class Proof:
+    """Proved: exactly `count` eigenvalues, with multiplicity, lie in the region, and none on its boundary.
+
+    region is {"shape": "disc", "centre", "radius"} or {"shape": "rectangle", "corners"}, its numbers exact decimals. counts are of
+    the factors of D, where it has some (parities). margin is the factor by which the decisive inequality holds, the least one of a contour.
+    alone is the radius of the largest disc about the same centre in which the count was proved too; floor stands where the count is that
+    of all eigenvalues with Re σ ≥ floor. bits, points and evaluations say what it took, lemmas what it relies on.
+    """
+
+    counts: tuple[int, ...]
+    region: dict[str, Any]
+    margin: float
+    bits: int
+    points: int
+    evaluations: int
+    seconds: float
+    lemmas: tuple[str, ...]
+    alone: float | None = None
+    floor: float | None = None
+
+    @property
+    def count(self) -> int:
+        """Of all factors."""
+        return sum(self.counts)
+
+    @property
+    def statement(self) -> str:
+        """The theorem in words."""
+        many = f"exactly {self.count} eigenvalues"
+        if self.floor is not None:
+            subject = {0: "no eigenvalue has", 1: "exactly one eigenvalue has"}.get(self.count, f"{many} have")
+            return f"{subject} Re σ ≥ {self.floor!r}"
+        subject = {0: "no eigenvalue lies", 1: "exactly one eigenvalue lies"}.get(self.count, f"{many} lie")
+        if self.region["shape"] == "disc":
+            return f"{subject} in |σ − ({_shown(self.region['centre'])})| < {self.region['radius']}"
+        low, high = self.region["corners"]
+        return f"{subject} in the rectangle from {_shown(low)} to {_shown(high)}"
+
+
+def lemmas(forms: Sequence[Enclosable]) -> tuple[str, ...]:
+    """What a proof on these factors of D relies on."""
+    own = sorted({name for form in forms for name in form.lemmas})
+    return (*COMMON, *own, *(("E9",) if len(forms) > 1 else ()))
+
+
+def named(at: Decimals) -> dict[str, str]:
+    """A complex decimal as it stands in JSON."""
+    return {"re": at[0], "im": at[1]}
+
+
+def rounded(x: Any, places: int) -> str:
+    """The decimal with so many places behind the point, of a real mpmath number."""
+    whole = int(mpmath.nint(x * mpmath.mpf(10) ** places))
+    if places <= 0:
+        return str(whole * 10**-places)
+    digits = str(abs(whole)).rjust(places + 1, "0")
+    return f"{'-' if whole < 0 else ''}{digits[:-places]}.{digits[-places:]}"
+
+
+def _shown(at: dict[str, str]) -> str:
+    sign, size = ("−", at["im"][1:]) if at["im"].startswith("-") else ("+", at["im"])
+    return f"{at['re']} {sign} {size}i"
