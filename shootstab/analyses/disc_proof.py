@@ -55,7 +55,7 @@ def around(forms: tuple[Enclosable, ...], centre: Decimals, radius: str, alone: 
         sum(part.evaluations for part in found),
         perf_counter() - began,
         lemmas(forms),
-        alone=min(part.alone for part in found) if alone and any(counts) else None,
+        alone=min(part.alone for part in found) if alone else None,
     )
 
 
@@ -142,7 +142,7 @@ def _log_size(enclosure: Enclosure, sigma: Any) -> Any:
 
 
 def _alone(model: TaylorModel, count: int, least: float) -> float:
-    """The largest disc up to that of the model, by factors, in which the same is proved; 0 where it is none above the least."""
+    """The largest disc up to that of the model, by factors, in which the same number is proved; 0 where it is none above the least."""
     radius = float(model.radius)
     while radius > least:
         if model.shrunk(arb(radius)).proved() == count:

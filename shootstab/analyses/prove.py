@@ -47,15 +47,15 @@ def prove(problem: Problem, guess: complex, digits: int = 12) -> Proof:
     return replace(proof, seconds=perf_counter() - began)
 
 
-def prove_disc(problem: Problem, centre: complex, radius: float) -> Proof:
+def prove_disc(problem: Problem, centre: complex, radius: float, alone: bool = False) -> Proof:
     """Exactly n eigenvalues in this disc, n found; floats stand for their shortest decimals.
 
-    Raises ConvergenceError where none is proved.
+    With alone the largest disc about the same centre is found in which there are as many. Raises ConvergenceError where none is proved.
     """
     if not 0.0 < radius < math.inf:
         raise InputError(f"radius = {radius!r}: allowed is a finite number above 0")
     at = complex(centre)
-    return around(factors(problem), (repr(at.real), repr(at.imag)), repr(float(radius)), False)
+    return around(factors(problem), (repr(at.real), repr(at.imag)), repr(float(radius)), alone)
 
 
 def prove_rectangle(problem: Problem, region: Rectangle, progress: Progress | None = None, spare_bits: int = CONTOUR_BITS) -> Proof:

@@ -19,6 +19,8 @@ from shootstab.io.files import require_writable, write_whole
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
+    from shootstab.analyses.proved_verdicts import ProvedVerdict
+
 DONE, BAD_NEWS = 0, 1  # defined by the contract: exit statuses of a command that did its work
 
 METHOD_NAMES = ("frame", "compound", "riccati")  # the names of discriminants.named, which would load the kernels
@@ -41,11 +43,17 @@ def verify(options: Namespace) -> int:
     convention = _convention(options)
     if options.unstable and convention.unit.imag != 0.0:
         raise InputError(f"--unstable: allowed with growth rates only, not with --as {convention.kind}")
+    if options.prove and not convention.plain:
+        raise InputError("--prove: allowed with eigenvalues in the problem's own terms")
     region = None if options.region is None else _rectangle(options.region)
     spectrum = None if options.eigenvalues is None else readers.read(options.eigenvalues, options.dataset, options.row)
     given = None if spectrum is None else convention.read(spectrum)
     own = scene_files.load(options.scene)
     scene = own.seen(convention)
+    if options.prove:
+        from shootstab.analyses.prove import factors
+
+        factors(own.problem)  # what has no enclosure is refused before anything is computed
     from shootstab.analyses.missing import unstable_box
     from shootstab.analyses.reference import claims
     from shootstab.analyses.verify import verify as question
@@ -65,6 +73,11 @@ def verify(options: Namespace) -> int:
             "atol": options.atol,
         }
         report = question(scene.problem, given, progress=told, **wishes)
+        theorems: tuple[ProvedVerdict, ...] = ()
+        if options.prove:
+            from shootstab.analyses.proved_verdicts import proved_verdicts
+
+            theorems = proved_verdicts(scene.problem, report)
     from shootstab.analyses.hypotheses import hypotheses
     from shootstab.cli.proposals import sentence
 
@@ -78,14 +91,20 @@ def verify(options: Namespace) -> int:
     def tables() -> list[RenderableType]:
         from shootstab.cli import tables
 
-        return [*tables.report(report, scene, options.only, options.sort), *map(tables.paragraph, meant)]
+        return [
+            *tables.report(report, scene, options.only, options.sort),
+            *tables.theorems(report, theorems),
+            *map(tables.paragraph, meant),
+        ]
 
     document = documents.report(report)
     document["meant"] = meant
+    for stated, theorem in zip(document["verdicts"], theorems, strict=False):
+        stated |= vars(theorem)
     if not convention.plain:
         document["convention"] = convention.formula
     _answer(options, document, tables, scene)
-    return BAD_NEWS if report.bad_news(options.strict) else DONE
+    return BAD_NEWS if report.bad_news(options.strict) or any(theorem.contradicts for theorem in theorems) else DONE
 
 
 def refine(options: Namespace) -> int:

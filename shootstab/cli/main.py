@@ -131,6 +131,7 @@ def parser() -> argparse.ArgumentParser:
     verify.add_argument("--row", type=_integer(1, 999_999_999), metavar="N", help="the spectrum that is meant, in an array of several")
     _convention(verify)
     verify.add_argument("--digits", type=_integer(1, 12), default=6, metavar="N", help="digits that an eigenvalue must have (default 6)")
+    verify.add_argument("--prove", action="store_true", help="prove what is confirmed, and that nothing lies near what is spurious")
     verify.add_argument("--strict", action="store_true", help="`continuum` is bad news too")
     verify.add_argument("--only", choices=("bad", *VERDICTS), help="show these verdicts only; bad: all but confirmed and continuum")
     verify.add_argument("--sort", choices=SORTS, help="the order of the table (default: that of the file)")

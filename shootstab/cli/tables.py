@@ -30,6 +30,7 @@ from shootstab.io.notation import claimed_digits, held, held_complex
 if TYPE_CHECKING:
     from shootstab.analyses.cut_region import RegionCount
     from shootstab.analyses.find import Found
+    from shootstab.analyses.proved_verdicts import ProvedVerdict
     from shootstab.io.scenes import Scene
     from shootstab.models.chute import Flow
 
@@ -66,6 +67,16 @@ def report(found: Report, scene: Scene, only: str | None = None, sort: str | Non
             table.add_row(row, both, _coloured(said), *others)
     rests = [Text(textwrap.fill(f"Rests on {found.rests_on}.", PAGE))] if found.rests_on else []
     return [heading(scene), table, *_reasons(found, shown), *_left_out(found), Text(_sentence(found)), *rests]
+
+
+def theorems(found: Report, proofs: Sequence[ProvedVerdict]) -> Parts:
+    """What was proved of each claim, by its number in the table, and why the others were not."""
+    parts: Parts = []
+    for number, (verdict, proof) in enumerate(zip(found.verdicts, proofs, strict=False), 1):
+        against = f", against the verdict {verdict.verdict}" if proof.contradicts else ""
+        said = f"proved{against}: {proof.proved}" if proof.proved is not None else f"not proved: {proof.reason}"
+        parts.append(paragraph(f"{number} {said}."))
+    return parts
 
 
 def _left_out(found: Report) -> Parts:

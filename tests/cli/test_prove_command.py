@@ -40,3 +40,24 @@ def test_what_is_no_certificate_is_bad_input(tmp_path: Path, capsys: pytest.Capt
     assert cli.main(["prove", "high", "--guess", "0.004"]) == 2
     assert "closed form" in capsys.readouterr().err
     assert cli.main(["prove", "poiseuille", "--growing", "-0.001", "--certificate", str(tmp_path / "a.json")]) == 2
+
+
+def test_verdicts_become_theorems(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """y″ = σ y between walls: σ = −π² and −4π², and nothing else above −80."""
+    scene, claimed = tmp_path / "string.toml", tmp_path / "claimed.csv"
+    ends = 'left = { at = 0, conditions = ["y"] }\nright = { at = 1, conditions = ["y"] }\n'
+    scene.write_text(f'[problem]\nunknowns = ["y"]\nequations = ["d(y,2) - sigma*y"]\n{ends}')
+    claimed.write_text("re,im\n-9.8696044,0\n-39.478417604,0\n-25.0,0\n-9.87,0\n")
+    assert cli.main(["verify", str(scene), str(claimed), "--prove", "--json", "-"]) == 1
+    first, second, spurious, inaccurate = json.loads(capsys.readouterr().out)["verdicts"]
+    assert (first["verdict"], second["verdict"], spurious["verdict"]) == ("confirmed", "confirmed", "spurious")
+    assert first["proved"].startswith("exactly one eigenvalue lies in |σ − (-9.8696044 + 0.0i)| < ")
+    assert second["proved"].startswith("exactly one eigenvalue")
+    assert 1.0 < spurious["within"] < 14.48  # −4π² is so far away
+    assert spurious["proved"].startswith("no eigenvalue lies within")
+    assert inaccurate["proved"] is None
+    assert not any(v["contradicts"] for v in (first, second, spurious, inaccurate))
+    cli.main(["verify", str(scene), str(claimed), "--prove"])
+    assert "3 proved: no eigenvalue lies within" in capsys.readouterr().out
+    assert cli.main(["verify", "high", str(claimed), "--prove"]) == 2
+    assert "a proof asks for" in capsys.readouterr().err
