@@ -436,7 +436,7 @@ def giants() -> Iterator[tuple[str, bytes]]:
             write(file)
         yield "spectrum", out.getvalue()
     for unit in (b"a = 1\n", b"[[x]]\n", b"a.", b"[", b"#", b'"', b"\n"):
-        yield "scene", unit * (2**20 // len(unit) - 1)
+        yield "scene", unit * (2**17 // len(unit) - 1)
         yield "scene", unit * (100 * 2**20 // len(unit))
     for unit in (b"[", b"[],", b'{"a":', b"1"):
         yield "certificate", unit * (2**20 // len(unit) - 1)

@@ -165,9 +165,9 @@ def killed_sweep(rng: random.Random, folder: Path, calm: tuple[Rows, Any], secon
         run = Run.of([*SWEEP, "--out", file.name, "--json", answer.name], folder)
         by = None
         while run.process.poll() is None and made < kills:
-            time.sleep(rng.uniform(0.0, seconds / 2))
+            time.sleep(rng.uniform(0.0, seconds / 4))
             workers = run.workers()
-            if rng.random() < 0.5 and workers:
+            if rng.random() < 0.7 and workers:
                 with suppress(ProcessLookupError):
                     sent = rng.choice(AT_WORKERS)
                     os.kill(rng.choice(workers), sent)

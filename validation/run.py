@@ -7,7 +7,8 @@ import importlib
 import sys
 import time
 
-# random_chutes.py and fuzz_pencils.py are searches for faults, not yet claims: they run by themselves, and what they find is open
+# random_chutes.py and fuzz_pencils.py are searches for faults, not yet claims: they run by themselves, and what they find is open;
+# kills.py, fuzz_files.py, mutants.py, machines.py and load.py run by themselves because they take minutes or kill what they start
 CLAIMS = (
     "paper_modes",
     "against_pseudospectral",

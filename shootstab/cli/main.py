@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from shootstab import __version__
-from shootstab.cli import commands, explain_command, guide_command, prove_command, signals
+from shootstab.cli import commands, explain_command, guide_command, prove_command, signals, streams
 from shootstab.cli import sweep_command as sweeping
 from shootstab.cli import trade_command as trading
 from shootstab.cli.help import DOORS, STATUSES, epilog, with_nearest
@@ -29,15 +29,13 @@ from shootstab.io.notation import complex_from, floats_from
 
 # defined by the contract: exit statuses of a command that did not; the last two are 128 plus the signal
 BAD_INPUT, INTERNAL, NOT_WRITTEN, INTERRUPTED, BROKEN_PIPE = 2, 3, 4, 130, 141
-FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # what a stream says that takes no more
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)  # what a stream says that takes no more
 SCENE_HELP = "a built-in name (see `shootstab scenes`), a TOML file, or module:object"
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; the exit status."""
-    for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="replace")  # a σ must not stop a terminal that has none
+    streams.prepare()
     one_thread_from_here()
     words = _with_values(sys.argv[1:] if argv is None else argv)
     try:
@@ -86,8 +84,7 @@ def _internal(error: Exception) -> int:
 
 def _say(error: object, status: int) -> int:
     with suppress(OSError):  # nobody listens: the status says it
-        if sys.stderr is not None:
-            print("shootstab:", " ".join(str(error).split()), file=sys.stderr, flush=True)
+        print("shootstab:", " ".join(str(error).split()), file=sys.stderr, flush=True)
     return status
 
 
@@ -99,6 +96,10 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         raise InputError(f"{with_nearest(message, self._all_options())} (see {self.prog} --help)")
+
+    def exit(self, status: int = 0, message: str | None = None) -> NoReturn:
+        sys.stdout.flush()  # help and version too are answers that may not be written
+        super().exit(status, message)
 
     def _all_options(self) -> list[str]:
         """The options of this command and of those below it."""

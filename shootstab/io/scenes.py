@@ -7,6 +7,7 @@ would hold, and go the same way.
 from __future__ import annotations
 
 import importlib
+import re
 import sys
 import tomllib
 from collections.abc import Iterator, Mapping
@@ -23,7 +24,9 @@ if TYPE_CHECKING:
     from shootstab.models.chute import Flow
     from shootstab.problems.protocol import Problem
 
-LARGEST_SCENE = 2**20  # chosen: bytes of a scene file; the longest equations take some kilobytes
+LARGEST_SCENE = 2**17  # chosen: bytes of a scene file, six of the longest formulas; TOML of more may take minutes to be read
+MOST_KEY_PARTS = 100  # chosen: dots between the parts of a key, in one line
+_PARTS = re.compile(r"\.(?!\d)|\.\d+(?=\.)")  # dots that are not the point of a number
 MODELS = ("shootstab.models.chute.scene", "shootstab.models.catalogue.scene")  # each has a SceneModel called MODEL
 
 
@@ -106,9 +109,15 @@ def load(name: str) -> Scene:
 def _toml(path: Path) -> dict[str, Any]:
     data = bytes_of(path, LARGEST_SCENE, "a scene file")
     try:
-        return tomllib.loads(text_of(data))
+        text = text_of(data)
+        for number, line in enumerate(text.splitlines(), 1):
+            if len(_PARTS.findall(line)) > MOST_KEY_PARTS:  # tomllib takes the square of them
+                raise InputError(f"{path}: line {number}: a key of more than {MOST_KEY_PARTS} parts: allowed are the keys of a scene file")
+        return tomllib.loads(text)
     except RecursionError:
         raise InputError(f"{path}: broken TOML: nested too deep: allowed are the tables of a scene file") from None
+    except InputError:
+        raise
     except ValueError as error:
         # Python reads integers of up to 4300 digits, and says so in words of its own
         digits = not isinstance(error, tomllib.TOMLDecodeError) and "digits" in str(error)

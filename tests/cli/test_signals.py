@@ -1,4 +1,4 @@
-"""cli/signals.py: a command that is asked to end says so in a line, with the status that a shell expects, and leaves nothing."""
+"""cli/signals.py and cli/streams.py: a command that is asked to end says so in a line, and one whose streams are closed ends well."""
 
 from __future__ import annotations
 
@@ -82,3 +82,18 @@ def test_a_thread_leaves_them_alone() -> None:
     thread.start()
     thread.join()
     assert seen == [commands.DONE]
+
+
+REFUSED = "the answer could not be written: Bad file descriptor"
+
+
+@pytest.mark.parametrize(
+    ("words", "closed", "status", "says"),
+    [("scenes", 1, 4, REFUSED), ("--version", 1, 4, REFUSED), ("--help", 1, 4, REFUSED), ("scenes", 2, 0, "")],
+)
+def test_streams_that_are_closed(words: str, closed: int, status: int, says: str) -> None:
+    command = [sys.executable, "-m", "shootstab", words]
+    environment = {**os.environ, "PYTHONPATH": str(Path(main.__file__).parents[2])}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, preexec_fn=lambda: os.close(closed), check=False)
+    assert done.returncode == status
+    assert done.stderr == (f"shootstab: {says}\n" if says else "")

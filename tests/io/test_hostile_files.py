@@ -115,8 +115,10 @@ SCENES = {
         "an? int too large to be shown",
     ),
     "nested too deep": (b"a = " + b"[" * 5000, "nested too deep"),
-    "a dotted key of thousands": (b".".join([b"a"] * 3000) + b" = 1\n", "unknown key|nested too deep|recursion"),
-    "more than 1 MB": (b"#" * (2**20 + 1), "larger than 1 MB"),
+    "a dotted key of thousands": (b"[flow]\n" + b".".join([b"a"] * 60_000) + b" = 1\n", "line 2: a key of more than 100 parts"),
+    "a dotted key of digits": (b".".join([b"1"] * 60_000) + b" = 1\n", "line 1: a key of more than 100 parts"),
+    "a header of thousands": (b"[" + b".".join([b'"a"'] * 30_000) + b"]\n", "line 1: a key of more than 100 parts"),
+    "more than 128 kB": (b"#" * (2**17 + 1), "larger than 0.125 MB"),
     "a number of 5000 digits in a formula": (
         f'[problem]\nunknowns = ["u"]\nequations = ["sigma*u = d(u,2) + {DIGITS}*u"]\nleft = "infinity"\nright = "infinity"\n'.encode(),
         "a number of 5000 characters",

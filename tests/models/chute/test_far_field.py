@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -29,6 +30,7 @@ def phases(count: int, turned: list[int]) -> np.ndarray:
     return np.where(np.isin(np.arange(count), turned), 1j, 1.0)
 
 
+@cache
 def matrices(kx: float, ky: float, sigma: complex) -> tuple[np.ndarray, ...]:
     """(ν0′/ν0)C, D and their σ-derivatives, each (FAR_TERMS, 8, 8), as series in ν0."""
     bg = background(CHUTE, *flow_series(CHUTE, TEMPERATURE, VELOCITY, FAR_TERMS, math.pi), math.pi)
