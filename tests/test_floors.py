@@ -115,7 +115,7 @@ def reachable(start: str) -> set[str]:
 
 
 def test_shooting_and_pseudospectral_paths_share_the_steady_flow_only() -> None:
-    spectral = reachable(f"{CHUTE}.collocation")
+    spectral = reachable(f"{CHUTE}.chute_collocation")
     shooting = set().union(*(reachable(n) for n in ("shootstab.discriminants.frame", f"{CHUTE}.perturbations", "shootstab.roots.search")))
     shared = {n for n in spectral & shooting if not n.startswith("shootstab.core")}
     assert shared <= LAWS | {"shootstab.kernels.tableau", "shootstab.kernels.step_control"}, shared

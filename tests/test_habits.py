@@ -140,3 +140,33 @@ def test_shapes_stand_in_every_public_docstring_with_arrays() -> None:
     ]
     assert len(promised) > 5
     assert silent == []
+
+
+def test_no_test_reaches_into_private_names() -> None:
+    """What starts with an underscore is read by its own file only; `_replace` and its kin are public in named tuples."""
+    public = {"_replace", "_asdict", "_fields", "_exit"}
+    reached = []
+    for path in [*(ROOT / "tests").rglob("*.py"), *(ROOT / "validation").rglob("*.py")]:
+        for node in ast.walk(ast.parse(path.read_text())):
+            names = [a.name for a in node.names] if isinstance(node, ast.ImportFrom) and node.module != "__future__" else []
+            if isinstance(node, ast.Attribute) and not (isinstance(node.value, ast.Name) and node.value.id in ("self", "cls")):
+                names = [node.attr]
+            if isinstance(node, ast.Call) and ast.unparse(node.func).endswith(("setattr", "getattr")) and len(node.args) > 1:
+                names = [n.value for n in node.args if isinstance(n, ast.Constant) and isinstance(n.value, str)]
+            private = {n for n in names if n.startswith("_") and not n.endswith("__")} - public
+            reached += [f"{path.relative_to(ROOT)}:{node.lineno}: {name}" for name in private]
+    assert reached == []
+
+
+def test_a_file_name_stands_for_one_thing() -> None:
+    """Of the package and of its tests: only `__init__`, and a problem's entry in the catalogue, which has the name of its problem."""
+    for folder in ("shootstab", "tests"):
+        homes: dict[str, list[str]] = {}
+        for path in (ROOT / folder).rglob("*.py"):
+            if path.name not in ("__init__.py", "__main__.py") and path.parent.name != "catalogue":
+                homes.setdefault(path.name, []).append(str(path.relative_to(ROOT)))
+        assert {name: paths for name, paths in homes.items() if len(paths) > 1} == {}
+    entries = {path.stem for path in (ROOT / "shootstab/models/catalogue").glob("*.py")}
+    others = {path.stem for path in SOURCES if path.parent.name != "catalogue"} - {"__init__"}
+    problems = {path.stem for path in (ROOT / "shootstab/models/gallery").glob("*.py")}
+    assert entries & others <= problems | {"__init__"}

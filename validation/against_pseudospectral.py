@@ -8,7 +8,7 @@ from claims import Case, Claim, main
 from scenes import GUESS, problem
 
 import shootstab as st
-from shootstab.models.chute import collocation as chute
+from shootstab.models.chute import chute_collocation as chute
 
 WANTED = {"high": 1e-9, "mid": 1e-9, "low": 1e-7, "fig2": 1e-9}
 

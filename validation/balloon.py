@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scenes import problem
 
 import shootstab as st
-from shootstab.models.chute import collocation as chute
+from shootstab.models.chute import chute_collocation as chute
 
 LARGEST = 3.0  # |σ| of the eigenvalues that are judged: the balloon, and all that a figure of it shows
 DIGITS = 5

@@ -25,7 +25,7 @@ from shootstab.analyses.cut_region import count_in_region
 from shootstab.analyses.refine_double import find_near
 from shootstab.discriminants.continuation import Continuation
 from shootstab.models.chute import ChuteProblem
-from shootstab.models.chute import collocation as pseudospectral
+from shootstab.models.chute import chute_collocation as pseudospectral
 from shootstab.spectral import inverse
 
 GOAL = 1e-8

@@ -15,8 +15,8 @@ from claims import Case, Claim, main
 
 import shootstab as st
 from shootstab.core.records import Mode
+from shootstab.formulation.equation_scene import from_table
 from shootstab.formulation.problem import EquationProblem
-from shootstab.formulation.scene import from_table
 
 POISEUILLE = 0.0037396706229794099322 - 0.23752648882047010745j
 MANY = 40  # digits

@@ -11,7 +11,7 @@ from scenes import problem
 import shootstab as st
 from shootstab.discriminants.continuation import Continuation
 from shootstab.essential_spectrum.interior import continuum_of
-from shootstab.models.chute import collocation as chute
+from shootstab.models.chute import chute_collocation as chute
 
 MODES = {"fig2": (0.00169243 - 0.00156624j, -0.0035033 - 0.0070879j), "low": (0.00727558 - 0.01186505j, -0.009473 - 0.050454j)}
 

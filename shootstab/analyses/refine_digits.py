@@ -60,7 +60,7 @@ def refine_digits(problem: Problem, guess: Any, digits: int, progress: Progress 
     began = perf_counter()
     if not 1 <= digits <= 10_000:
         raise InputError(f"digits = {digits}: allowed is 1 to 10000")
-    guess, ring, problem_in_digits = complex(guess), choose(arithmetic), in_digits(problem)
+    guess, numbers, problem_in_digits = complex(guess), choose(arithmetic), in_digits(problem)
     seed = refine_double(problem, guess, rtol=START)
     if not seed.converged and not seed.error <= 1e-6 * abs(seed.sigma):
         return _failed(
@@ -72,7 +72,7 @@ def refine_digits(problem: Problem, guess: Any, digits: int, progress: Progress 
             f"not converged: no mode is near the guess {guess:.6g}; the iteration goes to {seed.sigma:.12g}: start there if that is meant",
             began,
         )
-    search = Search(problem_in_digits, ring, seed, Clock(progress))
+    search = Search(problem_in_digits, numbers, seed, Clock(progress))
     wanted = digits
     try:
         for _ in range(DIGIT_ATTEMPTS):
@@ -136,8 +136,8 @@ class Search:
 
     def _values(self, shooting: TaylorShooting, sigma: Any) -> Values:
         self.evaluations += 1
-        ring = self._arithmetic
-        return (ring.to_mpmath(shooting(ring.number(sigma) if self._real else ring.complex(sigma))),)
+        arithmetic = self._arithmetic
+        return (arithmetic.to_mpmath(shooting(arithmetic.number(sigma) if self._real else arithmetic.complex(sigma))),)
 
     def _require_near(self, sigma: Any) -> None:
         seed = self._seed
@@ -151,13 +151,13 @@ class Search:
     def _budget(self, settings: Settings, base: Base, shooting: TaylorShooting) -> Budget:
         """What σ moves by when one thing is done better, each measured by the change of D at the same σ over D′.
 
-        Better courses also say by how much the base flow is off: a last integration is on one that is off by as much.
+        Better integrations also say by how much the base flow is off: a last integration is on one that is off by as much.
         """
-        ring, secant = self._arithmetic, self._secant
+        arithmetic, secant = self._arithmetic, self._secant
         sigma, (here,) = secant.last
 
         def moved(better: Settings, other: Base) -> tuple[Any, Base]:
-            with ring.working(better.digits), mpmath.workdps(better.digits):
+            with arithmetic.working(better.digits), mpmath.workdps(better.digits):
                 changed = self._shooting(better, other)
                 change = abs((self._values(changed, sigma)[0] - here) / secant.slope)
                 self._clock.done()
@@ -165,8 +165,8 @@ class Search:
 
         varied = [moved(better, base) for better in (settings.finer(), settings.farther(), settings.more_precise())]
         integration, far, rounding = (part for part, _ in varied)
-        with ring.working(settings.digits), mpmath.workdps(settings.digits):
-            other = _off(base, [shooting.corrected_base(), *(asked for _, asked in varied)])
+        with arithmetic.working(settings.digits), mpmath.workdps(settings.digits):
+            other = as_far_off(base, [shooting.corrected_base(), *(asked for _, asked in varied)])
             root, epsilon = CHANGE_SAFETY * secant.error, abs(secant.x) * mpmath.mpf(10) ** -settings.digits
         steady = 0.0
         if other == base:  # there is none, or nothing found it to be off
@@ -191,7 +191,7 @@ def _precisions(top: float, known: float) -> list[float]:
     return precisions
 
 
-def _off(base: Base, asked: Sequence[Base]) -> Base:
+def as_far_off(base: Base, asked: Sequence[Base]) -> Base:
     """A base flow that is off by as much as the ones asked for differ: from base to the first one, and from that to each of the others.
 
     The largest of these differences, scaled to the sum of their sizes: what changes together stays together.

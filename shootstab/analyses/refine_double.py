@@ -84,8 +84,8 @@ def _attempt(problem: Problem, guess: complex, rtol: float, method: Method, atol
     try:
         try:
             root = find_near(discriminant, guess, LEFT * rtol)
-        except ConvergenceError:
-            root = _among_noise(discriminant, guess)
+        except ConvergenceError as error:
+            root = _among_noise(discriminant, guess, error)
         mode, evaluations = examine(continuation, root, rtol, atol)
     except ConvergenceError as error:
         lost = Mode(guess, math.inf, UNKNOWN, f"not converged: {error}", method.name, 0, 0.0)
@@ -118,14 +118,14 @@ def find_near(discriminant: Discriminant, guess: complex, tolerance: float) -> R
     raise ConvergenceError(f"neither Newton nor Muller arrives anywhere from {guess:.6g}; the last step was {root.step:.1e}")
 
 
-def _among_noise(discriminant: Discriminant, guess: complex) -> Root:
+def _among_noise(discriminant: Discriminant, guess: complex, found_nothing: ConvergenceError) -> Root:
     """Zeros so near to the guess that iterations find noise only: as many as are seen from afar, to be counted.
 
-    Raises ConvergenceError where fewer than two are.
+    Raises what the iterations ended with where fewer than two are.
     """
     around = surroundings(discriminant, guess)
     if around.multiplicity < 2:
-        raise ConvergenceError(f"neither Newton nor Muller arrives anywhere from {guess:.6g}, and no multiple zero is there")
+        raise found_nothing
     return Root(guess, max(abs(guess), neutral(around, LEAST_D_ERROR)), 0, True, around.multiplicity)
 
 

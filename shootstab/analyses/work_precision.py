@@ -110,7 +110,7 @@ def trade(problem: Problem, guess: complex | None = None, progress: Progress | N
     mode is found next to the guess.
     """
     start = _three_digits(complex(reference.claims(problem, 6)[0]) if guess is None else guess)
-    ladders = [*_spectral(problem), *_shooting()]
+    ladders = [*spectral_ladders(problem), *_shooting()]
     told = progress or (lambda done, total: None)
     told(0, len(ladders) + len(REFERENCE_DIGITS))
     began = perf_counter()
@@ -125,7 +125,7 @@ def trade(problem: Problem, guess: complex | None = None, progress: Progress | N
         measurements.insert(i, _series(mode, perf_counter() - began, digits, truth))
     for i, ladder in enumerate(ladders):
         told(len(REFERENCE_DIGITS) + i, len(ladders) + len(REFERENCE_DIGITS))
-        measurements += _climb(ladder, problem, start, truth.sigma)
+        measurements += climb(ladder, problem, start, truth.sigma)
     told(len(ladders) + len(REFERENCE_DIGITS), len(ladders) + len(REFERENCE_DIGITS))
     return WorkPrecision(tuple(measurements), truth.sigma, float(truth.error), start)
 
@@ -140,7 +140,7 @@ class Ladder:
     at: Callable[[float], Run]
 
 
-def _spectral(problem: Problem) -> Iterator[Ladder]:
+def spectral_ladders(problem: Problem) -> Iterator[Ladder]:
     """Every way that the pseudospectral twin has to one eigenvalue; none where there is no twin."""
 
     def at(name: str) -> Callable[[float], Run]:
@@ -169,7 +169,7 @@ def _shooting() -> Iterator[Ladder]:
     yield Ladder("riccati", "rtol", TOLERANCES, shoot(lambda rtol: Riccati(rtol=rtol)))
 
 
-def _climb(ladder: Ladder, problem: Problem, guess: complex, truth: Any) -> list[Measurement]:
+def climb(ladder: Ladder, problem: Problem, guess: complex, truth: Any) -> list[Measurement]:
     """Measurement after rung, until one is slow or several have gained nothing; measurements that find another number are left out."""
     measurements: list[Measurement] = []
     with suppress(ConvergenceError):

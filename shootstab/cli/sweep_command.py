@@ -150,7 +150,7 @@ def tables(found: Swept, scene: Scene) -> list[RenderableType]:
 # files
 
 
-def _csv(found: Swept, path: Path) -> None:
+def write_csv(found: Swept, path: Path) -> None:
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow((*found.grid.names, *CSV_COLUMNS, *found.columns))
@@ -161,7 +161,7 @@ def _csv(found: Swept, path: Path) -> None:
             writer.writerow((*map(repr, point), re_, im, *("" if x is None else x for x in (*rest, *beside))))
 
 
-def _npz(found: Swept, path: Path) -> None:
+def write_npz(found: Swept, path: Path) -> None:
     """One array for each axis by its name, and on the grid: re, im, error (NaN where absent), status, proved."""
     import numpy as np
 
@@ -182,7 +182,7 @@ def _npz(found: Swept, path: Path) -> None:
         )
 
 
-_EXPORTS: dict[str, Callable[[Swept, Path], None]] = {".csv": _csv, ".npz": _npz}
+_EXPORTS: dict[str, Callable[[Swept, Path], None]] = {".csv": write_csv, ".npz": write_npz}
 
 
 # the values of options, refused in words

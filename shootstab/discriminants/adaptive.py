@@ -174,3 +174,14 @@ class Adaptive:
 def _of_member(begin: Meshes | None, place: int, count: int) -> dict[Cell | None, ComplexArray]:
     """The meshes of one subsystem, of a problem that falls into as many."""
     return {cell: nodes[place] for cell, nodes in (begin or {}).items() if len(nodes) == count}
+
+
+def adaptive(
+    method: Propagator, problem: Problem, path: DeformedPath | None = None, centre: complex | None = None, begin: Meshes | None = None
+) -> Adaptive:
+    """D(σ) of the problem, along the real axis or along a path meant for σ = centre; begin are meshes of a neighbouring problem.
+
+    It is the `on` of every method that is its own propagator. Raises InputError where D is asked for and the problem is wrong,
+    ConvergenceError where no mesh is found.
+    """
+    return Adaptive(problem, method, path, centre, begin)

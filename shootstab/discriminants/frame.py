@@ -10,33 +10,25 @@ import numpy as np
 from shootstab.core import polynomial
 from shootstab.core.discriminant import Value
 from shootstab.core.scaled import Scaled
-from shootstab.discriminants.adaptive import Adaptive
-from shootstab.discriminants.deformed_path import DeformedPath
-from shootstab.discriminants.method import Meshes, Propagation, require_tolerance
+from shootstab.discriminants.adaptive import adaptive
+from shootstab.discriminants.method import DEFAULT_RTOL, Propagation, require_tolerance
 from shootstab.discriminants.sampled_system import SampledSystem
 from shootstab.kernels.elimination import wall_determinant
 from shootstab.kernels.frame_transport import transport
-from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
+from shootstab.problems.protocol import ComplexArray, FarFrame
 
 
 @dataclass(frozen=True)
 class Frame:
     """Orthonormalized shooting with local errors below rtol, relative to each component of the frame."""
 
-    rtol: float = 1e-11
+    rtol: float = DEFAULT_RTOL
     name: str = "frame"
 
+    on = adaptive
+
     def __post_init__(self) -> None:
-        require_tolerance(self.rtol)
-
-    def on(
-        self, problem: Problem, path: DeformedPath | None = None, centre: complex | None = None, begin: Meshes | None = None
-    ) -> Adaptive:
-        """D(σ) of the problem, along the real axis or along a path meant for σ = centre; begin are meshes of a neighbouring problem.
-
-        Raises InputError where D is asked for and the problem is wrong, ConvergenceError where no mesh is found.
-        """
-        return Adaptive(problem, self, path, centre, begin)
+        require_tolerance(self)
 
     def settled(self, sampled: SampledSystem, far: FarFrame, sigma: complex) -> Self:
         """Itself: on a mesh nothing is chosen."""

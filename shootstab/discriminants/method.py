@@ -18,6 +18,7 @@ from shootstab.discriminants.sampled_system import SampledSystem
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
 
 LEAST_RTOL = 4 * float(np.finfo(float).eps)  # derived: a step rounds by ε, and a smaller error of it cannot be seen
+DEFAULT_RTOL = 1e-11  # chosen: a mode then has some ten digits, and rounding counts for nothing yet
 LARGEST_RTOL = 0.1  # chosen: with larger local errors a step says nothing
 
 Meshes = Mapping[Cell | None, tuple[ComplexArray, ...]]  # nodes by cell, of every subsystem; None is the cell around a path's centre
@@ -135,7 +136,8 @@ class Method(Protocol):
         ...
 
 
-def require_tolerance(rtol: float) -> None:
-    """Raise InputError unless local errors can be held to rtol."""
+def require_tolerance(method: Propagator) -> None:
+    """Raise InputError unless local errors can be held to the method's rtol: what a method does before anything else."""
+    rtol = method.rtol
     if not (isinstance(rtol, int | float) and math.isfinite(rtol) and LEAST_RTOL <= rtol <= LARGEST_RTOL):
         raise InputError(f"rtol = {rtol!r} of the method: allowed is a number from {LEAST_RTOL:.1e} to {LARGEST_RTOL:g}")

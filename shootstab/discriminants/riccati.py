@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 from shootstab.core import polynomial
 from shootstab.core.discriminant import Value
 from shootstab.core.scaled import Scaled
-from shootstab.discriminants.adaptive import Adaptive
-from shootstab.discriminants.deformed_path import DeformedPath
-from shootstab.discriminants.method import Meshes, Propagation, require_tolerance
+from shootstab.discriminants.adaptive import adaptive
+from shootstab.discriminants.method import DEFAULT_RTOL, Propagation, require_tolerance
 from shootstab.discriminants.sampled_system import SampledSystem
 from shootstab.kernels.elimination import wall_determinant
 from shootstab.kernels.riccati_transport import enter_chart, leave_chart, transport_chart
-from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
+from shootstab.problems.protocol import ComplexArray, FarFrame
 
 LARGE_CHART = 100.0  # charts chosen at another σ are kept as long as no |S_ij| at a node is beyond this
 
@@ -31,20 +30,13 @@ class Riccati:
     The fewest unknowns of the three methods, k(n−k), and no direction to lose; the price is poles, near which the steps are short.
     """
 
-    rtol: float = 1e-11
+    rtol: float = DEFAULT_RTOL
     name: str = "riccati"
 
+    on = adaptive
+
     def __post_init__(self) -> None:
-        require_tolerance(self.rtol)
-
-    def on(
-        self, problem: Problem, path: DeformedPath | None = None, centre: complex | None = None, begin: Meshes | None = None
-    ) -> Adaptive:
-        """D(σ) of the problem, along the real axis or along a path meant for σ = centre; begin are meshes of a neighbouring problem.
-
-        Raises InputError where D is asked for and the problem is wrong, ConvergenceError where no mesh is found.
-        """
-        return Adaptive(problem, self, path, centre, begin)
+        require_tolerance(self)
 
     def settled(self, sampled: SampledSystem, far: FarFrame, sigma: complex) -> Charted:
         """In the charts that suit this σ."""

@@ -10,8 +10,8 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from shootstab.core.errors import InputError
-from shootstab.formulation.elimination import determinant
 from shootstab.formulation.expression import Expression, number
+from shootstab.formulation.linear_algebra import determinant
 from shootstab.formulation.reduction import Reduction, reduced
 from shootstab.formulation.system import Jet, Row, System, coefficients, combined, degree, differentiated
 from shootstab.formulation.vanishing import Vanishing

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
 from shootstab.formulation.axis import RegularSpace
-from shootstab.formulation.collocation import Collocation, collocation
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
 from shootstab.formulation.continuous_spectrum import InteriorSpectrum, interior_spectrum
 from shootstab.formulation.digits import EquationDigits
+from shootstab.formulation.equation_collocation import Collocation, collocation
 from shootstab.formulation.evaluation import Given, filled, on_arrays
 from shootstab.formulation.explanation import Lines, explanation
 from shootstab.formulation.first_order import FirstOrder, first_order

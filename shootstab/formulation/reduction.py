@@ -22,8 +22,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from shootstab.core.errors import InputError
-from shootstab.formulation.elimination import left_null_vector
 from shootstab.formulation.expression import Expression, number, quotient
+from shootstab.formulation.linear_algebra import left_null_vector
 from shootstab.formulation.system import Jet, Row, System, combined, degree, differentiated, orders
 from shootstab.formulation.vanishing import Vanishing
 

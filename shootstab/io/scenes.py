@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 LARGEST_SCENE = 2**17  # chosen: bytes of a scene file, six of the longest formulas; TOML of more may take minutes to be read
 MOST_KEY_PARTS = 100  # chosen: dots between the parts of a key, in one line
 _PARTS = re.compile(r"\.(?!\d)|\.\d+(?=\.)")  # dots that are not the point of a number
-MODELS = ("shootstab.models.chute.scene", "shootstab.models.catalogue.scene")  # each has a SceneModel called MODEL
+MODELS = ("shootstab.models.chute.chute_scene", "shootstab.models.catalogue.gallery_scene")  # each has a SceneModel called MODEL
 
 
 @dataclass(frozen=True)
@@ -139,7 +139,7 @@ def _from_equations(name: str, description: str, tables: Mapping[str, Any]) -> S
     for table in tables:
         if table != "problem":
             raise InputError(f"unknown key {shortened(table)}: allowed is [problem] alone")
-    from shootstab.formulation.scene import from_table
+    from shootstab.formulation.equation_scene import from_table
 
     problem = from_table(tables["problem"])
     symbol = problem.statement.names.eigenvalue.replace("sigma", "σ")

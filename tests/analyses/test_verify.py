@@ -13,7 +13,7 @@ from shootstab.analyses.error_budget import displacement
 from shootstab.analyses.reference import claims, spectrum
 from shootstab.essential_spectrum.interior import SampledContinuum, continuum_of
 from shootstab.models.chute import ChuteProblem
-from shootstab.models.chute import collocation as pseudospectral
+from shootstab.models.chute import chute_collocation as pseudospectral
 from shootstab.models.gallery.poiseuille import PlanePoiseuille
 
 GRAINS = {"e": 0.8, "e_w": 0.8, "r": 0.6, "tan_theta": 0.3}

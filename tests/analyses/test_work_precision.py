@@ -82,7 +82,7 @@ def test_a_ladder_ends_where_nothing_is_gained(monkeypatch: pytest.MonkeyPatch) 
         return run
 
     ladder = Ladder("frame", "M", tuple(float(k) for k in range(1, 20)), at)
-    found = trade._climb(ladder, PlanePoiseuille(), 1 + 0j, 1 + 0j)
+    found = trade.climb(ladder, PlanePoiseuille(), 1 + 0j, 1 + 0j)
     assert [r.resolution for r in found] == [3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]  # at 1 it is another number, at 2 there is none
     assert max(climbed) == 9.0
 
@@ -98,7 +98,7 @@ def test_without_a_reference_a_guess_is_needed() -> None:
 
 def test_all_spectral_ladders_of_the_chute(scenes: dict[str, ChuteProblem]) -> None:
     problem = scenes["high"]
-    for ladder in trade._spectral(problem):
+    for ladder in trade.spectral_ladders(problem):
         sigma, work = ladder.at(48)(problem, 0.00397)
         assert abs(sigma - 0.003970504638889) < 1e-10
         assert work >= 1

@@ -98,7 +98,7 @@ def test_bad_news_where_a_point_is_unresolved() -> None:
 
 def test_csv_and_npz_hold_every_digit(tmp_path: Path) -> None:
     found = swept()
-    sweeping._csv(found, tmp_path / "a.csv")
+    sweeping.write_csv(found, tmp_path / "a.csv")
     with (tmp_path / "a.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 12
@@ -106,7 +106,7 @@ def test_csv_and_npz_hold_every_digit(tmp_path: Path) -> None:
         expected = found.outcomes[float(row["kx"]), float(row["ky"])]
         assert row["status"] == expected.status
         assert (None if row["re"] == "" else complex(float(row["re"]), float(row["im"]))) == expected.sigma
-    sweeping._npz(found, tmp_path / "a.npz")
+    sweeping.write_npz(found, tmp_path / "a.npz")
     with np.load(tmp_path / "a.npz") as arrays:
         assert arrays["kx"].tolist() == list(KX)
         assert arrays["re"].shape == arrays["status"].shape == (3, 4)

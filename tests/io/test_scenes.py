@@ -10,7 +10,7 @@ import pytest
 
 from shootstab.core.errors import InputError, NoFlowError
 from shootstab.io.scenes import built_in, load
-from shootstab.models.chute.scene import GROWTH_UNIT
+from shootstab.models.chute.chute_scene import GROWTH_UNIT
 from shootstab.models.gallery.poiseuille import PlanePoiseuille
 
 GOOD = """

@@ -14,7 +14,7 @@ from mpmath import mpc, mpf
 from scipy.optimize import minimize_scalar
 
 import shootstab as st
-from shootstab.analyses.refine_digits import _off, refine_digits
+from shootstab.analyses.refine_digits import as_far_off, refine_digits
 from shootstab.cli import main as cli
 from shootstab.io.notation import held_complex
 from shootstab.models.chute import ChuteProblem
@@ -38,7 +38,7 @@ GRAINS = {"e": 0.8, "e_w": 0.8, "r": 0.6, "tan_theta": 0.3}
 TERMS = 24
 DIGITS = 40
 
-both = pytest.mark.parametrize("ring", [choose("flint"), choose("mpmath")], ids=["flint", "mpmath"])
+both = pytest.mark.parametrize("arithmetic", [choose("flint"), choose("mpmath")], ids=["flint", "mpmath"])
 
 
 def nothing() -> None:
@@ -48,18 +48,21 @@ def nothing() -> None:
 # the parts
 
 
-def series(ring: Arithmetic, re: Sequence[int], im: Sequence[int] = ()) -> Taylor:
+def series(arithmetic: Arithmetic, re: Sequence[int], im: Sequence[int] = ()) -> Taylor:
     """A polynomial as a series."""
-    re_im = (ring.series([ring.number(x) for x in (*c, *[0] * (TERMS - len(c)))]) if any(c) else None for c in (re, im))
-    return Taylor(ring, TERMS, *re_im)
+    re_im = (arithmetic.series([arithmetic.number(x) for x in (*c, *[0] * (TERMS - len(c)))]) if any(c) else None for c in (re, im))
+    return Taylor(arithmetic, TERMS, *re_im)
 
 
-def polynomial_solution(ring: Arithmetic) -> tuple[list[list[Taylor]], list[list[Taylor]], list[list[Taylor]]]:
+def polynomial_solution(arithmetic: Arithmetic) -> tuple[list[list[Taylor]], list[list[Taylor]], list[list[Taylor]]]:
     """M(t), its inverse, and a C(t) that has nothing to do with it."""
-    M = [[series(ring, (2, 1)), series(ring, (0, 0, 1))], [series(ring, (), (0, 1)), series(ring, (2,))]]
+    M = [[series(arithmetic, (2, 1)), series(arithmetic, (0, 0, 1))], [series(arithmetic, (), (0, 1)), series(arithmetic, (2,))]]
     det = M[0][0] * M[1][1] - M[0][1] * M[1][0]
     inverse = [[M[1][1] / det, -M[0][1] / det], [-M[1][0] / det, M[0][0] / det]]
-    C = [[series(ring, (1, 1)), series(ring, (0, 2))], [series(ring, (), (0, 0, 3)), series(ring, (3, 0, 1), (0, 1))]]
+    C = [
+        [series(arithmetic, (1, 1)), series(arithmetic, (0, 2))],
+        [series(arithmetic, (), (0, 0, 3)), series(arithmetic, (3, 0, 1), (0, 1))],
+    ]
     return M, inverse, C
 
 
@@ -72,40 +75,42 @@ def entries(A: list[list[Taylor]], at: tuple[int, int] = (0, 1)) -> dict[tuple[i
 
 
 @both
-def test_a_step_reproduces_a_polynomial_solution(ring: Arithmetic) -> None:
+def test_a_step_reproduces_a_polynomial_solution(arithmetic: Arithmetic) -> None:
     """ψ = M(t) M(0)⁻¹ Y solves C ψ′ = (C M′ M⁻¹) ψ whatever C is; beside it, in a part of its own, (1 + t/4) χ′ = χ/2."""
-    with ring.working(DIGITS), mpmath.workdps(DIGITS):
-        M, inverse, C = polynomial_solution(ring)
+    with arithmetic.working(DIGITS), mpmath.workdps(DIGITS):
+        M, inverse, C = polynomial_solution(arithmetic)
         D = product(product(C, [[m.derivative(0) for m in row] for row in M]), inverse)
-        one, zero = ring.number(1), ring.number(0)
-        beside = {(2, 2): series(ring, (4, 1))}, {(2, 2): series(ring, (2,))}
+        one, zero = arithmetic.number(1), arithmetic.number(0)
+        beside = {(2, 2): series(arithmetic, (4, 1))}, {(2, 2): series(arithmetic, (2,))}
         Y = [[one, zero, zero], [zero, one, zero], [zero, zero, one]]
         found = subsystems(3, {**entries(C), **beside[0]}, {**entries(D), **beside[1]})
         assert sorted(found) == [([0, 1], [0, 1]), ([2], [2])]
-        end, last = carried(ring, 3, {**entries(C), **beside[0]}, {**entries(D), **beside[1]}, Y, TERMS)
+        end, last = carried(arithmetic, 3, {**entries(C), **beside[0]}, {**entries(D), **beside[1]}, Y, TERMS)
         expected = [[mpf(3) / 2, mpf(1) / 2], [mpc(0, 0.5), mpf(1)]]
         for i in range(2):
             for q in range(2):
-                assert abs(ring.to_mpmath(end[i][q]) - expected[i][q]) < mpf(10) ** -(DIGITS - 3)
-        assert abs(ring.to_mpmath(end[2][2]) - mpf(25) / 16) < mpf(10) ** -(DIGITS - 3)
-        assert max(ring.log2(x) for term in last for row in term[:2] for x in row) < -(DIGITS - 4) * 3.3
+                assert abs(arithmetic.to_mpmath(end[i][q]) - expected[i][q]) < mpf(10) ** -(DIGITS - 3)
+        assert abs(arithmetic.to_mpmath(end[2][2]) - mpf(25) / 16) < mpf(10) ** -(DIGITS - 3)
+        assert max(arithmetic.log2(x) for term in last for row in term[:2] for x in row) < -(DIGITS - 4) * 3.3
 
 
 @both
-def test_the_decaying_space_reproduces_a_polynomial_one_with_a_defective_exponent(ring: Arithmetic) -> None:
+def test_the_decaying_space_reproduces_a_polynomial_one_with_a_defective_exponent(arithmetic: Arithmetic) -> None:
     """ψ = M(x) x^Λ, Λ = λ + N with N² = 0, solves C x ψ′ = C (x M′ + M Λ) M⁻¹ ψ."""
-    with ring.working(DIGITS), mpmath.workdps(DIGITS):
-        M, inverse, C = polynomial_solution(ring)
-        rate, zero, one = ring.number(Fraction(3, 10)), ring.number(0), ring.number(1)
+    with arithmetic.working(DIGITS), mpmath.workdps(DIGITS):
+        M, inverse, C = polynomial_solution(arithmetic)
+        rate, zero, one = arithmetic.number(Fraction(3, 10)), arithmetic.number(0), arithmetic.number(1)
         N = [[zero, one], [zero, zero]]
         ML = [[rate * row[0], rate * row[1] + row[0]] for row in M]
         D = product(product(C, [[m.derivative(1) + n for m, n in zip(x, y, strict=True)] for x, y in zip(M, ML, strict=True)]), inverse)
         P0 = [[m.coefficients(1)[0] for m in row] for row in M]
-        found = decaying_series(ring, entries(C), entries(D), P0, rate, N, TERMS)
+        found = decaying_series(arithmetic, entries(C), entries(D), P0, rate, N, TERMS)
         for m, term in enumerate(found):
             for i in range(2):
                 for q in range(2):
-                    assert abs(ring.to_mpmath(term[i][q]) - ring.to_mpmath(M[i][q].coefficients(TERMS)[m])) < mpf(10) ** -(DIGITS - 6)
+                    assert abs(arithmetic.to_mpmath(term[i][q]) - arithmetic.to_mpmath(M[i][q].coefficients(TERMS)[m])) < mpf(10) ** -(
+                        DIGITS - 6
+                    )
 
 
 @pytest.mark.parametrize("digits", [(15,), (12, 25, 60), (20, 45, 100)])
@@ -134,10 +139,10 @@ def test_secants_do_not_settle_on_a_double_zero() -> None:
 
 def test_a_base_flow_is_off_by_the_sum_of_what_was_found() -> None:
     base = mpf(2), mpf(10)
-    moved = _off(base, [(mpf(2), mpf("10.01")), (mpf("2.004"), mpf("10.01")), (mpf(2), mpf("10.04"))])
+    moved = as_far_off(base, [(mpf(2), mpf("10.01")), (mpf("2.004"), mpf("10.01")), (mpf(2), mpf("10.04"))])
     assert [float(x) for x in moved] == pytest.approx([2.0, 10.0 + 0.03 * 0.006 / 0.003])
-    assert _off(base, [base, base]) == base
-    assert _off((), [(), ()]) == ()
+    assert as_far_off(base, [base, base]) == base
+    assert as_far_off((), [(), ()]) == ()
 
 
 def test_parameters_mean_the_decimals_that_were_typed() -> None:
@@ -147,15 +152,15 @@ def test_parameters_mean_the_decimals_that_were_typed() -> None:
 
 def test_the_steady_flow_carries_the_exact_mass_flux(scenes: dict[str, ChuteProblem]) -> None:
     """With another order, step and far field than those it was found with; and it is the flow that doubles know."""
-    flow, ring = scenes["mid"].flow, choose()
+    flow, arithmetic = scenes["mid"].flow, choose()
     problem_in_digits, settings = ChuteDigits(scenes["mid"]), Settings.of(25)
     better = settings.finer().farther()
-    with ring.working(better.digits), mpmath.workdps(better.digits):
-        T, u = problem_in_digits.base(ring, settings, nothing)
-        base = descend(ring, problem_in_digits.chute(ring), ring.number(T), better, flow.height, nothing)
-        assert abs(ring.to_mpmath(base.mass_flux) - 3) < mpf(10) ** -23
-        assert abs(ring.to_mpmath(base.far_velocity) / u - 1) < mpf(10) ** -23
-        nu, temperature = (float(ring.to_mpmath(x)) for x in base.state[:2])
+    with arithmetic.working(better.digits), mpmath.workdps(better.digits):
+        T, u = problem_in_digits.base(arithmetic, settings, nothing)
+        base = descend(arithmetic, problem_in_digits.chute(arithmetic), arithmetic.number(T), better, flow.height, nothing)
+        assert abs(arithmetic.to_mpmath(base.mass_flux) - 3) < mpf(10) ** -23
+        assert abs(arithmetic.to_mpmath(base.far_velocity) / u - 1) < mpf(10) ** -23
+        nu, temperature = (float(arithmetic.to_mpmath(x)) for x in base.state[:2])
     assert float(T) == pytest.approx(flow.far_temperature, rel=1e-12)
     assert float(u) == pytest.approx(flow.far_velocity, rel=1e-12)
     assert (nu, temperature) == pytest.approx((flow.base["nu"], flow.base["T"]), rel=1e-11)
@@ -165,11 +170,11 @@ def test_the_two_arithmetics_form_the_same_discriminant(scenes: dict[str, ChuteP
     settings = Settings.of(14)
     values = []
     for name in ("flint", "mpmath"):
-        ring, problem_in_digits = choose(name), ChuteDigits(scenes["high"])
-        with ring.working(settings.digits), mpmath.workdps(settings.digits):
-            course = problem_in_digits.integration(ring, settings, problem_in_digits.base(ring, settings, nothing))
-            D = TaylorShooting(ring, problem_in_digits.size, settings, course, nothing)
-            values.append([ring.to_mpmath(D(ring.number(Fraction(k, 1000)))) for k in (3, 5)])
+        arithmetic, problem_in_digits = choose(name), ChuteDigits(scenes["high"])
+        with arithmetic.working(settings.digits), mpmath.workdps(settings.digits):
+            integration = problem_in_digits.integration(arithmetic, settings, problem_in_digits.base(arithmetic, settings, nothing))
+            D = TaylorShooting(arithmetic, problem_in_digits.size, settings, integration, nothing)
+            values.append([arithmetic.to_mpmath(D(arithmetic.number(Fraction(k, 1000)))) for k in (3, 5)])
     for one, other in zip(*values, strict=True):
         assert abs(one / other - 1) < 1e-13
 

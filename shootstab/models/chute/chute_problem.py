@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from shootstab.models.chute.collocation import Collocation
+from shootstab.models.chute.chute_collocation import Collocation
 from shootstab.models.chute.multiprecision_problem import ChuteDigits
 from shootstab.models.chute.parameter_family import ChuteFamily
 from shootstab.models.chute.perturbations import Perturbations

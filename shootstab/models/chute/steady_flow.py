@@ -181,12 +181,12 @@ def descend(chute: Chute, far_temperature: float, tolerance: float = TOLERANCE) 
             f"to it meets no base (followed down to nu = {nu:.3g})"
         )
     z, states = z[: count + 1], states[: count + 1]
-    _place_base(chute, z, states)
+    place_base(chute, z, states)
     return _with_slip(chute, far_temperature, z - z[-1], states, tolerance)
 
 
-def _place_base(chute: Chute, z: NDArray[np.float64], states: NDArray[np.complex128]) -> None:
-    """Shorten the last step so that it ends where the energy defect vanishes."""
+def place_base(chute: Chute, z: NDArray[np.float64], states: NDArray[np.complex128]) -> None:
+    """Shorten the last step of z (N,) and states (N, 6) in place, so that it ends where the energy defect vanishes."""
     from scipy.optimize import brentq
 
     stages, trial = np.empty((STAGES, DESCENT_SIZE), dtype=np.complex128), np.empty(DESCENT_SIZE, dtype=np.complex128)

@@ -18,7 +18,7 @@ from shootstab.models.chute.balance import slopes
 from shootstab.models.chute.constitutive import radial, slip_coefficient
 from shootstab.models.chute.family import BRANCHES, flows, steady_by_flux
 from shootstab.models.chute.parameters import Chute
-from shootstab.models.chute.steady_flow import NU_TOP, Flow, _place_base, descend, top_state
+from shootstab.models.chute.steady_flow import NU_TOP, Flow, descend, place_base, top_state
 
 PAPER = Chute(e=0.8, e_w=0.8, r=0.6, tan_theta=0.3)
 NEARLY_ELASTIC = Chute(e=0.95, e_w=0.8, r=0.6, tan_theta=0.2)
@@ -408,7 +408,7 @@ def test_tolerance_is_converged():
         )
         assert found
         z, states = z[: count + 1], states[: count + 1]
-        _place_base(PAPER, z, states)
+        place_base(PAPER, z, states)
         bases.append((states[-1].real.copy(), count))
     errors = [np.abs(b[0][[0, 1, 3]] - bases[-1][0][[0, 1, 3]]).max() for b in bases[:2]]
     assert errors[0] <= 1e-6 and errors[1] <= 1e-9 and errors[1] < errors[0] / 50

@@ -18,8 +18,8 @@ def posed(name: str, left: list[str], right: list[str], low: float = -1.0, high:
 
 def test_it_shares_nothing_with_the_reduction() -> None:
     """Formulas, names and conditions as the user stated them are common; what is derived from them is not."""
-    twin = reachable("shootstab.formulation.collocation")
-    derived = ("reduction", "first_order", "elimination", "state_pencil", "continuous_spectrum", "digits", "problem")
+    twin = reachable("shootstab.formulation.equation_collocation")
+    derived = ("reduction", "first_order", "linear_algebra", "state_pencil", "continuous_spectrum", "digits", "problem")
     assert not any(name == f"shootstab.formulation.{module}" for name in twin for module in derived)
     assert not any(name.startswith(("shootstab.discriminants", "shootstab.kernels", "shootstab.multiprecision")) for name in twin)
 
