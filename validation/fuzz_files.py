@@ -551,10 +551,9 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1, metavar="N")
     parser.add_argument("--keep", type=Path, metavar="DIR", help="where what broke a rule is stored")
     options = parser.parse_args()
-    import shootstab.formulation.equation_scene
-
     import shootstab.analyses.certificate
     import shootstab.analyses.sweep.store
+    import shootstab.formulation.equation_scene
     import shootstab.io.readers
     import shootstab.io.scenes  # noqa: F401
 
