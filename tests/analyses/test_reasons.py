@@ -17,6 +17,7 @@ from shootstab.core.errors import ConvergenceError, Undecidable
 from shootstab.core.records import CONFIRMED, CONVERGED, UNRESOLVED, Budget, Mode
 from shootstab.core.scaled import Scaled
 from shootstab.problems.kato_frame import KatoFrame
+from shootstab.problems.protocol import Pencil
 from shootstab.problems.splitting import AsymptoticPencil
 from shootstab.roots.search import Search, Zero, find
 from shootstab.roots.winding import wind
@@ -81,7 +82,8 @@ def test_a_contour_in_rounding_noise_is_named() -> None:
 def _kato(D0: Any, D1: Any, reference: complex) -> KatoFrame:
     """k = 1 of 2 solutions, for ψ′ = (D0 + σ D1) ψ far away."""
     one, nothing = np.eye(2, dtype=complex), np.zeros((2, 2), complex)
-    return KatoFrame(AsymptoticPencil(one, nothing, np.array(D0, complex), np.array(D1, complex), 1), 1, reference)
+    pencil = Pencil(one, nothing, np.array(D0, complex), np.array(D1, complex))
+    return KatoFrame(AsymptoticPencil(pencil, 1), 1, reference)
 
 
 def test_the_decaying_space_has_no_frame_next_to_a_branch_point() -> None:
