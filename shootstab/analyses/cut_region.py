@@ -89,7 +89,7 @@ def count_in_region(continuation: Continuation, region: Region) -> RegionCount:
     known well enough; ConvergenceError where a mode lies on the contour.
     """
     if continuation.barrier is not None and continuation.barrier.enters(region):
-        raise Undecidable("the continuous spectrum around which no path leads enters the region")
+        raise Undecidable(f"{continuation.barrier.name} enters the region")
     if continuation.barrier is not None and continuation.barrier.beyond(region.boundary(0.0)):
         raise Undecidable("the region lies beyond the continuous spectrum of an end at infinity")
     curve = continuation.continuum

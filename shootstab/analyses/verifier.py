@@ -105,8 +105,9 @@ class Verifier:
         radius = radius_of(claim, self.digits) if claim != 0.0 else 0.0
         seen = Sighting(claim, radius, self._atol or 0.0, distance)
         try:
+            if distance > max(radius, seen.atol):
+                self._require_reach(claim)
             self.loose.branches(claim, max(radius, seen.atol))
-            self._require_reach(claim)
             if self._atol is None:
                 atol, near = self._accuracy_next_to_zero(claim, radius)
                 seen = replace(seen, atol=atol, near=near)

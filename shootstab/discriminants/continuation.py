@@ -67,7 +67,7 @@ class Continuation:
         """
         if self.barrier is not None:
             if self.barrier.distance(zero) == 0.0:
-                raise Undecidable(f"a zero of D lies on a continuous spectrum around which no path leads, at {zero:.12g}")
+                raise Undecidable(f"a zero of D lies on {self.barrier.name} at {zero:.12g}")
             if self.barrier.beyond(zero):
                 return False
         if branch.side == 0:
@@ -84,7 +84,7 @@ class Continuation:
         Raises Undecidable where an end of the continuous spectrum lies in the disc, or where it passes more than once.
         """
         if self.barrier is not None and self.barrier.distance(centre) <= radius:
-            raise Undecidable(f"the continuous spectrum around which no path leads enters the circle of {radius:.1e}")
+            raise Undecidable(f"{self.barrier.name} enters the circle of {radius:.1e}")
         if self.continuum is None:
             return (_branch(centre, radius, self.on_the_axis, REAL),)
         passes = self.continuum.passes(centre, radius)

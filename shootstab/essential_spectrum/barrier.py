@@ -36,6 +36,13 @@ class Barrier:
         return np.concatenate([curve.begin for curve in self.curves])
 
     @property
+    def name(self) -> str:
+        """What the curves are, for a sentence."""
+        inside = len(self.curves) > len(self.asymptotics)
+        origin = ["of an end at infinity"] * bool(self.asymptotics) + ["of the inside"] * inside
+        return f"the continuous spectrum {' or '.join(origin)}, around which no path leads,"
+
+    @property
     def rightmost(self) -> float:
         """The largest real part on the curves."""
         return float(self.points.real.max(initial=-np.inf))

@@ -21,6 +21,8 @@ MOST_DISTANCES = 12  # derived: distances: from the smallest to 1e9
 TENFOLD = 10.0  # chosen: from one distance to the next where the zeros near a point are counted
 MISSES = 8  # chosen: distances in all at which it is none, before nothing more is to be seen
 BEYOND = 1e3  # chosen: times the distance to the nearest zero, how far others are looked for that would make it a near one
+MOST_TOGETHER = 64  # chosen: |h D′/D| above which D is steep and no number of zeros near a point: as many as a problem may have states
+FALLS = 2  # chosen: distances in turn at which |h D′/D| falls though no zero is near: one may be an accident, and beyond them D is constant
 WHOLE_NUMBER = 0.1  # chosen: how near (σ − c) D′/D must come to a whole number to be one
 
 
@@ -49,15 +51,17 @@ def surroundings(discriminant: Discriminant, centre: complex) -> Surroundings:
 
     That is a whole number above 0 at two distances in turn where m zeros lie near c and no others by a factor of 1000; the larger of them
     tells the scale, as there neither rounding nor the places of the m zeros matter. Otherwise m is 0 and the scale |D/D′|, about the
-    distance to the nearest zero. It suggests, and proves nothing.
+    distance to the nearest zero. It suggests, and proves nothing. Farther zeros make h D′/D grow with h: where it falls there are none.
     """
     distance, before = max(TENFOLD * abs(centre), SMALLEST_DISTANCE), -1
-    empty, found, misses = 0.0, Surroundings(0, 0.0), 0
-    while misses < MISSES:
+    empty, found, misses, falls, last = 0.0, Surroundings(0, 0.0), 0, 0, 0.0
+    while misses < MISSES and falls < FALLS:
         try:
             turns = distance * discriminant.with_derivative(centre + distance).logarithmic_derivative
         except ConvergenceError:
             break  # D cannot be computed so far off
+        if abs(turns) > MOST_TOGETHER:
+            break
         whole = max(0, round(turns.real)) if cmath.isfinite(turns) else -1
         off = abs(turns - whole)
         if whole < 0 or off > WHOLE_NUMBER:
@@ -66,6 +70,8 @@ def surroundings(discriminant: Discriminant, centre: complex) -> Surroundings:
             whole, misses = -1, misses + 1
         elif whole == 0:
             empty = distance / max(off, SEEN)
+            falls = falls + 1 if off < last else 0
+            last = off
         elif whole == before:
             found = Surroundings(whole, distance / max(off, SEEN))
         before, distance = whole, TENFOLD * distance

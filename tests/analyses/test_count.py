@@ -133,7 +133,7 @@ def test_two_counts_that_differ_are_refused(slow_wave: ChuteProblem, monkeypatch
 
 
 def test_nothing_is_asked_of_a_contour_on_which_d_does_not_change(slow_wave: ChuteProblem) -> None:
-    discriminant = Frame(rtol=1e-8).on(slow_wave)
+    discriminant = Frame(rtol=1e-8).on(slow_wave).at(1.0)
     require_accurate(slow_wave, [(discriminant, discriminant.with_derivative(1.0))])
 
 

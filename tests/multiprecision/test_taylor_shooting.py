@@ -157,7 +157,7 @@ def test_the_steady_flow_carries_the_exact_mass_flux(scenes: dict[str, ChuteProb
     better = settings.finer().farther()
     with arithmetic.working(better.digits), mpmath.workdps(better.digits):
         T, u = problem_in_digits.base(arithmetic, settings, nothing)
-        base = descend(arithmetic, problem_in_digits.chute(arithmetic), arithmetic.number(T), better, flow.height, nothing)
+        base = descend(arithmetic, problem_in_digits.chute(arithmetic), arithmetic.number(T), better, flow, nothing)
         assert abs(arithmetic.to_mpmath(base.mass_flux) - 3) < mpf(10) ** -23
         assert abs(arithmetic.to_mpmath(base.far_velocity) / u - 1) < mpf(10) ** -23
         nu, temperature = (float(arithmetic.to_mpmath(x)) for x in base.state[:2])
