@@ -41,3 +41,12 @@ def test_dir_shows_the_names_and_each_is_there() -> None:
     assert set(dir(st)) == {*st.__all__, "__version__"}
     for name in dir(st):
         assert getattr(st, name) is not None
+
+
+def test_the_command_line_knows_the_names_of_the_methods() -> None:
+    """It holds them as words, for `shootstab --help` loads no kernels."""
+    from shootstab.cli.commands import METHOD_NAMES
+    from shootstab.discriminants.named import METHODS
+
+    assert tuple(METHODS) == METHOD_NAMES
+    assert [make(rtol=1e-7).name for make in METHODS.values()] == list(METHODS)

@@ -1,10 +1,12 @@
 """The tests on the oldest and the newest versions of every dependency: the bounds in pyproject.toml are those that pass.
 
     python validation/versions.py                           # both sets, every interpreter python3.11 … on the path
+    python validation/versions.py --quick                   # the rooms that touch every dependency, a minute or two a set
     python validation/versions.py oldest -- -m 'not slow'   # one set; what follows -- goes to pytest
 
 Each set is installed into a virtual environment of its own in a temporary folder, from wheels alone. `oldest` pins every
-dependency, those of the extras too, to its lower bound; `newest` takes what the index has. Exit status 1 if any set fails.
+dependency, those of the extras too, to its lower bound; `newest` takes what the index has. At the end stands what passed, what failed, and
+what was not tried because there is no such interpreter here. Exit status 1 if any set fails.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
 PYTHONS = [f"python3.{minor}" for minor in range(11, 20)]
+QUICK = ("tests/core", "tests/kernels", "tests/roots", "tests/io", "tests/multiprecision", "tests/test_habits.py", "tests/test_floors.py")
 LINTERS = ("ruff", "mypy")  # run beside the tests, on one version only
 
 
@@ -76,18 +79,22 @@ def main() -> int:
     parser.add_argument("--python", action="append", metavar="EXE", help="an interpreter (default: every python3.11 … on the path)")
     given = sys.argv[1:]
     cut = given.index("--") if "--" in given else len(given)
+    parser.add_argument("--quick", action="store_true", help=f"{', '.join(QUICK)}, without what is slow")
     options = parser.parse_args(given[:cut])
+    arguments = [*given[cut + 1 :], *((*QUICK, "-m", "not slow") if options.quick else ())]
     wrong = [w for w in options.which if w not in ("oldest", "newest")]
     if wrong:
         parser.error(f"{', '.join(wrong)}: allowed is oldest, newest")
     pythons = options.python or [p for p in PYTHONS if shutil.which(p)]
-    failed = [
-        (python, which)
-        for python in pythons
-        for which in options.which or ("oldest", "newest")
-        if not passes(python, which, given[cut + 1 :])
-    ]
-    return 1 if failed else 0
+    if not pythons:
+        raise SystemExit(f"none of {', '.join(PYTHONS)} is on the path: nothing was tried")
+    results = {(python, which): passes(python, which, arguments) for python in pythons for which in options.which or ("oldest", "newest")}
+    for (python, which), passed in results.items():
+        print(f"{python}, {which}: {'passed' if passed else 'FAILED'}")
+    untried = [p for p in PYTHONS if options.python is None and p not in pythons]
+    if untried:
+        print(f"not tried, for there is no such interpreter here: {', '.join(untried)}")
+    return 0 if all(results.values()) else 1
 
 
 if __name__ == "__main__":
