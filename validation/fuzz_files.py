@@ -201,9 +201,11 @@ def scenes() -> list[bytes]:
 def certificates() -> list[bytes]:
     """Of a mode at R = 100, cheap to check."""
     steps = ["0.250000", "0.250000", "0.250000"]
-    found = {"format": 1, "problem": {"name": "plane Poiseuille", "reynolds": "100.0", "alpha": "1.0", "even": True}, "count": 1}
-    found |= {"disc": {"re": "-0.1627", "im": "-0.4629", "radius": "0.01"}, "outer": "0.2", "weight": "8.0"}
-    return [json.dumps({**found, "points": 6, "bits": 60, "order": 40, "steps": steps}).encode()]
+    found = {"format": 2, "problem": {"name": "plane Poiseuille", "reynolds": "100.0", "alpha": "1.0", "modes": "even"}, "count": 1}
+    found |= {"region": {"re": "-0.1627", "im": "-0.4629", "radius": "0.01"}, "outer": "0.2", "weight": "8.0"}
+    whole = {**found, "points": 6, "bits": 60, "order": 40, "steps": steps}
+    growing = {**whole, "region": {"floor": "0.1"}, "count": 0}
+    return [json.dumps(c).encode() for c in (whole, growing, {"format": 2, "parts": [whole, growing]})]
 
 
 AXES, DEFINITION = {"kx": (0.0, 1.0), "ky": (0.5,)}, {"format": 2, "axes": {"kx": [0.0, 1.0], "ky": [0.5]}}

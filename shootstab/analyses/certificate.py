@@ -40,6 +40,7 @@ TAIL_NATS = 7.0  # chosen: the rest of a Taylor series on a circle lies below D 
 LARGEST_CERTIFICATE = 2**20  # chosen: bytes of a certificate
 # chosen: values of D and bits that the checker has beyond what was needed here; where they are too few there are more attempts
 CHECKER_POINTS, CHECKER_BITS = 2, 24
+MOST_FACTORS = 16  # chosen: parts of a certificate
 CERTIFICATE_ATTEMPTS = 3  # chosen: with more points and bits each, before a proof is said to have no certificate
 
 
@@ -95,6 +96,8 @@ def check(certificate: Any) -> str | None:
     """
     split = isinstance(certificate, dict) and set(certificate) == {"format", "parts"} and isinstance(certificate["parts"], list)
     parts = certificate["parts"] if split and certificate["parts"] else [certificate]
+    if len(parts) > MOST_FACTORS:
+        return f"it has {len(parts)} parts: no problem has as many factors"
     for part in parts:
         named = part.get("problem") if isinstance(part, dict) else None
         name = named.get("name") if isinstance(named, dict) else None
