@@ -38,7 +38,7 @@ class Proof:
 
     @property
     def count(self) -> int:
-        """Of all factors."""
+        """How many eigenvalues all factors have together."""
         return sum(self.counts)
 
     @property

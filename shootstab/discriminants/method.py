@@ -91,7 +91,7 @@ class MeshedDiscriminant(Discriminant, Protocol):
         ...
 
     def on_same_mesh(self, problem: Problem) -> MeshedDiscriminant:
-        """Of another problem, on the same mesh."""
+        """D(σ) of another problem, on the same mesh."""
         ...
 
 

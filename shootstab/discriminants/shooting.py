@@ -93,7 +93,7 @@ class Shooting:
         return self._variant(lambda far: replace(far, frame=far.frame * noise), self.sampled, self.problem)
 
     def on_same_mesh(self, problem: Problem) -> Shooting:
-        """Of another problem, on the same mesh."""
+        """D(σ) of another problem, on the same mesh."""
         return self._variant(lambda far: far, self._system(problem, False, None), problem)
 
     def far_error(self, sigma: complex) -> float:

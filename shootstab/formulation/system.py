@@ -85,12 +85,12 @@ def orders(rows: Iterable[Row]) -> dict[str, int]:
 
 
 def degree(expression: Expression) -> int:
-    """In the eigenvalue."""
+    """The highest power of the eigenvalue in an expression."""
     return max((int(Fraction(e)) for monomial in expression.terms for atom, e in monomial if atom == EIGENVALUE), default=0)
 
 
 def coefficients(expression: Expression) -> dict[int, Expression]:
-    """Of the powers of the eigenvalue."""
+    """The coefficient of each power of the eigenvalue, by that power."""
     return {int(outer[0][1]) if outer else 0: c for outer, c in expression.collected(lambda atom: atom == EIGENVALUE)}
 
 

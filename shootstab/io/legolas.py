@@ -118,7 +118,7 @@ def _named(data: bytes) -> tuple[_Stream, int]:
 
 
 def _header_1(stream: _Stream, version: tuple[int, ...]) -> None:
-    """Of 1.0.2 to 1.3, up to the number of eigenvalues."""
+    """The header of versions 1.0.2 to 1.3, read up to the number of eigenvalues."""
     length, _ = stream.size(LONGEST_TEXT), stream.size(LONGEST_TEXT)
     stream.take(length)  # geometry
     stream.reals(2)
@@ -141,7 +141,7 @@ def _header_1(stream: _Stream, version: tuple[int, ...]) -> None:
 
 
 def _header_2(stream: _Stream, version: tuple[int, ...]) -> None:
-    """Of 2.x, up to the number of eigenvalues."""
+    """The header of versions 2.x, read up to the number of eigenvalues."""
     stream.integers(2)
     stream.integers()  # equations
     stream.text()

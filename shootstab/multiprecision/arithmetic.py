@@ -96,7 +96,7 @@ class Arithmetic(Protocol):
     def power(self, a: Any, exponent: Any) -> Any: ...
 
     def convolution(self, A: Payloads) -> Convolution:
-        """Of a matrix (r, n) of series."""
+        """The products of a matrix (r, n) of series with the terms of another, one after the other."""
         ...
 
     def carried(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> tuple[Matrix, list[Matrix]]:

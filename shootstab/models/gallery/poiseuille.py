@@ -66,7 +66,7 @@ class PlanePoiseuille:
 
     @property
     def factors(self) -> tuple[PlanePoiseuille, ...]:
-        """Of the whole channel: the even modes and the odd ones (theory, lemma E9)."""
+        """What D of the whole channel is the product of: the even modes and the odd ones (theory, lemma E9)."""
         return () if self.half else (replace(self, half=True), OddPoiseuille(self.reynolds, self.alpha))
 
     @property
