@@ -661,22 +661,16 @@ def program(*words: object, **options: Any) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.parametrize("words", [["--help"], ["scenes"], ["verify", "--help"], ["--version"]])
-def test_what_needs_no_numbers_starts_at_once(words: list[str]) -> None:
-    # the best of three, for the machine may be busy
-    seconds = []
-    for _ in range(3):
-        began = time.perf_counter()
-        done = program(*words)
-        seconds.append(time.perf_counter() - began)
-        assert (done.returncode, done.stderr) == (0, "")
-    assert min(seconds) < 0.5
-
-
-def test_nothing_heavy_is_imported_for_help() -> None:
+def test_what_needs_no_numbers_loads_none(words: list[str]) -> None:
+    """It starts at once because nothing heavy is imported; how long that takes, validation/bench_startup.py measures."""
+    done = program(*words)
+    assert (done.returncode, done.stderr) == (0, "")
     code = (
         "import sys; from shootstab.cli.main import main\n"
-        "main(['scenes'])\n"
-        "print([m for m in ('numpy', 'scipy', 'numba', 'rich', 'mpmath', 'matplotlib') if m in sys.modules], file=sys.stderr)"
+        "try:\n"
+        f"    main({words!r})\n"
+        "except SystemExit: pass\n"
+        "print([m for m in ('numpy', 'scipy', 'numba', 'rich', 'mpmath', 'matplotlib', 'sympy') if m in sys.modules], file=sys.stderr)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
     assert done.stderr == "[]\n"
