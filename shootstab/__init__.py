@@ -21,9 +21,11 @@ if TYPE_CHECKING:
     from shootstab import testing
     from shootstab.analyses.count import count
     from shootstab.analyses.critical import critical
+    from shootstab.analyses.eigenfunction import eigenfunction
     from shootstab.analyses.find import find
     from shootstab.analyses.prove import prove
     from shootstab.analyses.refine import refine
+    from shootstab.analyses.sensitivity import sensitivities
     from shootstab.analyses.sweep import sweep
     from shootstab.analyses.unstable import count_unstable
     from shootstab.analyses.verify import verify
@@ -73,10 +75,12 @@ _HOMES = {
     "count": "shootstab.analyses.count",
     "critical": "shootstab.analyses.critical",
     "count_unstable": "shootstab.analyses.unstable",
+    "eigenfunction": "shootstab.analyses.eigenfunction",
     "find": "shootstab.analyses.find",
     "gallery": "shootstab.models",
     "prove": "shootstab.analyses.prove",
     "refine": "shootstab.analyses.refine",
+    "sensitivities": "shootstab.analyses.sensitivity",
     "sweep": "shootstab.analyses.sweep",
     "testing": "shootstab",
     "trade": "shootstab.analyses.work_precision",
@@ -85,7 +89,7 @@ _HOMES = {
 
 _MODULES = ("chute", "gallery", "testing")
 _INSIDE = {"scene": "load"}  # called otherwise in its module
-_ASKED = ("count", "count_unstable", "find", "prove", "refine", "trade", "verify")
+_ASKED = ("count", "count_unstable", "eigenfunction", "find", "prove", "refine", "trade", "verify")
 
 __all__ = [
     "Axis",
@@ -111,6 +115,7 @@ __all__ = [
     "count_unstable",
     "critical",
     "discriminant",
+    "eigenfunction",
     "equations",
     "find",
     "gallery",
@@ -119,6 +124,7 @@ __all__ = [
     "read",
     "refine",
     "scene",
+    "sensitivities",
     "sweep",
     "testing",
     "trade",

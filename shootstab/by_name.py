@@ -14,9 +14,11 @@ from typing import TYPE_CHECKING, Any
 
 from shootstab.core.errors import InputError
 from shootstab.discriminants.named import METHODS
+from shootstab.presented import PresentedReport
 
 if TYPE_CHECKING:
     from shootstab.core.discriminant import Discriminant
+    from shootstab.io.scenes import Scene
 
 
 def problem_of(named: Any) -> Any:
@@ -26,6 +28,18 @@ def problem_of(named: Any) -> Any:
     if isinstance(named, str | Path):
         return load(str(named)).problem
     return named.problem if isinstance(named, Scene) else named
+
+
+def scene_of(named: Any) -> Scene:
+    """The scene of that name, or a problem as a scene without a name of its own. Raises InputError."""
+    from shootstab.core.scene_keys import Description
+    from shootstab.io.scenes import Scene, load
+
+    if isinstance(named, str | Path):
+        return load(str(named))
+    if isinstance(named, Scene):
+        return named
+    return Scene("problem", type(named).__name__, named, Description(named.size), getattr(named, "flow", None))
 
 
 def method_of(named: Any) -> Any:
@@ -52,7 +66,7 @@ def by_name(analysis: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def verifying(analysis: Callable[..., Any]) -> Callable[..., Any]:
-    """`verify`, whose eigenvalues may be a number, a list, an array, or the name of a file."""
+    """`verify`, whose eigenvalues may be a number, a list, an array, or the name of a file, and whose report shows itself."""
     asked = by_name(analysis)
 
     @wraps(analysis)
@@ -63,7 +77,8 @@ def verifying(analysis: Callable[..., Any]) -> Callable[..., Any]:
             eigenvalues = read(eigenvalues)
         elif isinstance(eigenvalues, int | float | complex):
             eigenvalues = [eigenvalues]
-        report = asked(problem, eigenvalues, *arguments, **options)
+        scene = scene_of(problem)
+        report = PresentedReport.of(asked(scene.problem, eigenvalues, *arguments, **options), scene)
         return replace(report, dropped=eigenvalues.dropped) if isinstance(eigenvalues, Spectrum) else report
 
     return verify

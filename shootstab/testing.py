@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from shootstab.core.errors import InputError
 from shootstab.core.records import CONFIRMED, CONTINUUM, Mode, Report, Verdict, digits_between
-from shootstab.io.conventions import Convention
+from shootstab.io.conventions import Convention, wavenumber
 from shootstab.io.notation import claimed_digits, held_complex
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ def assert_eigenvalue(problem: Problem, claimed: complex, digits: int = 8) -> No
         raise AssertionError(_failure(problem, verdict, digits))
 
 
-MISSING_IN_TESTS = ("none", "region")
+MISSING_IN_TESTS = ("none", "within", "region")
 
 
 def assert_spectrum(
@@ -40,11 +40,13 @@ def assert_spectrum(
     convention: Convention | None = None,
     missing: str = "none",
     region: Region | None = None,
+    as_: str | None = None,
 ) -> Report:
     """The report, if every claim is an eigenvalue to so many digits; AssertionError with the table of verdicts otherwise.
 
-    problem is a problem or the name of a scene, claimed a list or the name of a file, convention what the numbers are (σ of exp(σt) by
-    default). missing="none" leaves open whether modes are missing; "region" fails for each that is missing from the region given.
+    problem is a problem or the name of a scene, claimed a list or the name of a file. convention is what the numbers are (σ of exp(σt) by
+    default), or as_ is their kind: "growth", "frequency", or "phase-speed", with the scene's own wavenumber. missing="none" leaves open
+    whether modes are missing; "within" fails for each that is missing among the claims, "region" for each from the region given.
     A `continuum` is no failure. Raises InputError.
     """
     __tracebackhide__ = True
@@ -54,17 +56,26 @@ def assert_spectrum(
     from shootstab.io.scenes import Scene, load
 
     if missing not in MISSING_IN_TESTS or (missing == "region") != (region is not None):
-        raise InputError(f"missing = {missing!r}: allowed is none, or region together with a region")
-    seen = convention or Convention()
+        raise InputError(f"missing = {missing!r}: allowed is none, within, or region together with a region")
+    if convention is not None and as_ is not None:
+        raise InputError("convention and as_: allowed is one of them")
     spectrum = read(claimed) if isinstance(claimed, str | Path) else list(claimed)
     named = load(str(problem)) if isinstance(problem, str | Path) else problem
+    seen = convention or _kind(as_, problem_of(named))
     own = named.seen(seen).problem if isinstance(named, Scene) else _seen(problem_of(named), seen)
-    report = seen.shown(verify(own, seen.read(spectrum), digits=digits, region=region))
+    report = seen.shown(verify(own, seen.read(spectrum), digits=digits, region=region, missing=missing))
     bad = [v for v in report.verdicts if v.verdict not in (CONFIRMED, CONTINUUM)]
-    lost = report.missing if missing == "region" else ()
+    lost = report.missing
     if bad or lost:
         raise AssertionError(_table(report, digits, len(bad), lost))
     return report
+
+
+def _kind(kind: str | None, problem: Any) -> Convention:
+    """Numbers of this kind, a phase speed with the wavenumber of the problem. Raises InputError where it has none."""
+    if kind == "phase-speed":
+        return Convention(kind, alpha=wavenumber(problem))
+    return Convention(kind or "growth")
 
 
 def _seen(problem: Any, convention: Convention) -> Any:

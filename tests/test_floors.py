@@ -23,9 +23,11 @@ FLOORS = {
     "models": 6,
     "io": 7,
     "cli": 8,
-    "by_name": 9,
-    "testing": 10,
-    "__main__": 10,
+    "presented": 9,
+    "by_name": 10,
+    "testing": 11,
+    "__main__": 11,
+    "pytest_plugin": 12,
 }
 LONGEST = 300
 CHUTE, GALLERY = "shootstab.models.chute", "shootstab.models.gallery"

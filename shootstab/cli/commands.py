@@ -6,105 +6,25 @@ import sys
 import textwrap
 from argparse import Namespace
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from shootstab import __version__
+from shootstab.cli import figures
+from shootstab.cli.clock import Clock
 from shootstab.core.errors import InputError
 from shootstab.core.regions import Disc, Polygon, Rectangle, Region
 from shootstab.io import scenes as scene_files
 from shootstab.io.conventions import Convention, wavenumber
-from shootstab.io.files import require_writable, write_whole
+from shootstab.io.files import require_writable, write_text
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from shootstab.analyses.proved_verdicts import ProvedVerdict
 
 DONE, BAD_NEWS = 0, 1  # defined by the contract: exit statuses of a command that did its work
 
 METHOD_NAMES = ("frame", "compound", "riccati")  # the names of discriminants.named, which would load the kernels
-
-
-def verify(options: Namespace) -> int:
-    """A verdict on each eigenvalue in the file, or on those of the bundled reference."""
-    from shootstab.cli.terminal import progress
-    from shootstab.io import documents, readers
-
-    if options.eigenvalues is not None and options.truncation is not None:
-        raise InputError("-M is the truncation of the bundled reference: allowed only without EIGENVALUES")
-    if options.plot is not None:
-        from shootstab.cli import plots
-
-        plots.require(options.plot)
-    for name in ("dataset", "row"):
-        if getattr(options, name) is not None and options.eigenvalues is None:
-            raise InputError(f"--{name}: allowed only with EIGENVALUES")
-    convention = _convention(options)
-    if options.unstable and convention.unit.imag != 0.0:
-        raise InputError(f"--unstable: allowed with growth rates only, not with --as {convention.kind}")
-    if options.prove and not convention.plain:
-        raise InputError("--prove: allowed with eigenvalues in the problem's own terms")
-    region = None if options.region is None else _rectangle(options.region)
-    spectrum = None if options.eigenvalues is None else readers.read(options.eigenvalues, options.dataset, options.row)
-    given = None if spectrum is None else convention.read(spectrum)
-    own = scene_files.load(options.scene)
-    scene = own.seen(convention)
-    if options.prove:
-        from shootstab.analyses.prove import factors
-
-        factors(own.problem)  # what has no enclosure is refused before anything is computed
-    from shootstab.analyses.missing import unstable_box
-    from shootstab.analyses.reference import claims
-    from shootstab.analyses.verify import verify as question
-
-    with progress(f"verifying {scene.name}") as told:
-        if given is None:
-            claimed = claims(own.problem, options.digits, options.truncation)
-            # the reference claims that these are modes, not that there are no others
-            if options.missing is None:
-                region = region or (unstable_box(own.problem, claimed) if convention.plain else None)
-            given = (claimed / convention.unit).tolist()
-        wishes: Any = {
-            "digits": options.digits,
-            "region": region,
-            "unstable": options.unstable,
-            "missing": options.missing,
-            "atol": options.atol,
-        }
-        report = question(scene.problem, given, progress=told, **wishes)
-        theorems: tuple[ProvedVerdict, ...] = ()
-        if options.prove:
-            from shootstab.analyses.proved_verdicts import proved_verdicts
-
-            theorems = proved_verdicts(scene.problem, report)
-    from shootstab.analyses.hypotheses import hypotheses
-    from shootstab.cli.proposals import sentence
-
-    meant = [sentence(found, convention.plain) for found in hypotheses(scene.problem, report, options.digits)]
-    report = convention.shown(replace(report, dropped=0 if spectrum is None else spectrum.dropped))
-    if options.plot is not None:
-        from shootstab.cli import plots
-
-        plots.save(report, scene, options.plot)
-
-    def tables() -> list[RenderableType]:
-        from shootstab.cli import tables
-
-        return [
-            *tables.report(report, scene, options.only, options.sort),
-            *tables.theorems(report, theorems),
-            *map(tables.paragraph, meant),
-        ]
-
-    document = documents.report(report)
-    document["meant"] = meant
-    for stated, theorem in zip(document["verdicts"], theorems, strict=False):
-        stated |= vars(theorem)
-    if not convention.plain:
-        document["convention"] = convention.formula
-    _answer(options, document, tables, scene)
-    return BAD_NEWS if report.bad_news(options.strict) or any(theorem.contradicts for theorem in theorems) else DONE
 
 
 def refine(options: Namespace) -> int:
@@ -132,6 +52,14 @@ def refine(options: Namespace) -> int:
         document["convention"] = convention.formula
     _answer(options, document, tables, scene)
     return DONE if found.converged else BAD_NEWS
+
+
+def _look(options: Namespace) -> figures.Look:
+    """That of the picture. Raises InputError where one is asked for that cannot be drawn."""
+    look = figures.Look.of(options)
+    if options.plot is not None:
+        figures.require(options.plot, look)
+    return look
 
 
 def _convention(options: Namespace) -> Convention:
@@ -178,12 +106,16 @@ def find(options: Namespace) -> int:
     """All modes in a region; with --resonances also the zeros beyond the continuous spectrum."""
     from shootstab.io import documents
 
-    region = _region(options)
+    look, region = _look(options), _region(options)
     assert region is not None
     scene = scene_files.load(options.scene)
     from shootstab.analyses.find import find as question
 
     found = question(scene.problem, region, resonances=options.resonances, atol=options.atol)
+    if options.plot is not None:
+        from shootstab.cli import plots
+
+        figures.save(lambda: plots.draw_found(found, region, scene), options.plot, look)
 
     def tables() -> list[RenderableType]:
         from shootstab.cli import tables
@@ -216,33 +148,19 @@ def _rectangle(corners: tuple[float, float, float, float]) -> Rectangle:
     return Rectangle(complex(*corners[:2]), complex(*corners[2:]))
 
 
-def steady(options: Namespace) -> int:
-    """The steady flow of the scene."""
-    from shootstab.io import documents
-
-    scene = scene_files.load(options.scene)
-    flow = scene.flow
-    if flow is None:
-        raise InputError(f"{options.scene}: has no steady flow of grains: allowed is a scene with a [flow]")
-    document = documents.steady(flow)
-
-    def tables() -> list[RenderableType]:
-        from shootstab.cli import tables
-
-        return tables.steady(flow, document["profiles"], scene)
-
-    _answer(options, document, tables, scene)
-    return DONE
-
-
 def spectrum(options: Namespace) -> int:
     """The pseudospectral spectrum."""
     from shootstab.io import documents
 
+    look = _look(options)
     scene = scene_files.load(options.scene)
     from shootstab.analyses.reference import spectrum as question
 
     found = question(scene.problem, M=options.truncation)
+    if options.plot is not None:
+        from shootstab.cli import plots
+
+        figures.save(lambda: plots.draw_spectrum(found, scene, options.raw), options.plot, look)
 
     def tables() -> list[RenderableType]:
         from shootstab.cli import tables
@@ -266,11 +184,22 @@ def scenes(options: Namespace) -> int:
     return DONE
 
 
+def clock_of(options: Namespace) -> Clock:
+    """That of the command, which began with it."""
+    if not hasattr(options, "clock"):
+        options.clock = Clock()
+    clock: Clock = options.clock
+    return clock
+
+
 def prepare(options: Namespace) -> None:
-    """Refuse a file that could not be written before any work is done."""
-    for path in (options.json, getattr(options, "plot", None)):
+    """Refuse a file that could not be written before any work is done, and start the clock of an answer that says how long it took."""
+    written = ("plot", "export", "html", "markdown", "tex")
+    for path in (options.json, *(getattr(options, name, None) for name in written)):
         if path is not None and path != "-":
             require_writable(Path(path))
+    if options.json is not None:
+        clock_of(options)
 
 
 def _answer(
@@ -278,7 +207,8 @@ def _answer(
 ) -> None:
     """JSON where it was asked for, with the scene in it if there is one, and tables on standard output unless JSON takes it."""
     if options.json is not None:
-        _write_json(options, document if scene is None else {**document, "scene": scene.as_dict()})
+        about = {"version": __version__, **clock_of(options).stop()}
+        _write_json(options, {**document, **about, **({} if scene is None else {"scene": scene.as_dict()})})
     if options.json != "-" and not options.quiet:
         from shootstab.cli.terminal import show
 
@@ -292,7 +222,7 @@ def _write_json(options: Namespace, document: dict[str, Any]) -> None:
     if options.json == "-":
         sys.stdout.write(text)
     else:
-        write_whole(Path(options.json), lambda path: path.write_text(text, encoding="utf-8"))
+        write_text(Path(options.json), text)
 
 
-answer = _answer  # commands that live in modules of their own answer in the same way
+answer, convention, look, rectangle = _answer, _convention, _look, _rectangle  # for commands that live in modules of their own

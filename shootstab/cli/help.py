@@ -14,6 +14,7 @@ program; 4 an answer that could not be written"""
 EXAMPLES = {
     "verify": "shootstab verify low modes.csv --digits 6",
     "refine": "shootstab refine low --guess 0.0073,-0.0119 --digits 30",
+    "mode": "shootstab mode low --guess 0.0073,-0.0119 --plot mode.pdf --export mode.csv",
     "count": "shootstab count high --region rectangle --corners=1e-4,-0.1,0.05,0.1",
     "find": "shootstab find high --corners=1e-4,-0.1,0.05,0.1",
     "steady": "shootstab steady mid",
@@ -22,6 +23,7 @@ EXAMPLES = {
     "trade": "shootstab trade high --plot trade.png",
     "prove": "shootstab prove poiseuille --guess 0.0037,-0.2375 --certificate mode.json",
     "check": "shootstab check mode.json",
+    "baseline": "shootstab baseline record low low.toml --guess 0.0073,-0.0119",
     "scenes": "shootstab scenes",
     "guide": "shootstab guide verdicts",
     "explain": "shootstab explain scene.toml",

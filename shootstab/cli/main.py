@@ -17,15 +17,25 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from shootstab import __version__
-from shootstab.cli import commands, explain_command, guide_command, prove_command, signals, streams
+from shootstab.cli import (
+    baseline_command,
+    commands,
+    explain_command,
+    figures,
+    guide_command,
+    mode_command,
+    prove_command,
+    signals,
+    steady_command,
+    streams,
+    values,
+    verify_command,
+)
 from shootstab.cli import sweep_command as sweeping
 from shootstab.cli import trade_command as trading
 from shootstab.cli.help import DOORS, STATUSES, epilog, with_nearest
-from shootstab.cli.selection import SORTS
 from shootstab.core.errors import InputError, OutputError, ShootstabError
-from shootstab.core.records import VERDICTS
 from shootstab.core.threads import one_thread_from_here
-from shootstab.io.notation import complex_from, floats_from
 
 # defined by the contract: exit statuses of a command that did not; the last two are 128 plus the signal
 BAD_INPUT, INTERNAL, NOT_WRITTEN, INTERRUPTED, BROKEN_PIPE = 2, 3, 4, 130, 141
@@ -125,61 +135,63 @@ def parser() -> argparse.ArgumentParser:
     top.add_argument("--version", action=_Version, help="show the version and stop")
     subparsers = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
-    verify = _command(subparsers, commands.verify, "a verdict on each eigenvalue, and the modes that are missing")
-    formats = "csv, text, json, npy, npz, MATLAB, HDF5 or Legolas"
-    verify.add_argument("eigenvalues", nargs="?", metavar="EIGENVALUES", help=f"{formats} (default: the bundled reference)")
-    verify.add_argument("--dataset", metavar="NAME", help="the array that is meant, in a file that holds several")
-    verify.add_argument("--row", type=_integer(1, 999_999_999), metavar="N", help="the spectrum that is meant, in an array of several")
+    verify = _command(subparsers, verify_command.verify, "a verdict on each eigenvalue, and the modes that are missing")
+    verify_command.options(verify)
     _convention(verify)
-    verify.add_argument("--digits", type=_integer(1, 12), default=6, metavar="N", help="digits that an eigenvalue must have (default 6)")
-    verify.add_argument("--prove", action="store_true", help="prove what is confirmed, and that nothing lies near what is spurious")
-    verify.add_argument("--strict", action="store_true", help="`continuum` is bad news too")
-    verify.add_argument("--only", choices=("bad", *VERDICTS), help="show these verdicts only; bad: all but confirmed and continuum")
-    verify.add_argument("--sort", choices=SORTS, help="the order of the table (default: that of the file)")
-    verify.add_argument("--plot", type=_plot_path, metavar="FILE", help="draw the complex plane into a png, pdf or svg file")
-    verify.add_argument("-M", dest="truncation", type=_integer(0, 999_999), metavar="N", help="truncation of the bundled reference")
-    verify.add_argument("--region", type=_numbers(4), metavar="RE0,IM0,RE1,IM1", help="look for missing modes in this rectangle")
-    wishes = "none, within the claims (the default for a list), or in the --region"
-    verify.add_argument("--missing", choices=("none", "within", "region"), help=f"where missing modes are looked for: {wishes}")
-    verify.add_argument("--unstable", action="store_true", help="count all growing modes too, wherever they are")
 
     refine = _command(subparsers, commands.refine, "one mode, with its error bar")
     _convention(refine)
-    refine.add_argument("--guess", type=_guess, required=True, metavar="RE[,IM]", help="where to start")
+    refine.add_argument("--guess", type=values.guess, required=True, metavar="RE[,IM]", help="where to start")
     accuracy = refine.add_mutually_exclusive_group()
-    accuracy.add_argument("--rtol", type=_tolerance, default=1e-10, metavar="X", help="relative accuracy asked for (default 1e-10)")
-    accuracy.add_argument("--digits", type=_integer(1, 100_000), metavar="N", help="the same in digits")
+    accuracy.add_argument("--rtol", type=values.tolerance, default=1e-10, metavar="X", help="relative accuracy asked for (default 1e-10)")
+    accuracy.add_argument("--digits", type=values.integer(1, 100_000), metavar="N", help="the same in digits")
     refine.add_argument("--method", choices=commands.METHOD_NAMES, help="how the determinant is formed (default: as the program chooses)")
+
+    mode = _command(subparsers, mode_command.mode, "the eigenfunction of one mode")
+    _convention(mode)
+    mode_command.options(mode)
 
     count = _command(subparsers, commands.count, "how many modes a region of the complex plane holds")
     _add_region(count, "rectangle", "disc", "polygon", "half-plane")
-    count.add_argument("--floor", type=_numbers(1), metavar="X", help="of the half-plane: Re σ > X (default 1e-8)")
+    count.add_argument("--floor", type=values.numbers(1), metavar="X", help="of the half-plane: Re σ > X (default 1e-8)")
 
     find = _command(subparsers, commands.find, "all modes in a region, without a guess")
     _add_region(find, "rectangle", "disc", "polygon", default="rectangle")
     for command in (verify, refine, find):
         says = "absolute accuracy that suffices, for modes next to 0 (default 1e-12 of the scale of D there)"
-        command.add_argument("--atol", type=_absolute, metavar="X", help=says)
+        command.add_argument("--atol", type=values.absolute, metavar="X", help=says)
+    figures.options(find, "draw the modes and the region")
     find.add_argument("--resonances", action="store_true", help="list zeros beyond the continuous spectrum too")
 
     _command(subparsers, explain_command.explain, "what the reduction of the scene's equations found")
 
-    _command(subparsers, commands.steady, "the steady flow of the scene")
+    steady_command.options(_command(subparsers, steady_command.steady, "the steady flow of the scene"))
 
     spectrum = _command(subparsers, commands.spectrum, "the pseudospectral spectrum")
-    spectrum.add_argument("-M", dest="truncation", type=_integer(0, 999_999), metavar="N", help="truncation")
+    spectrum.add_argument("-M", dest="truncation", type=values.integer(0, 999_999), metavar="N", help="truncation")
+    figures.options(spectrum, "draw the spectrum")
     spectrum.add_argument("--raw", action="store_true", help="all eigenvalues of the pencil, unfiltered")
 
     sweep = _command(subparsers, sweeping.sweep, "growth rates over wavenumbers or flows, in parallel, resumable")
-    sweeping.options(sweep, _integer, _plot_path)
+    sweeping.options(sweep, values.integer, values.plot_path)
 
     trade = _command(subparsers, trading.trade, "work against accuracy of every method")
-    trading.options(trade, _guess, _plot_path)
+    trading.options(trade, values.guess, values.plot_path)
 
     prove = _command(subparsers, prove_command.prove, "a theorem: exactly so many eigenvalues in a disc, a rectangle, or growing")
-    prove_command.options(prove, _guess, _numbers, _integer)
+    prove_command.options(prove, values.guess, values.numbers, values.integer)
     check = _command(subparsers, prove_command.check, "whether a certificate proves what it says", scene=False)
     check.add_argument("file", type=Path, metavar="FILE", help="a certificate of `shootstab prove --certificate`")
+
+    baseline = subparsers.add_parser(
+        "baseline", help="modes that are proved once, and compared with from then on", epilog=epilog("baseline")
+    )
+    both = baseline.add_subparsers(dest="action", required=True, metavar="record|check")
+    baseline_command.record_options(
+        _command(both, baseline_command.record, "prove modes and write them into a baseline", example="baseline")
+    )
+    checked = _command(both, baseline_command.check, "compare a spectrum with a baseline", scene=False, example="baseline")
+    baseline_command.check_options(checked)
 
     _command(subparsers, commands.scenes, "what is built in", scene=False)
 
@@ -189,10 +201,12 @@ def parser() -> argparse.ArgumentParser:
     return top
 
 
-def _command(subparsers: Any, run: Callable[[argparse.Namespace], int], says: str, scene: bool = True) -> argparse.ArgumentParser:
-    """A command, named after the function that runs it."""
-    title = says[0].upper() + says[1:] + "."
-    made: argparse.ArgumentParser = subparsers.add_parser(run.__name__, help=says, description=title, epilog=epilog(run.__name__))
+def _command(
+    subparsers: Any, run: Callable[[argparse.Namespace], int], says: str, scene: bool = True, example: str | None = None
+) -> argparse.ArgumentParser:
+    """A command, named after the function that runs it, with the example of that name or of another one."""
+    title, shown = says[0].upper() + says[1:] + ".", epilog(example or run.__name__)
+    made: argparse.ArgumentParser = subparsers.add_parser(run.__name__, help=says, description=title, epilog=shown)
     made.set_defaults(run=run)
     if scene:
         made.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
@@ -206,20 +220,20 @@ def _add_region(command: argparse.ArgumentParser, *shapes: str, default: str | N
     says = "the shape" if default is None else f"the shape (default {default})"
     command.add_argument("--region", choices=shapes, required=default is None, default=default, help=says)
     corners = "RE,IM of a polygon's corners, three or more, or of a rectangle's lower left and upper right"
-    command.add_argument("--corners", type=_numbers(), metavar="RE0,IM0,RE1,IM1,…", help=corners)
-    command.add_argument("--centre", type=_numbers(2), metavar="RE,IM", help="of the disc")
-    command.add_argument("--radius", type=_numbers(1), metavar="R", help="of the disc")
+    command.add_argument("--corners", type=values.numbers(), metavar="RE0,IM0,RE1,IM1,…", help=corners)
+    command.add_argument("--centre", type=values.numbers(2), metavar="RE,IM", help="of the disc")
+    command.add_argument("--radius", type=values.numbers(1), metavar="R", help="of the disc")
 
 
 def _convention(command: argparse.ArgumentParser) -> None:
     """What the numbers mean that are given and shown (see conventions.py)."""
     group = command.add_argument_group("what an eigenvalue is", "by default the problem's own, σ of exp(σt)")
     group.add_argument("--as", dest="kind", choices=("growth", "frequency", "phase-speed"), help="σ, ω or c")
-    group.add_argument("--alpha", type=_numbers(1), metavar="X", help="the wavenumber, for a phase speed")
+    group.add_argument("--alpha", type=values.numbers(1), metavar="X", help="the wavenumber, for a phase speed")
     group.add_argument("--sign", choices=("+", "-"), help="of time in the exponent: + for a growth rate, - for ω and c by default")
     group.add_argument("--conjugate", action="store_true", help="waves are exp(-iαx)")
-    group.add_argument("--length", type=_numbers(1), metavar="X", help="the unit of length of these numbers, in that of the problem")
-    group.add_argument("--velocity", type=_numbers(1), metavar="X", help="the unit of velocity, likewise")
+    group.add_argument("--length", type=values.numbers(1), metavar="X", help="the unit of length of these numbers, in that of the problem")
+    group.add_argument("--velocity", type=values.numbers(1), metavar="X", help="the unit of velocity, likewise")
 
 
 def _with_values(argv: Sequence[str]) -> list[str]:
@@ -231,66 +245,6 @@ def _with_values(argv: Sequence[str]) -> list[str]:
         else:
             joined.append(word)
     return joined
-
-
-# the values of options, refused in words
-
-
-def _refused(text: str, allowed: str) -> argparse.ArgumentTypeError:
-    return argparse.ArgumentTypeError(f"{text!r}: allowed is {allowed}")
-
-
-def _integer(least: int, most: int) -> Callable[[str], int]:
-    def parse(text: str) -> int:
-        if not re.fullmatch(r"\d{1,9}", text, re.ASCII) or not least <= int(text) <= most:
-            raise _refused(text, f"an integer from {least} to {most}")
-        return int(text)
-
-    return parse
-
-
-def _numbers(count: int | None = None) -> Callable[[str], tuple[float, ...]]:
-    def parse(text: str) -> tuple[float, ...]:
-        try:
-            return floats_from(text, count)
-        except ValueError:
-            wanted = "finite numbers" if count is None else f"{count} finite numbers"
-            raise _refused(text, "a finite number" if count == 1 else f"{wanted} with commas between them") from None
-
-    return parse
-
-
-def _guess(text: str) -> complex:
-    try:
-        if "," in text:
-            return complex(*floats_from(text, 2))
-        guess = complex_from(text)
-    except ValueError:
-        guess = complex("nan")
-    if guess - guess != 0:
-        raise _refused(text, "RE, RE,IM or RE+IMi, finite")
-    return guess
-
-
-def _tolerance(text: str) -> float:
-    value = _numbers(1)(text)[0]
-    if not 1e-14 <= value <= 0.1:
-        raise _refused(text, "a number from 1e-14 to 0.1")
-    return value
-
-
-def _absolute(text: str) -> float:
-    value = _numbers(1)(text)[0]
-    if not value >= 0.0:
-        raise _refused(text, "a finite number from 0 on")
-    return value
-
-
-def _plot_path(text: str) -> Path:
-    path = Path(text)
-    if path.suffix.lower() not in (".png", ".pdf", ".svg"):
-        raise _refused(text, "a file name that ends in .png, .pdf or .svg")
-    return path
 
 
 if __name__ == "__main__":

@@ -55,18 +55,18 @@ def report(found: Report, scene: Scene, only: str | None = None, sort: str | Non
         lines.append((str(number), claimed_digits(verdict.claimed, found.digits), verdict.verdict, *cells, _agreement(verdict)))
     for mode in found.missing:
         lines.append(("", ABSENT, "missing", *_mode_cells(mode.sigma, mode.error), ABSENT))
-    headings = ("#", _sigma("claimed σ", scene), "verdict", f"mode {scene.symbol}", "error", "digits")
+    headings = ("#", in_symbol("claimed σ", scene), "verdict", f"mode {scene.symbol}", "error", "digits")
     if sum(max(len(line[i]) for line in [headings, *lines]) for i in range(6)) + 5 * GAP <= PAGE:
-        table = _table("", *headings[1:])
+        table = ruled("", *headings[1:])
         for row, claimed, said, *others in lines:
             table.add_row(row, claimed, _coloured(said), *others)
     else:
-        table = _table("", f"{headings[1]}, {headings[3]}", *(h for h in headings[2:] if h != headings[3]))
+        table = ruled("", f"{headings[1]}, {headings[3]}", *(h for h in headings[2:] if h != headings[3]))
         for row, claimed, said, mode_text, *others in lines:
             both = claimed if mode_text == ABSENT else mode_text if claimed == ABSENT else f"{claimed}\n{mode_text}"
             table.add_row(row, both, _coloured(said), *others)
     rests = [Text(textwrap.fill(f"Rests on {found.rests_on}.", PAGE))] if found.rests_on else []
-    return [heading(scene), table, *_reasons(found, shown), *_left_out(found), Text(_sentence(found)), *rests]
+    return [heading(scene), table, *_reasons(found, shown), *_left_out(found), paragraph(sentence(found)), *rests]
 
 
 def theorems(found: Report, proofs: Sequence[ProvedVerdict]) -> Parts:
@@ -117,7 +117,7 @@ def _reasons(found: Report, shown: Sequence[Row]) -> Parts:
     return [*reasons, Text("")] if reasons else []
 
 
-def _sentence(found: Report) -> str:
+def sentence(found: Report) -> str:
     """How many of each, then where modes were looked for and how many of the claims lie there, and what is missing there."""
     total, counts = len(found.verdicts), dict(found.summary)
     missing, confirmed = counts.pop("missing"), counts.pop(CONFIRMED)
@@ -133,7 +133,7 @@ def mode(found: Mode, scene: Scene) -> Parts:
     """One mode and what its error is made of."""
     parts = [f"{name.replace('_', ' ')} {_two_figures(value)}" for name, value in found.budget.as_dict().items()]
     rows = {
-        _sigma("σ", scene): held_complex(found.sigma, found.error),
+        in_symbol("σ", scene): held_complex(found.sigma, found.error),
         "error": f"{_two_figures(found.error)}  ({', '.join(parts[:2])},\n         {', '.join(parts[2:])})",
         "digits": f"{found.digits:.1f}",
         "status": found.status,
@@ -149,7 +149,7 @@ def mode(found: Mode, scene: Scene) -> Parts:
         rows["multiplicity"] = f"{found.multiplicity}: so many eigenvalues, equal or not told apart, lie within the error"
     if math.isfinite(found.continuum_distance):
         rows["continuous spectrum"] = f"at a distance of {_two_figures(found.continuum_distance)}"
-    return [heading(scene), _pairs(rows)]
+    return [heading(scene), pairs(rows)]
 
 
 def count(region: Region, found: RegionCount, scene: Scene) -> Parts:
@@ -166,7 +166,7 @@ def count(region: Region, found: RegionCount, scene: Scene) -> Parts:
 
 def found(answer: Found, region: Region, scene: Scene) -> Parts:
     """A table of modes, the resonances under it, and the count."""
-    table = _table("", _sigma("mode σ", scene), "error", "digits", "multiplicity", "continuum")
+    table = ruled("", in_symbol("mode σ", scene), "error", "digits", "multiplicity", "continuum")
     for number, m in enumerate(answer.modes, 1):
         away = _two_figures(m.continuum_distance) if math.isfinite(m.continuum_distance) else ABSENT
         table.add_row(str(number), held_complex(m.sigma, m.error), _two_figures(m.error), f"{m.digits:.1f}", str(m.multiplicity), away)
@@ -202,17 +202,17 @@ def steady(flow: Flow, profiles: Mapping[str, Sequence[float]], scene: Scene) ->
         "centre of mass h0": flow.centre_of_mass,
     }
     rows = {name: held(value, abs(value) * FLOW_DIGITS) for name, value in numbers.items()}
-    table = _table("profiles, in units of d and g cosθ", "z", "ν", "T", "u", numbered=False)
+    table = ruled("profiles, in units of d and g cosθ", "z", "ν", "T", "u", numbered=False)
     step = (len(profiles["z"]) - 1) // 10
     for row in zip(*(profiles[name][::step] for name in ("z", "nu", "T", "u")), strict=True):
         table.add_row(*(f"{value:.6g}" for value in row))
-    return [heading(scene), _pairs(rows), table]
+    return [heading(scene), pairs(rows), table]
 
 
 def spectrum(found: Any, raw: bool, scene: Scene) -> Parts:
     """The filtered spectrum with what it passed, or all that QZ gave."""
     if raw:
-        table = _table("unfiltered", _sigma("σ", scene))
+        table = ruled("unfiltered", in_symbol("σ", scene))
         for number, sigma in enumerate(found.raw, 1):
             table.add_row(str(number), held_complex(complex(sigma), abs(complex(sigma)) * 1e-12 or None))
         return [
@@ -220,7 +220,7 @@ def spectrum(found: Any, raw: bool, scene: Scene) -> Parts:
             table,
             Text(f"{len(found.raw)} eigenvalues of the pencil at truncation {found.truncation}, {len(found.eigenvalues)} pass."),
         ]
-    table = _table("", _sigma("σ", scene), "drift", "tail")
+    table = ruled("", in_symbol("σ", scene), "drift", "tail")
     for number, (sigma, drift, tail) in enumerate(zip(found.eigenvalues, found.drift, found.tail, strict=True), 1):
         shown = held_complex(complex(sigma), float(drift) or None)
         table.add_row(str(number), shown, _two_figures(drift), _two_figures(tail))
@@ -228,7 +228,8 @@ def spectrum(found: Any, raw: bool, scene: Scene) -> Parts:
     return [heading(scene), table, Text(sentence)]
 
 
-def _sigma(title: str, scene: Scene) -> str:
+def in_symbol(title: str, scene: Scene) -> str:
+    """A heading with the scene's symbol for σ, and its unit."""
     title = title.replace("σ", scene.symbol)
     return f"{title} / {scene.unit}" if scene.unit else title
 
@@ -241,7 +242,8 @@ def _coloured(verdict: str) -> Text:
     return Text(verdict, style=COLOURS[verdict])
 
 
-def _table(title: str, *headings: str, numbered: bool = True) -> Table:
+def ruled(title: str, *headings: str, numbered: bool = True) -> Table:
+    """A table with these headings, the first column for numbers of rows unless numbered is False."""
     table = Table(title=Text(title) if title else None, title_justify="left", box=SIMPLE, pad_edge=False, padding=(0, GAP - 1, 0, 0))
     if numbered:
         table.add_column("#", justify="right", no_wrap=True)
@@ -251,7 +253,8 @@ def _table(title: str, *headings: str, numbered: bool = True) -> Table:
     return table
 
 
-def _pairs(rows: Mapping[str, str]) -> Table:
+def pairs(rows: Mapping[str, str]) -> Table:
+    """Names and values, without rules."""
     table = Table(box=None, show_header=False, pad_edge=False)
     table.add_column(no_wrap=True, style="dim")
     table.add_column(no_wrap=True)

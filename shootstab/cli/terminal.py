@@ -29,12 +29,18 @@ def show(parts: Sequence[RenderableType]) -> None:
         for part in parts:
             console.print(part)
         return
-    plain = io.StringIO()
-    console = Console(file=plain, width=WIDE, highlight=False, soft_wrap=True, force_terminal=False, color_system=None)
+    sys.stdout.write(plain(parts))
+
+
+def plain(parts: Sequence[RenderableType]) -> str:
+    """Tables and texts without colours and trailing blanks."""
+    from rich.console import Console
+
+    written = io.StringIO()
+    console = Console(file=written, width=WIDE, highlight=False, soft_wrap=True, force_terminal=False, color_system=None)
     for part in parts:
         console.print(part)
-    for line in plain.getvalue().splitlines():
-        sys.stdout.write(line.rstrip() + "\n")
+    return "".join(line.rstrip() + "\n" for line in written.getvalue().splitlines())
 
 
 @contextmanager

@@ -93,10 +93,10 @@ def tables(found: WorkPrecision, scene: Scene) -> list[RenderableType]:
     from rich.table import Table
     from rich.text import Text
 
-    from shootstab.cli.tables import heading
+    from shootstab.cli.tables import heading, paragraph
 
     table = Table(box=SIMPLE, pad_edge=False)
-    for column in ("method", "resolution", "relative error", "time", "memory", "D or factorizations"):
+    for column in ("method", "resolution", "relative error", "time", "memory", "work"):
         table.add_column(Text(column), no_wrap=True, justify="left" if column in ("method", "resolution") else "right")
     last = ""
     for r in found.measurements:
@@ -106,7 +106,8 @@ def tables(found: WorkPrecision, scene: Scene) -> list[RenderableType]:
         memory = f"{r.memory / 1e6:.1f} MB" if r.memory else "–"
         table.add_row(r.method, resolution(r), error, f"{1e3 * r.seconds:.2f} ms", memory, str(r.work))
         last = r.method
-    return [heading(scene), table, Text(found.recommendation)]
+    work = paragraph("Work: evaluations of D, or factorizations of a matrix.")
+    return [heading(scene), table, work, paragraph(found.recommendation)]
 
 
 def resolution(rung: Measurement) -> str:

@@ -68,6 +68,11 @@ class Mode:
     guess_distance: float = math.nan
     nearer: str = ""
 
+    def __repr__(self) -> str:
+        sigma = self.sigma if hasattr(self.sigma, "ae") else complex(self.sigma)
+        several = f", multiplicity {self.multiplicity}" if self.multiplicity > 1 else ""
+        return f"Mode({sigma} ± {float(self.error):.1e}{several}, {self.status})"
+
     @property
     def digits(self) -> float:
         """How many digits of sigma hold: −log10(error/|σ|)."""
@@ -138,7 +143,16 @@ class Report:
         counts = {v: sum(x.verdict == v for x in self.verdicts) for v in VERDICTS}
         return {**counts, "missing": len(self.missing)}
 
-    def bad_news(self, strict: bool = False) -> bool:
-        """Whether anything is inaccurate, spurious, unresolved or missing; with strict, a `continuum` counts too."""
-        bad = {INACCURATE, SPURIOUS, UNRESOLVED} | ({CONTINUUM} if strict else set())
-        return bool(self.missing) or any(v.verdict in bad for v in self.verdicts)
+    @property
+    def bad_news(self) -> bool:
+        """Whether anything is inaccurate, spurious, unresolved or missing."""
+        return bool(self.missing) or any(v.verdict in (INACCURATE, SPURIOUS, UNRESOLVED) for v in self.verdicts)
+
+    @property
+    def strictly_bad_news(self) -> bool:
+        """The same, where a `continuum` counts too."""
+        return self.bad_news or any(v.verdict == CONTINUUM for v in self.verdicts)
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{n} {what}" for what, n in self.summary.items() if n)
+        return f"Report({counts or 'no eigenvalues'}; {self.digits} digits)"

@@ -98,7 +98,7 @@ class Shooting:
 
     def far_error(self, sigma: complex) -> float:
         """The relative error of the far-field frame at σ."""
-        return self._far(complex(sigma)).error
+        return self.far(complex(sigma)).error
 
     @property
     def steps(self) -> int:
@@ -130,7 +130,7 @@ class Shooting:
         """D(σ) and the error of the far frame; with a derivative it rounds otherwise than without, so that both are kept apart."""
         known = self._known.get((sigma, tangent))
         if known is None:
-            far = self._far(sigma)
+            far = self.far(sigma)
             self.evaluations += 1
             known = self.propagator.propagate(self.sampled, self._rows, far, sigma, tangent), far.error
             self._known[sigma, tangent] = known
@@ -138,7 +138,8 @@ class Shooting:
                 self._known.popitem(last=False)
         return known
 
-    def _far(self, sigma: complex) -> FarFrame:
+    def far(self, sigma: complex) -> FarFrame:
+        """The frame that the integration begins with at σ."""
         return self._start(self.problem.far_frame(float(self.sampled.nodes[0].real), sigma))
 
 

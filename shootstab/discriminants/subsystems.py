@@ -108,6 +108,19 @@ class Subsystem:
         curve: Continuum | None = INTERIOR.of(self.whole)
         return curve
 
+    def of_whole(self, states: ComplexArray) -> ComplexArray:
+        """The state of the whole (m, n) of which this is the subsystem's (m, size), and zero elsewhere."""
+        return self._placed(states, self.states, I_POWERS[self.phases[0]])
+
+    def left_of_whole(self, rows: ComplexArray) -> ComplexArray:
+        """Rows (m, n) over the equations of the whole, of rows (m, size) over those of the subsystem."""
+        return self._placed(rows, self.equations, I_POWERS[self.phases[1]].conj())
+
+    def _placed(self, values: ComplexArray, places: NDArray[np.int64], turn: ComplexArray) -> ComplexArray:
+        out = np.zeros((*values.shape[:-1], self.whole.size), dtype=np.complex128)
+        out[..., places] = values * turn
+        return out
+
 
 def _require_apart(name: str, matrices: ComplexArray, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> None:
     """Raise Coupled if one of the matrices (m, p, q) has entries in these columns that are not in these rows."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -54,9 +54,9 @@ class FirstOrder:
         whole = {power: c for power, c in coefficients(determinant(self.leading, columns)).items() if not self.vanishing(c)}
         return dict(sorted(whole.items()))
 
-    def in_states(self, row: Row) -> Row:
-        """The same in terms of the states alone, up to a factor that vanishes for single σ at most."""
-        states = set(self.states)
+    def in_states(self, row: Row, beside: Iterable[Jet] = ()) -> Row:
+        """The same in terms of the states, and of what may stand beside them, up to a factor that vanishes for single σ at most."""
+        states = {*self.states, *beside}
         for _ in range(MOST_SUBSTITUTIONS):
             foreign = [at for at in row if at not in states]
             if not foreign:

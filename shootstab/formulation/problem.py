@@ -25,6 +25,7 @@ from shootstab.formulation.limits import with_limit
 from shootstab.formulation.regular_digits import RegularStart
 from shootstab.formulation.singular_ends import between_periodic_ends, between_singular_ends, singular_end
 from shootstab.formulation.state_pencil import Condition, Powers, StatePencil, in_states, state_pencil
+from shootstab.formulation.stated_unknowns import unknowns_of
 from shootstab.formulation.statement import Statement, stated
 from shootstab.formulation.system import degree, shown
 from shootstab.problems.ends import Infinity, Wall
@@ -172,6 +173,7 @@ def assembled(statement: Statement, fold: float = 0.0, reference: complex | None
         matrices,
         reduction,
         curve,
+        unknowns=unknowns_of(statement.names.unknowns, first, system.size, domain.given),
         statement=statement,
         first_order=first,
         conditions=(conditions[0], conditions[1]),

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from shootstab.models.chute import Flow
 
 PROFILE_POINTS = 101  # chosen: points of a profile in JSON
+RIM_POINTS = 360  # chosen: points of a rim, with those at which a disc is widest among them
 PROFILE_TOP = 1e-6  # chosen: profiles end where ν has fallen to this
 
 
@@ -49,12 +50,18 @@ def report(found: Report) -> dict[str, Any]:
         "summary": dict(found.summary),
         "digits": found.digits,
         "searched": found.searched,
-        "region": None if found.region is None else found.region.as_dict(),
+        "region": None if found.region is None else {**found.region.as_dict(), "bounds": bounds(found.region)},
         "claims_inside": found.claims_inside,
         "undecided": list(found.undecided),
         "dropped": found.dropped,
         "rests_on": found.rests_on,
     }
+
+
+def bounds(region: Region) -> list[float]:
+    """[least Re, least Im, largest Re, largest Im] on the rim of a region, as numbers."""
+    rim = [complex(region.boundary(t)) for t in (*region.corners, *(k / RIM_POINTS for k in range(RIM_POINTS)))]
+    return [min(z.real for z in rim), min(z.imag for z in rim), max(z.real for z in rim), max(z.imag for z in rim)]
 
 
 def _verdict(verdict: Verdict) -> dict[str, Any]:
@@ -76,7 +83,7 @@ def count(region: Region, found: RegionCount) -> dict[str, Any]:
     """What `count` answers: beside the count how nearly the phase closed, and what was left out around ends of the continuous spectrum."""
     left_out = [disc.as_dict() for disc in found.left_out]
     return {
-        "region": region.as_dict(),
+        "region": {**region.as_dict(), "bounds": bounds(region)},
         "count": found.count,
         "closure": found.closure,
         "left_out": left_out,
@@ -98,18 +105,23 @@ def found(answer: Found, region: Region) -> dict[str, Any]:
 
 def steady(flow: Flow) -> dict[str, Any]:
     """What `steady` answers: the flow, and profiles from the base to where ν has fallen to 1e−6."""
-    import numpy as np
-
-    z = np.linspace(0.0, flow.height(PROFILE_TOP), PROFILE_POINTS)
-    states = flow.at(z).real
+    z, fields = profiles(flow)
     return {
         "far_temperature": flow.far_temperature,
         "base": dict(flow.base),
         "mass_flux": flow.mass_flux,
         "hold_up": flow.hold_up,
         "centre_of_mass": flow.centre_of_mass,
-        "profiles": {"z": z.tolist(), "nu": np.exp(states[:, 0]).tolist(), "T": states[:, 1].tolist(), "u": states[:, 2].tolist()},
+        "profiles": {"z": z.tolist(), **{name: field.tolist() for name, field in fields.items()}},
     }
+
+
+def profiles(flow: Flow, points: int = PROFILE_POINTS) -> tuple[Any, dict[str, Any]]:
+    """z (points,) from the base to where ν has fallen to 1e−6, and the fields there by name."""
+    import numpy as np
+
+    z = np.linspace(0.0, flow.height(PROFILE_TOP), points)
+    return z, vars(flow.at(z))
 
 
 def spectrum(found: Any, raw: bool) -> dict[str, Any]:

@@ -44,6 +44,11 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
         beside.unlink(missing_ok=True)
 
 
+def write_text(path: Path, text: str) -> None:
+    """The same for a text. Raises OutputError."""
+    write_whole(path, lambda file: file.write_text(text, encoding="utf-8"))
+
+
 def _is_device(path: Path) -> bool:
     """Whether something else than a regular file is there."""
     try:

@@ -11,7 +11,7 @@ import re
 import sys
 import tomllib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +19,7 @@ from shootstab.core.errors import InputError, shortened
 from shootstab.core.reading import bytes_of, text_of
 from shootstab.core.scene_keys import BuiltIn, Description, SceneModel
 from shootstab.io.conventions import Convention
+from shootstab.io.notation import nearest
 
 if TYPE_CHECKING:
     from shootstab.models.chute import Flow
@@ -33,7 +34,7 @@ MODELS = ("shootstab.models.chute.chute_scene", "shootstab.models.catalogue.gall
 @dataclass(frozen=True)
 class Scene:
     """A problem with a name. flow is the steady flow under it, if it has one; symbol is what the eigenvalue is called, unit its unit;
-    details say what the problem is.
+    details say what the problem is, parameters are the tables that a scene file would hold.
     """
 
     name: str
@@ -43,6 +44,7 @@ class Scene:
     flow: Flow | None = None
     unit: str = ""
     symbol: str = "σ"
+    parameters: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def heading(self) -> str:
@@ -51,7 +53,7 @@ class Scene:
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
-        return {"name": self.name, "description": self.description, **vars(self.details)}
+        return {"name": self.name, "description": self.description, **vars(self.details), "parameters": self.parameters}
 
     def seen(self, convention: Convention) -> Scene:
         """The same with somebody else's eigenvalue."""
@@ -100,7 +102,9 @@ def load(name: str) -> Scene:
         return _from_tables(name, f"scene file {Path(name).name}", _toml(Path(name)))
     if ":" in name:
         return _from_module(name)
-    raise InputError(f"{name}: no such scene: allowed is one of {', '.join(built_in())}, a TOML file or module:object")
+    raise InputError(
+        f"{name}: no such scene{nearest(name, built_in())}: allowed is one of {', '.join(built_in())}, a TOML file or module:object"
+    )
 
 
 # TOML
@@ -131,7 +135,7 @@ def _from_tables(name: str, description: str, tables: Mapping[str, Any]) -> Scen
         made = _model_of(tables).made(tables)
     except InputError as error:
         raise type(error)(f"{name}: {error}") from error
-    return Scene(name, description, made.problem, made.details, made.flow, made.unit)
+    return Scene(name, description, made.problem, made.details, made.flow, made.unit, parameters=tables)
 
 
 def _from_equations(name: str, description: str, tables: Mapping[str, Any]) -> Scene:
@@ -144,7 +148,8 @@ def _from_equations(name: str, description: str, tables: Mapping[str, Any]) -> S
     problem = from_table(tables["problem"])
     symbol = problem.statement.names.eigenvalue.replace("sigma", "σ")
     unknowns = ", ".join(problem.statement.names.unknowns)
-    return Scene(name, description, problem, Description(problem.size, unknowns, eigenvalue=f"{symbol} of the equations"), symbol=symbol)
+    details = Description(problem.size, unknowns, eigenvalue=f"{symbol} of the equations")
+    return Scene(name, description, problem, details, symbol=symbol, parameters=tables)
 
 
 def _model_of(tables: Mapping[str, Any]) -> SceneModel:

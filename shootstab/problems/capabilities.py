@@ -62,12 +62,34 @@ class Pseudospectral(Protocol):
         ...
 
 
+class Shape(Protocol):
+    """What the eigenfunctions of a problem stand for beside their unknowns."""
+
+    def fields(self, z: Any, unknowns: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Further fields (m,) by name, of unknowns (m,) at heights z (m,)."""
+        ...
+
+    @property
+    def heights(self) -> Any:
+        """The z (m,) at which `kind` is to be asked."""
+        ...
+
+    def kind(self, z: Any, unknowns: Mapping[str, Any]) -> str:
+        """A word for what the mode is, by a rule that its docstring gives."""
+        ...
+
+
 class Family(Protocol):
     """Problems that differ in some parameters, named as in a scene file."""
 
     @property
     def sharing(self) -> tuple[str, ...]:
         """Parameters along which the base flow is the same: lines of a sweep run along one of them where they can."""
+        ...
+
+    @property
+    def here(self) -> Mapping[str, float]:
+        """The values of the member that the family was asked of."""
         ...
 
     def checked(self, values: Mapping[str, float]) -> None:
@@ -113,6 +135,12 @@ ENCLOSABLE = Capability("enclosable", None, "a proof asks for a problem in close
 FACTORS = Capability("factors", (), "this problem is not made of others")
 FAMILY = Capability("family", None, "this problem belongs to no family of problems with parameters: a sweep is over parameters of a family")
 EXPLANATION = Capability("explanation", None, "this problem was not written in equations: allowed is a scene with equations in [problem]")
+# unknowns.Unknowns: what the state of the problem stands for, by name
+UNKNOWNS = Capability("unknowns", None, "this problem does not name its unknowns")
+# unknowns.Placement of every subdomain, where the line of integration is not z itself
+LAYOUT = Capability("layout", (), "this problem is integrated over z itself")
+# a Shape: what eigenfunctions stand for
+MODE_SHAPE = Capability("mode_shape", None, "this problem says nothing of its eigenfunctions beside their unknowns")
 BASE_FLOW = Capability("flow", None, "this problem has no steady flow of grains: allowed is a scene with a [flow]")
 # growing_region(floor): a rectangle that holds every eigenvalue with Re σ ≥ floor, and the name of the lemma by which it does
 GROWING_REGION = Capability("growing_region", None, "this problem has no theorem that bounds its growing modes")

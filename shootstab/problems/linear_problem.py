@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from shootstab.core.errors import InputError
 from shootstab.core.regions import Rectangle
@@ -22,6 +22,7 @@ from shootstab.problems.singular_curve import CURVE_PROBES, ContinuumOnLine, Sin
 from shootstab.problems.splitting import AsymptoticPencil
 from shootstab.problems.subdomains import blocks, frames
 from shootstab.problems.two_point import TwoPointReduction, reduce_to_two_points
+from shootstab.problems.unknowns import Placement, Unknowns
 
 Crossings = tuple[tuple[NDArray[np.float64], ComplexArray], ...]
 
@@ -45,6 +46,7 @@ def problem(
     coarser: Callable[[float], LinearProblem] | None = None,
     written: Callable[[], Any] | None = None,
     growing_region: Callable[[float], tuple[Rectangle, str]] | None = None,
+    unknowns: Mapping[str, ArrayLike] | Sequence[str] = (),
 ) -> LinearProblem:
     """The eigenvalue problem (C0 + σ C1) ψ′ = (D0 + σ D1) ψ, or one of higher degree in σ, ψ of this size, between a left and a right end.
 
@@ -60,6 +62,9 @@ def problem(
     reference is a σ at which the solutions that decay are as many as are wanted, in the part of the plane where modes are looked for; found
     on the axes if it is not given, which does where that part is not cut off from them by continuous spectra.
 
+    unknowns is what eigenfunctions are shown in: names of the first components of ψ, or {name: a row of numbers over them}; psi1, psi2, …
+    by default.
+
     Raises InputError, which names what is wrong: shapes, numbers that are not finite, dependent rows, or conditions that are too many or
     too few for the solutions that decay.
     """
@@ -74,6 +79,10 @@ def problem(
             raise InputError(f"{name} = {end!r}: allowed is st.Wall(z, rows) or st.Infinity()")
     if reference is not None and not (np.isfinite(reference) and reference != 0):
         raise InputError(f"reference = {reference!r}: allowed is a finite number other than 0, where as many solutions decay as are wanted")
+    shown = None
+    if len(unknowns):
+        mapped = isinstance(unknowns, Mapping)
+        shown = Unknowns.combinations(unknowns, size) if mapped else Unknowns.components(unknowns, size)  # type: ignore[arg-type]
     function = PencilFunction(size, pencil, vectorized)
     reduction = reduce_to_two_points(function, left, right, tuple(interfaces), fold, reference)
     farther = None
@@ -86,7 +95,7 @@ def problem(
         moved = moved.over(reduction.start, reduction.end)
         farther = LinearProblem(function, moved, *_curves(function, moved, continuum))
     curve, fixed = _curves(function, reduction, continuum)
-    return LinearProblem(function, reduction, curve, fixed, coarser, farther, written, growing_region)
+    return LinearProblem(function, reduction, curve, fixed, coarser, farther, written, growing_region, shown)
 
 
 def _curves(
@@ -112,7 +121,7 @@ class LinearProblem:
 
     curve is σ_c(z), fixed are continuous spectra that no path leads around. coarser is the problem on a base flow that is less accurate by
     a factor, farther_walls that with its approximate walls twice as far from the points that they approximate, written the same in
-    equations; growing_region is that of problems.capabilities.
+    equations; growing_region is that of problems.capabilities. unknowns: what eigenfunctions are shown in.
     """
 
     function: PencilFunction
@@ -123,6 +132,7 @@ class LinearProblem:
     farther_walls: LinearProblem | None = None
     written: Callable[[], Any] | None = None
     growing_region: Callable[[float], tuple[Rectangle, str]] | None = None
+    unknowns: Unknowns | None = None
 
     @property
     def size(self) -> int:
@@ -207,6 +217,16 @@ class LinearProblem:
     def _on_line(self) -> ContinuumOnLine | None:
         low, high = sorted((self.reduction.start, self.reduction.end))
         return None if self.curve is None else ContinuumOnLine(self.curve, self.function.vectorized, low, high)
+
+    @property
+    def layout(self) -> tuple[Placement, ...]:
+        """Where the components of each subdomain live; of an augmented one those of ψ, behind those of a."""
+        n, first, out = self.function.size, 0, []
+        for subdomain in self.reduction.subdomains:
+            first += n * subdomain.augmented
+            out.append(Placement(subdomain.offset, subdomain.scale, first, n))
+            first += n
+        return tuple(out)
 
     @cached_property
     def _in_equations(self) -> Any:

@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from shootstab.problems.capabilities import ASYMPTOTICS, CROSSINGS, FARTHER_WALLS, GENERIC, INTERIOR, Continuum
+from shootstab.problems.capabilities import ASYMPTOTICS, CROSSINGS, FARTHER_WALLS, GENERIC, INTERIOR, MODE_SHAPE, UNKNOWNS, Continuum, Shape
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil, Problem
 from shootstab.problems.splitting import AsymptoticPencil
+from shootstab.problems.unknowns import Placement, Unknowns, placements
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,3 +97,17 @@ class Rescaled:
     def farther_walls(self) -> Rescaled | None:
         farther = FARTHER_WALLS.of(self.problem)
         return None if farther is None else Rescaled(farther, self.unit)
+
+    @property
+    def unknowns(self) -> Unknowns | None:
+        own: Unknowns | None = UNKNOWNS.of(self.problem)
+        return None if own is None else own.in_units_of(self.unit)
+
+    @property
+    def layout(self) -> tuple[Placement, ...]:
+        return placements(self.problem)
+
+    @property
+    def mode_shape(self) -> Shape | None:
+        found: Shape | None = MODE_SHAPE.of(self.problem)
+        return found

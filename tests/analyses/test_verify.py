@@ -158,7 +158,7 @@ def test_a_removed_mode_is_missing(scenes: dict[str, ChuteProblem]) -> None:
     assert [v.verdict for v in report.verdicts] == ["spurious"]
     assert len(report.missing) == 1
     assert report.missing[0].sigma.real == pytest.approx(0.00397050464, rel=1e-9)
-    assert report.bad_news()
+    assert report.bad_news
     assert report.summary["missing"] == 1
 
 
@@ -173,8 +173,8 @@ def test_claims_on_the_continuous_spectrum(scenes: dict[str, ChuteProblem]) -> N
     assert [v.verdict for v in report.verdicts] == ["continuum", "continuum"]
     assert "end at the wall" in report.verdicts[0].why
     assert "end at infinity" in report.verdicts[1].why
-    assert not report.bad_news()
-    assert report.bad_news(strict=True)
+    assert not report.bad_news
+    assert report.strictly_bad_news
 
 
 def test_the_raw_balloon_is_never_confirmed_wrongly(scenes: dict[str, ChuteProblem]) -> None:

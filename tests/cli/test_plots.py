@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from shootstab.cli import plots
+from shootstab.cli import figures, plots
 from shootstab.core.errors import InputError
 from shootstab.core.records import (
     CONFIRMED,
@@ -141,6 +141,6 @@ def test_odd_reports_are_drawn_too(tmp_path: Path, name: str, claims: list[compl
 
 
 def test_without_matplotlib_one_line_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(plots.importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setattr(figures.importlib.util, "find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"needs matplotlib: install it with .*shootstab\[plot\]"):
         plots.require(Path("plane.png"))

@@ -165,7 +165,7 @@ def test_sigma_does_not_move_with_the_far_field_start(scenes: dict[str, ChutePro
     problem = scenes[name]
     shooting = made_for(problem, Frame(rtol=1e-13), None, GUESS[name])
     sigma = newton(shooting, GUESS[name], 1e-14).sigma
-    nu = float(np.exp(problem.flow.at(shooting.sampled.nodes[0].real)[0].real)) / 100
+    nu = float(np.exp(problem.flow.states_at(shooting.sampled.nodes[0].real)[0].real)) / 100
     first = sample_system(problem, problem.mesh(problem.flow.height(nu)).astype(complex))
     higher = cut_for(Shooting(problem, Frame(rtol=1e-13), first), [sigma])
     assert newton(higher, sigma, 1e-14).sigma == pytest.approx(sigma, rel=1e-11)

@@ -185,7 +185,7 @@ def test_truncated_far_field(flows: dict[str, Flow]) -> None:
         for sigma in short.eigenvalues[:6]:
             assert np.abs(long.raw - sigma).min() < 3e-5 * abs(sigma)
         assert short.eigenvalues[0] == pytest.approx(long.eigenvalues[0], rel=1e-6)
-    assert np.exp(flow.at(profile.truncation_height(flow, 1e-11))[0].real) == pytest.approx(1e-11, rel=1e-6)
+    assert np.exp(flow.states_at(profile.truncation_height(flow, 1e-11))[0].real) == pytest.approx(1e-11, rel=1e-6)
 
 
 def test_complex_spectrum_of_figure_2(flows: dict[str, Flow]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from shootstab.models.chute.chute_collocation import Collocation
+from shootstab.models.chute.mode_shape import ModeShape
 from shootstab.models.chute.multiprecision_problem import ChuteDigits
 from shootstab.models.chute.parameter_family import ChuteFamily
 from shootstab.models.chute.perturbations import Perturbations
@@ -15,6 +16,11 @@ class ChuteProblem(Perturbations):
     def pseudospectral(self) -> Collocation:
         """Chebyshev collocation of the conservative form."""
         return Collocation(self.flow, self.kx, self.ky)
+
+    @property
+    def mode_shape(self) -> ModeShape:
+        """The local mass flux, and whether it forms vortices."""
+        return ModeShape(self.flow, self.kx, self.ky)
 
     def multiprecision(self) -> ChuteDigits:
         """The parameters as exact decimals, everything by series."""

@@ -59,7 +59,7 @@ class Profile:
 def profile(flow: Flow, z: Array) -> Profile:
     """The steady flow at the points z (m,)."""
     chute = flow.chute
-    states = flow.at(z).real
+    states = flow.states_at(z).real
     nu, T, u, Q = np.exp(states[:, 0]), states[:, 1], states[:, 2], states[:, 3]
     log_nu_z, T_z, u_z, _ = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.radial_law, math.pi)
     g = law.coefficients(nu, chute.ep, chute.radial_law, math.pi)

@@ -136,7 +136,7 @@ class ChuteIntegration:
         """log2 of a start: doubles, whose last terms (16th to 19th) lie below 10^−14, see the radius as about 10^(14/18) times theirs."""
         z = self._problem.start(complex(self.arithmetic.to_mpmath(sigma)), 1e-14)
         gain = 14 / 18 - self.settings.far_tolerance / self.settings.far_terms
-        return float(self._problem.flow.at(z)[0].real) / math.log(2) + gain * math.log2(10) - self.settings.far_shift
+        return float(self._problem.flow.states_at(z)[0].real) / math.log(2) + gain * math.log2(10) - self.settings.far_shift
 
     def _limit(self, terms: list[Matrix]) -> float:
         """log2 of the fraction of the start at which the terms left out are small, row by row."""

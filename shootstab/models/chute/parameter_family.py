@@ -62,6 +62,14 @@ class ChuteFamily:
         flux = flow.asked_flux if flow.asked_flux is not None else flow.mass_flux
         return cls(flow.chute, kx, ky, None, flux, flow, make)
 
+    @property
+    def here(self) -> dict[str, float]:
+        """The parameters of the problem that the family was made around."""
+        temperature = self.far_temperature if self.origin is None else self.origin.far_temperature
+        flow = {"far_temperature": temperature, "mass_flux": self.mass_flux}
+        known = {"kx": self.kx, "ky": self.ky, **{name: getattr(self.chute, name) for name in GRAINS}, **flow}
+        return {name: float(value) for name, value in known.items() if value is not None}
+
     def checked(self, values: Mapping[str, float]) -> None:
         """Raise InputError where a value can be no parameter of a chute."""
         for name, value in values.items():

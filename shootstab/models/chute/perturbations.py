@@ -18,6 +18,9 @@ from shootstab.models.chute.far_field import FarField
 from shootstab.models.chute.steady_flow import Flow
 from shootstab.models.chute.wall import wall_rows
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
+from shootstab.problems.unknowns import Unknowns
+
+PERTURBED = ("nu", "u", "v", "w", "T")
 
 NU_OUTERMOST = 1e-14  # chosen: ν0 where the continuous spectrum ends; beyond, σ_c differs from its limit by less than rounding
 
@@ -35,7 +38,7 @@ class ChuteContinuum:
 
     def __call__(self, z: ComplexArray) -> ComplexArray:
         """σ_c (m,) at points z (m,)."""
-        log_nu, T, u, Q = self.flow.at(z)[:, :4].T
+        log_nu, T, u, Q = self.flow.states_at(z)[:, :4].T
         values = fields(self.flow.chute, np.exp(log_nu), T, u, Q, math.pi)
         return np.asarray(system.continuum(values, self.kx), dtype=np.complex128)
 
@@ -51,7 +54,7 @@ class Perturbations:
     kx: float
     ky: float
     _crude: dict[float, Self] = field(default_factory=dict, repr=False)
-    _nu: dict[float, float] = field(default_factory=dict, repr=False)  # ν0 at the heights where a far frame was asked for
+    _log_nu: dict[float, float] = field(default_factory=dict, repr=False)  # ln ν0 at the heights where a far frame was asked for
 
     def __post_init__(self) -> None:
         for name, value in (("kx", self.kx), ("ky", self.ky)):
@@ -79,12 +82,11 @@ class Perturbations:
         return self.flow.height(self.flow.inside(self._far.reach(sigma, tolerance)))
 
     def far_frame(self, z: float, sigma: complex) -> FarFrame:
-        if z not in self._nu:
-            self._nu[z] = math.exp(self.flow.at(z)[0].real)
-        nu = self._nu[z]
-        frame, tangent, error = self._far.at(nu, sigma)
-        log_scale = self._far.trace * math.log(nu)
-        return FarFrame(frame, tangent, log_scale, error)
+        if z not in self._log_nu:
+            self._log_nu[z] = float(self.flow.states_at(z)[0].real)
+        log_nu = self._log_nu[z]
+        frame, tangent, error = self._far.at(math.exp(log_nu), sigma)
+        return FarFrame(frame, tangent, self._far.trace * log_nu, error)
 
     def mesh(self, start: float) -> NDArray[np.float64]:
         """Every eighth point, (m,) in all, of the steady flow's own integration."""
@@ -106,6 +108,18 @@ class Perturbations:
         """σ_c(z), where det C = 0 (A 9)."""
         return ChuteContinuum(self.flow, self.kx)
 
+    @property
+    def unknowns(self) -> Unknowns:
+        """ν̂, û, v̂, ŵ, T̂, in units of ρ_p, √(d g cosθ) and d g cosθ: the state with its first component times ν0."""
+
+        def matrix(z: ComplexArray, sigma: complex) -> ComplexArray:
+            out = np.zeros((len(z), len(PERTURBED), system.SIZE), dtype=np.complex128)
+            out[:, np.arange(len(PERTURBED)), np.arange(len(PERTURBED))] = 1.0
+            out[:, 0, 0] = np.exp(self.flow.states_at(z)[:, 0])
+            return out
+
+        return Unknowns(PERTURBED, matrix)
+
     def _background(self, z: ComplexArray) -> Background:
         return _along_path(self.flow, np.ascontiguousarray(z, dtype=np.complex128).tobytes())
 
@@ -117,7 +131,7 @@ class Perturbations:
 @lru_cache(maxsize=8)
 def _along_path(flow: Flow, points: bytes) -> Background:
     """The background at points of a path: for all waves that share a mesh it is the same."""
-    return _background_of(flow, flow.at(np.frombuffer(points, dtype=np.complex128), order="path"))
+    return _background_of(flow, flow.states_at(np.frombuffer(points, dtype=np.complex128), order="path"))
 
 
 def _background_of(flow: Flow, states: ComplexArray) -> Background:

@@ -28,6 +28,20 @@ NU_TOP = 1e-18  # chosen: ν0 where the integration begins; what the first order
 TOLERANCE = 2e-14  # chosen: local error of the best flow, some hundred units of rounding, below which steps are lost to noise
 
 
+@dataclass(frozen=True)
+class Fields:
+    """ν0, u0, T0, the pressure p0, the flux q0 of fluctuation energy, and the slopes ν0′, u0′, T0′; arrays of one shape."""
+
+    nu: Any
+    u: Any
+    T: Any
+    p: Any
+    q: Any
+    nu_z: Any
+    u_z: Any
+    T_z: Any
+
+
 @dataclass(frozen=True, eq=False)
 class Flow:
     """One steady flow, known at any z, real or complex.
@@ -43,7 +57,7 @@ class Flow:
     tolerance: float = TOLERANCE
     asked_flux: float | None = None  # the mass flux by which the flow was chosen, if it was
 
-    def at(self, z: Any, order: str = "any") -> NDArray[np.complex128]:
+    def states_at(self, z: Any, order: str = "any") -> NDArray[np.complex128]:
         """States (…, 6) at z. With order='path' the points are followed one after the other, from the first one on:
         off the real axis this continues the flow analytically along the path they make.
         """
@@ -59,10 +73,21 @@ class Flow:
             out[ranks] = sorted_out
         return out.reshape(*z.shape, DESCENT_SIZE)
 
+    def at(self, z: Any) -> Fields:
+        """The fields at heights z, real or complex, each of the shape of z."""
+        states: NDArray[Any] = self.states_at(z)
+        states = states.real if np.isrealobj(z) else states
+        nu, T, u, Q = np.exp(states[..., 0]), states[..., 1], states[..., 2], states[..., 3]
+        g0, _ = law.radial(nu, self.chute.radial_law)
+        decay, T_z, u_z, _ = slopes(nu, T, Q, self.chute.ep, self.chute.tan_theta, self.chute.radial_law, math.pi)
+        return Fields(nu, u, T, nu * law.f1(nu, g0, self.chute.ep) * T, nu * Q, nu * decay, u_z, T_z)
+
     def _continue(self, z: NDArray[np.complex128], out: NDArray[np.complex128]) -> None:
-        first = z[:1]
-        self._near_nodes(first, out[:1])
-        reached = descent.follow(out[0].copy(), first[0], z, self.chute.numbers, self.tolerance, out)
+        # what comes before the top is known without being followed
+        inside = np.flatnonzero((z.real <= self.nodes[0]) | (z.imag != 0.0))
+        begin = min(int(inside[0]) if inside.size else z.size, z.size - 1)
+        self._near_nodes(z[: begin + 1], out[: begin + 1])
+        reached = begin + descent.follow(out[begin].copy(), z[begin], z[begin:], self.chute.numbers, self.tolerance, out[begin:])
         if reached < z.size:
             raise ConvergenceError(f"the steady flow cannot be continued to z = {z[reached]:.6g}: a singularity of the flow lies there")
 
@@ -98,7 +123,7 @@ class Flow:
             raise InputError(f"nu = {nu:g}: the flow does not reach this volume fraction")
         z = float(self.nodes[i])
         for _ in range(30):
-            y = self.at(z)
+            y = self.states_at(z)
             rate = slopes(np.exp(y[0]), y[1], y[3], self.chute.ep, self.chute.tan_theta, self.chute.radial_law, math.pi)[0]
             step = (target - y[0].real) / rate.real
             z += step

@@ -47,7 +47,8 @@ def benard(
     walls = Wall(0.0, rows[ROWS[lower]]), Wall(1.0, rows[ROWS[upper]])
     written = partial(in_equations, rayleigh, wavenumber, prandtl, lower, upper)
     growing = partial(_growing, rayleigh, wavenumber, prandtl) if complex(rayleigh).imag == complex(wavenumber).imag == 0 else None
-    return problem(6, lambda z: (D0, D1), *walls, vectorized=True, written=written, growing_region=growing)
+    told: Any = {"written": written, "growing_region": growing, "unknowns": {"W": rows[0], "theta": rows[4]}}
+    return problem(6, lambda z: (D0, D1), *walls, vectorized=True, **told)
 
 
 def _growing(rayleigh: Any, wavenumber: Any, prandtl: float, floor: float) -> tuple[Rectangle, str]:

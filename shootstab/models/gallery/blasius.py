@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from shootstab.models.gallery.orr_sommerfeld import CLAMPED, orr_sommerfeld, require_positive
+from shootstab.models.gallery.orr_sommerfeld import CLAMPED, orr_sommerfeld, require_positive, velocities
 from shootstab.models.gallery.profiles import Piecewise
 from shootstab.problems import Infinity, LinearProblem, Wall
 from shootstab.problems.linear_problem import problem
@@ -37,7 +37,8 @@ def blasius(reynolds: complex = 580.0, alpha: complex = 0.179, accuracy: float =
         return blasius(reynolds, alpha, BLASIUS_ROUNDING * factor)
 
     pencil = orr_sommerfeld(profile, reynolds, alpha)
-    return problem(4, pencil, Wall(0.0, CLAMPED), Infinity(), vectorized=True, coarser=coarser if accuracy == 0.0 else None)
+    made, shown = coarser if accuracy == 0.0 else None, velocities(alpha)
+    return problem(4, pencil, Wall(0.0, CLAMPED), Infinity(), vectorized=True, coarser=made, unknowns=shown)
 
 
 @cache

@@ -41,6 +41,12 @@ def orr_sommerfeld(profile: Profile, reynolds: complex, alpha: complex, V: float
     return matrices
 
 
+def velocities(alpha: complex, size: int = 4) -> dict[str, ComplexArray]:
+    """What eigenfunctions are shown in: the streamfunction φ, and the velocities u = φ′ and v = −iαφ; rows over (φ, φ′, …)."""
+    row = np.eye(size, dtype=np.complex128)
+    return {"phi": row[0], "u": row[1], "v": -1j * alpha * row[0]}
+
+
 def require_positive(**values: complex) -> None:
     """Raise InputError unless every value is finite with a real part above 0."""
     for name, value in values.items():

@@ -23,6 +23,7 @@ STOKES = -2 / 3  # exact: second coefficient of viscosity, in μ, by Stokes' hyp
 MACK = 2 / 3 * (1.2 - 1)  # derived: the same for Mack's ratio 1.2 of bulk viscosity
 RANKINE = 1 / 1.8  # exact: kelvin
 STILL_WALL = np.eye(PLATE_SIZE)[[0, 2, 4, 6]]  # exact: u = v = θ = w = 0
+SHOWN_COMPONENTS = {"u": 0, "v": 2, "w": 6, "p": 3, "theta": 4}  # in which eigenfunctions are shown
 PLATE_ROUNDING = 1e-16  # chosen, a unit of rounding: relative error of the profile
 
 Matrices = Callable[[ComplexArray], tuple[Any, ...]]
@@ -51,7 +52,8 @@ def plate_temporal(
         return plate_temporal(gas, reynolds, alpha, beta, second, factor * PLATE_ROUNDING)
 
     made = None if accuracy else coarser
-    return problem(PLATE_SIZE, pencil(_flow(gas, accuracy)), Wall(0.0, STILL_WALL), Infinity(), vectorized=True, coarser=made)
+    wall, matrices = Wall(0.0, STILL_WALL), pencil(_flow(gas, accuracy))
+    return problem(PLATE_SIZE, matrices, wall, Infinity(), vectorized=True, coarser=made, unknowns=_shown())
 
 
 def plate_spatial(
@@ -73,7 +75,8 @@ def plate_spatial(
 
     made, end = None if accuracy else coarser, Wall(0.0, STILL_WALL)
     # c = 0.91: between the acoustic spectra, c < 1 − 1/M and c > 1 + 1/M, and beside that of vorticity, c = 1
-    return problem(PLATE_SIZE, pencil(_flow(gas, accuracy)), end, Infinity(), reference=1.1 * omega, vectorized=True, coarser=made)
+    matrices, near = pencil(_flow(gas, accuracy)), 1.1 * omega
+    return problem(PLATE_SIZE, matrices, end, Infinity(), reference=near, vectorized=True, coarser=made, unknowns=_shown())
 
 
 def plate(
@@ -104,6 +107,11 @@ def malik_3(second: float = MACK) -> LinearProblem:
 def malik_6(second: float = MACK) -> LinearProblem:
     """M = 4.5, R = 1500, ω = 0.23, β = 0, T0 = 1100 °R, adiabatic; spatial."""
     return plate(4.5, stagnation(4.5, 1100.0) * RANKINE, 1500.0, omega=0.23, second=second)
+
+
+def _shown() -> dict[str, ComplexArray]:
+    """The rows (8,) of SHOWN_COMPONENTS over the state."""
+    return {name: np.eye(PLATE_SIZE, dtype=np.complex128)[i] for name, i in SHOWN_COMPONENTS.items()}
 
 
 def _flow(gas: Gas, accuracy: float) -> PlateFlow:

@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
 from shootstab.core.regions import Rectangle
-from shootstab.models.gallery.orr_sommerfeld import CLAMPED, REGION_MARGIN, orr_sommerfeld, require_positive
+from shootstab.models.gallery.orr_sommerfeld import CLAMPED, REGION_MARGIN, orr_sommerfeld, require_positive, velocities
 from shootstab.models.gallery.poiseuille_collocation import PoiseuilleCollocation
 from shootstab.problems import LinearProblem, Wall
 from shootstab.problems.closed_form import Exact
 from shootstab.problems.linear_problem import problem
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
+from shootstab.problems.unknowns import Unknowns
 
 
 @dataclass(frozen=True)
@@ -68,6 +69,11 @@ class PlanePoiseuille:
     def factors(self) -> tuple[PlanePoiseuille, ...]:
         """What D of the whole channel is the product of: the even modes and the odd ones (theory, lemma E9)."""
         return () if self.half else (replace(self, half=True), OddPoiseuille(self.reynolds, self.alpha))
+
+    @property
+    def unknowns(self) -> Unknowns:
+        """The streamfunction and the velocities."""
+        return Unknowns.combinations(velocities(self.alpha), self.size)
 
     @property
     def pseudospectral(self) -> PoiseuilleCollocation:
@@ -169,4 +175,6 @@ def plane_poiseuille(reynolds: complex = 10000.0, alpha: complex = 1.0) -> Linea
         return 1 - y * y, np.full_like(y, -2)
 
     even = np.eye(4)[[1, 3]]  # φ′ = φ‴ = 0
-    return problem(4, orr_sommerfeld(profile, reynolds, alpha), Wall(0.0, even), Wall(1.0, CLAMPED), vectorized=True)
+    return problem(
+        4, orr_sommerfeld(profile, reynolds, alpha), Wall(0.0, even), Wall(1.0, CLAMPED), vectorized=True, unknowns=velocities(alpha)
+    )

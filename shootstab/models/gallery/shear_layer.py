@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from shootstab.models.gallery.orr_sommerfeld import require_positive
+from shootstab.models.gallery.orr_sommerfeld import require_positive, velocities
 from shootstab.problems import Infinity, LinearProblem
 from shootstab.problems.linear_problem import problem
 from shootstab.problems.protocol import ComplexArray
@@ -30,4 +30,7 @@ def shear_layer(alpha: complex = 0.4446) -> LinearProblem:
         D0[:, 0, 1], D0[:, 1, 0] = 1, 1j * alpha * U * (a2 - 2 * (1 - U * U))
         return C0, C1, D0, D1
 
-    return problem(2, pencil, Infinity(), Infinity(), continuum=lambda y: -1j * alpha * np.tanh(y), vectorized=True)
+    def critical(y: ComplexArray) -> ComplexArray:
+        return np.asarray(-1j * alpha * np.tanh(y))
+
+    return problem(2, pencil, Infinity(), Infinity(), continuum=critical, vectorized=True, unknowns=velocities(alpha, 2))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shootstab.models.gallery.orr_sommerfeld import CLAMPED, orr_sommerfeld, require_positive
+from shootstab.models.gallery.orr_sommerfeld import CLAMPED, orr_sommerfeld, require_positive, velocities
 from shootstab.problems import Infinity, LinearProblem, Wall
 from shootstab.problems.linear_problem import problem
 from shootstab.problems.protocol import ComplexArray
@@ -22,4 +22,4 @@ def suction(reynolds: complex = 54370.0, alpha: complex = 0.1555) -> LinearProbl
         return 1 - decay, -decay
 
     pencil = orr_sommerfeld(profile, reynolds, alpha, V=-1 / complex(reynolds).real)
-    return problem(4, pencil, Wall(0.0, CLAMPED), Infinity(), vectorized=True)
+    return problem(4, pencil, Wall(0.0, CLAMPED), Infinity(), vectorized=True, unknowns=velocities(alpha))

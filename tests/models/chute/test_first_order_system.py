@@ -343,7 +343,7 @@ def test_pencil_against_complex_step_of_the_nonlinear_equations(far_temperature)
     rng = np.random.default_rng(7)
     seen = set()
     for z in flow.nodes[0] * np.array([0.0, 0.01, 0.05, 0.2, 0.6]):
-        y = flow.at(z).real
+        y = flow.states_at(z).real
         bg = background(PAPER, math.exp(y[0]), y[1], y[2], y[3], math.pi)
         base = base_jet(bg)
         nu, u = bg.nu[0], bg.u[0]

@@ -48,7 +48,7 @@ class Fields:
     """ν, T, u, q and p, η, γ at real heights, from the flow's states and the table of guide/theory.md 1.1."""
 
     def __init__(self, flow: Flow, z):
-        states = flow.at(z)
+        states = flow.states_at(z)
         assert not states.imag.any()
         states = states.real
         self.nu, self.T, self.u = np.exp(states[..., 0]), states[..., 1], states[..., 2]
@@ -122,7 +122,7 @@ def test_decay_at_infinity(chute, far_temperature):
     )
     g2, g3, g4, f5 = float(g2), float(g3), float(g4), float(g5 * mpmath.mpf("1e120"))
     for z in top - far_temperature * np.array([10.0, 3.0, 0.0, -1e-9, -2.0, -300.0]):
-        y = flow.at(z).real
+        y = flow.states_at(z).real
         nu = math.exp(y[0])
         assert y[0] == pytest.approx(math.log(NU_TOP) - (z - top) / far_temperature, abs=1e-11)
         assert y[1] == pytest.approx(far_temperature * (1 + g4 / g3 * nu), rel=1e-13, abs=0.0)
@@ -382,7 +382,7 @@ def test_taylor_integration_in_thirty_digits():
         for z0, h, (nu, T, u, q) in pieces:
             for fraction in (mpmath.mpf("0.31"), mpmath.mpf("0.83")):
                 z = z0 - fraction * h
-                y = flow.at(float(z)).real
+                y = flow.states_at(float(z)).real
                 t = mpmath.mpf(float(z)) - z0
                 exact = [horner(c, t) for c in (nu, T, u, q)]
                 exact_z = [horner(c.derivative(), t) for c in (nu, T, u)]
@@ -422,8 +422,8 @@ def test_flow_is_analytic(far_temperature, centre, radius):
     flow = flow_of(PAPER, far_temperature)
     n = 96
     phase = np.exp(2j * np.pi * np.arange(n + 1) / n)
-    loop = flow.at(centre + radius * phase, order="path")
-    at_centre = flow.at(centre)
+    loop = flow.states_at(centre + radius * phase, order="path")
+    at_centre = flow.states_at(centre)
     scale = np.maximum(np.abs(at_centre), 1e-2 * np.abs(loop).max(axis=0))
     assert np.all(np.abs(loop[-1] - loop[0]) <= 2e-12 * scale)
     assert np.all(np.abs(loop[:-1].mean(axis=0) - at_centre) <= 2e-12 * scale)
@@ -442,10 +442,10 @@ def test_cauchy_riemann():
     flow = flow_of(PAPER, 2.54)
     weights = ((1, 3 / 4), (2, -3 / 20), (3, 1 / 60))
     for z in (1.3 + 0.4j, 0.3 - 0.2j, 8.0 + 2.0j):
-        y = flow.at(z)
+        y = flow.states_at(z)
         rates = np.array(slopes(np.exp(y[0]), y[1], y[3], PAPER.ep, PAPER.tan_theta, PAPER.radial_law, math.pi))
         h = 0.02
-        along, across = (sum(c * (flow.at(z + k * d) - flow.at(z - k * d)) for k, c in weights)[:4] / d for d in (h, 1j * h))
+        along, across = (sum(c * (flow.states_at(z + k * d) - flow.states_at(z - k * d)) for k, c in weights)[:4] / d for d in (h, 1j * h))
         assert np.all(np.abs(along - across) <= 1e-9 * (1 + np.abs(rates)))
         assert np.all(np.abs(along - rates) <= 1e-9 * (1 + np.abs(rates)))
 
@@ -453,15 +453,15 @@ def test_cauchy_riemann():
 def test_order_any_and_order_path_agree_in_a_simply_connected_region():
     flow = flow_of(PAPER, 7.338568375902416)
     path = np.concatenate((np.linspace(40, 40 + 8j, 5), np.linspace(40 + 8j, 3 + 2j, 40), np.linspace(3 + 2j, 3, 5)))
-    a, b = flow.at(path), flow.at(path, order="path")
+    a, b = flow.states_at(path), flow.states_at(path, order="path")
     assert np.all(np.abs(a - b) <= 3e-12 * (np.abs(a) + 1))
     assert np.abs(b[-1].imag).max() <= 3e-12 * np.abs(b[-1]).max()
     # any order of the points, any shape
     rng = np.random.default_rng(1)
     shuffled = rng.permutation(len(path))
-    assert np.array_equal(flow.at(path[shuffled]), a[shuffled])
-    assert np.array_equal(flow.at(path.reshape(5, 10)), a.reshape(5, 10, 6))
-    assert flow.at(1.0).shape == (6,)
+    assert np.array_equal(flow.states_at(path[shuffled]), a[shuffled])
+    assert np.array_equal(flow.states_at(path.reshape(5, 10)), a.reshape(5, 10, 6))
+    assert flow.states_at(1.0).shape == (6,)
 
 
 def test_singularity_of_the_flow_is_reported():
@@ -471,10 +471,10 @@ def test_singularity_of_the_flow_is_reported():
         with pytest.raises(
             ConvergenceError, match=r"^the steady flow cannot be continued to z = .*: a singularity of the flow lies there$"
         ):
-            flow.at(np.array([0.0, height]), order="path")
+            flow.states_at(np.array([0.0, height]), order="path")
         with pytest.raises(ConvergenceError, match=r"^the steady flow cannot be continued to z = "):
-            flow.at(height)
-        before = flow.at(np.array([0.0, 0.8 * height]), order="path")
+            flow.states_at(height)
+        before = flow.states_at(np.array([0.0, 0.8 * height]), order="path")
         assert np.isfinite(before).all()
 
 
@@ -482,11 +482,11 @@ def test_wild_trial_steps_are_rejected():
     """One step across the whole flow overflows: its error must be no number, never zero, and the flow must be followed by smaller ones."""
     flow = flow_of(PAPER, 2.54)
     stages, out = np.empty((12, 6), complex), np.empty(6, complex)
-    start = flow.at(10 * 2.54)
+    start = flow.states_at(10 * 2.54)
     error = descent.step(start, -35 * 2.54 + 0j, PAPER.numbers, stages, out)
     assert not error <= 1.0
     z = np.linspace(10.0, -25.0, 36) * 2.54
-    far, near = flow.at(z[[0, -1]], order="path")[-1], flow.at(z, order="path")[-1]
+    far, near = flow.states_at(z[[0, -1]], order="path")[-1], flow.states_at(z, order="path")[-1]
     assert np.isfinite(far).all()
     assert np.all(np.abs(far - near) <= 1e-10 * np.abs(near))
 
@@ -496,7 +496,7 @@ def test_kernels_agree_with_their_python_source():
     flow = flow_of(PAPER, 0.2)
     rng = np.random.default_rng(5)
     for z in (0.0, 0.7, 5.0):
-        y = flow.at(z) * (1 + 1e-3j * rng.normal(size=6))
+        y = flow.states_at(z) * (1 + 1e-3j * rng.normal(size=6))
         a, b = np.empty((2, 6), complex)
         descent.rhs(y, PAPER.numbers, a)
         descent.rhs.py_func(y, PAPER.numbers, b)
@@ -618,7 +618,7 @@ def test_unphysical_far_temperature(bad):
 def test_height_is_where_nu_is(chute, far_temperature):
     flow = flow_of(chute, far_temperature)
     for nu in (1e-25, 1e-12, 1e-4 * flow.base["nu"]):
-        assert math.exp(flow.at(flow.height(nu))[0].real) == pytest.approx(nu, rel=1e-10, abs=0.0)
+        assert math.exp(flow.states_at(flow.height(nu))[0].real) == pytest.approx(nu, rel=1e-10, abs=0.0)
     assert float(radial(flow.base["nu"], chute.radial_law)[0]) > 1.0
 
 

@@ -1,0 +1,139 @@
+"""A solution on the user's line: over z and in the user's state, whatever subdomains and subsystems it was integrated in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from shootstab.core.errors import InputError
+from shootstab.discriminants.back_substitution import Solution
+from shootstab.discriminants.subsystems import Subsystem
+from shootstab.problems.protocol import ComplexArray, Problem
+from shootstab.problems.unknowns import Placement, Unknowns, placements
+
+OUTSIDE = 1e-9  # chosen: of the length of the domain, by which a z given as a decimal may miss its ends
+
+
+@dataclass(frozen=True, eq=False)
+class OnTheLine:
+    """The solution of the problem, of which solution.problem is a subsystem or the whole.
+
+    Where two subdomains meet, values are those of the left one. Where the problem knows its decaying space farther out than the
+    integration begins, z may go on there.
+    """
+
+    problem: Problem
+    solution: Solution
+    _farther: dict[int, Solution] = field(default_factory=dict, repr=False)  # the one that reaches farthest, of those that were needed
+
+    def right(self, z: NDArray[np.float64]) -> ComplexArray:
+        """φ (m, n) at z (m,). Raises InputError for z outside the domain."""
+
+        def whole(part: Solution, t: ComplexArray) -> ComplexArray:
+            states = part.at(t)
+            return part.problem.of_whole(states) if isinstance(part.problem, Subsystem) else states
+
+        return self._gathered(z, whole, lambda placement: 1.0)
+
+    def left(self, z: NDArray[np.float64]) -> ComplexArray:
+        """y (m, n), for integrals over rising z. Raises InputError for z outside the domain."""
+
+        def whole(part: Solution, t: ComplexArray) -> ComplexArray:
+            rows = part.left_at(t)
+            return part.problem.left_of_whole(rows) if isinstance(part.problem, Subsystem) else rows
+
+        return self._gathered(z, whole, lambda placement: -1.0 if self.solution.falling == (placement.scale > 0.0) else 1.0)
+
+    def at_nodes(self, every: int = 1) -> tuple[NDArray[np.float64], ComplexArray]:
+        """z (m,) and φ (m, n) at every so many nodes, subdomain after subdomain."""
+        own, states = self.solution.problem, self.solution.phi[::every]
+        whole = own.of_whole(states) if isinstance(own, Subsystem) else states
+        z = [placement.z(self.solution.nodes[::every]).real for placement in self.placements]
+        return np.concatenate(z), np.concatenate([placement.of(whole) for placement in self.placements])
+
+    @cached_property
+    def ends(self) -> tuple[float, float]:
+        """The lowest and the highest z of the integration."""
+        reached = [range_of(placement, self.solution) for placement in self.placements]
+        return min(low for low, _ in reached), max(high for _, high in reached)
+
+    @cached_property
+    def nodes(self) -> NDArray[np.float64]:
+        """The z of the mesh (m,), rising."""
+        return np.unique(np.concatenate([placement.z(self.solution.nodes).real for placement in self.placements]))
+
+    @cached_property
+    def placements(self) -> tuple[Placement, ...]:
+        """By rising z."""
+        return tuple(sorted(placements(self.problem), key=lambda placement: range_of(placement, self.solution)))
+
+    @cached_property
+    def allowed(self) -> tuple[float, float]:
+        """The lowest and the highest z that may be asked for; infinite where the decaying space is known all the way."""
+        low, high = self.ends
+        if len(self.placements) > 1:
+            return low, high
+        start, wall = self.solution.nodes[[0, -1]].real
+        try:
+            self.solution.reaching(2.0 * start - wall)
+        except InputError:
+            return low, high
+        return (low, np.inf) if self.placements[0].z(start).real == high else (-np.inf, high)
+
+    def _gathered(
+        self, z: NDArray[np.float64], whole: Callable[[Solution, ComplexArray], ComplexArray], factor: Callable[[Placement], float]
+    ) -> ComplexArray:
+        out = np.zeros((len(z), self.placements[0].size), dtype=np.complex128)
+        for placement, inside in self._by_placement(z):
+            t = placement.t(z[inside].astype(np.complex128))
+            out[inside] = factor(placement) * placement.of(whole(self._reaching(t.real), t))
+        return out
+
+    def _by_placement(self, z: NDArray[np.float64]) -> Iterator[tuple[Placement, NDArray[np.bool_]]]:
+        """The subdomains, each with those of the points that lie in it. Raises InputError for a point in none."""
+        low, high = self.allowed
+        slack = OUTSIDE * (self.ends[1] - self.ends[0])
+        outside = (z < low - slack) | (z > high + slack)
+        if outside.any():
+            raise InputError(f"z = {z[outside][0]:g}: allowed is z from {low:.6g} to {high:.6g}")
+        bounds = [range_of(placement, self.solution)[1] for placement in self.placements[:-1]]
+        place = np.searchsorted(bounds, z, side="left")
+        for i, placement in enumerate(self.placements):
+            if (inside := place == i).any():
+                yield placement, inside
+
+    def _reaching(self, t: NDArray[np.float64]) -> Solution:
+        """The solution on a mesh as far out as these points."""
+        start = self.solution.nodes[0].real
+        farthest = float(t.max() if self.solution.falling else t.min())
+        slack = OUTSIDE * abs(start - self.solution.nodes[-1].real)
+        turn = 1.0 if self.solution.falling else -1.0
+        if turn * (farthest - start) <= slack:
+            return self.solution
+        known = self._farther.get(0)
+        if known is None or turn * (farthest - known.nodes[0].real) > 0.0:
+            known = self._farther[0] = self.solution.reaching(farthest)
+        return known
+
+
+def in_unknowns(named: Unknowns, sigma: complex, z: NDArray[np.float64], states: ComplexArray) -> ComplexArray:
+    """The unknowns (m, q) of states (m, n) at z (m,)."""
+    return np.asarray(np.einsum("mqn,mn->mq", named.matrix(z.astype(np.complex128), sigma), states))
+
+
+def range_of(placement: Placement, solution: Solution) -> tuple[float, float]:
+    """The lowest and the highest z of a subdomain."""
+    low, high = sorted(placement.z(solution.nodes[[0, -1]]).real.tolist())
+    return low, high
+
+
+def real_points(z: ArrayLike) -> NDArray[np.float64]:
+    """z (m,). Raises InputError where it is not real and finite."""
+    points = np.ravel(np.asarray(z))
+    if points.dtype.kind not in "fiu" or not np.isfinite(points).all():
+        raise InputError("z: allowed are finite real numbers")
+    return points.astype(np.float64)

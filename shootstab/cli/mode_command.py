@@ -1,0 +1,127 @@
+"""`shootstab mode`: the eigenfunction of one mode, as a table, a picture and a file."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from shootstab.cli import commands, figures, values
+from shootstab.core.errors import InputError
+from shootstab.io import scenes as scene_files
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from shootstab.analyses.eigenfunction import Eigenfunction
+    from shootstab.analyses.sensitivity import Sensitivity
+
+
+def options(command: ArgumentParser) -> None:
+    """What `mode` may be told."""
+    command.add_argument("--guess", type=values.guess, required=True, metavar="RE[,IM]", help="where the mode is")
+    command.add_argument("--rtol", type=values.tolerance, default=1e-10, metavar="X", help="relative accuracy asked for (default 1e-10)")
+    command.add_argument(
+        "--z", type=values.numbers(2), metavar="LOW,HIGH", help="the heights that are shown (default: until it has decayed)"
+    )
+    command.add_argument("--points", type=values.integer(2, 100_000), metavar="N", help="heights in a file (default 401)")
+    said = "derivatives of the mode by parameters of the scene: kx, ky, e, nu_max, …"
+    command.add_argument("--sensitivity", metavar="NAME,…", help=said)
+    command.add_argument("--export", type=values.table_path, metavar="FILE", help="write the fields into a csv or npz file")
+    figures.options(command, "draw the eigenfunction")
+
+
+def mode(options: Namespace) -> int:
+    """The eigenfunction of one mode."""
+    import numpy as np
+
+    from shootstab.cli.terminal import progress
+    from shootstab.io import eigenfunctions, fields
+
+    look = figures.Look.of(options)
+    if options.plot is not None:
+        figures.require(options.plot, look)
+    convention = commands.convention(options)
+    if convention.conjugate:
+        raise InputError("--conjugate: allowed with verify; here give the conjugate guess")
+    scene = scene_files.load(options.scene).seen(convention)
+    from shootstab.analyses.eigenfunction import MODE_HEIGHTS, eigenfunction
+    from shootstab.analyses.refine import refine
+    from shootstab.analyses.sensitivity import sensitivities
+    from shootstab.io.notation import as_strings
+
+    with progress(f"solving {scene.name}") as told:
+        refined = refine(scene.problem, options.guess, options.rtol)
+        found = eigenfunction(scene.problem, refined, options.rtol, told) if refined.converged else None
+    if found is None:
+        from shootstab.cli import tables
+        from shootstab.io import documents
+
+        commands.answer(options, {"mode": documents.mode(refined)}, lambda: tables.mode(refined, scene), scene)
+        return commands.BAD_NEWS
+    low, high = options.z or found.extent
+    z = np.linspace(low, high, options.points or MODE_HEIGHTS)
+    document = eigenfunctions.document(found, z)
+    if options.export is not None:
+        about = {key: value for key, value in document.items() if key not in ("z", "fields")}
+        fields.save(z, eigenfunctions.columns(found, z), options.export, {**about, "scene": scene.name})
+    if options.plot is not None:
+        from shootstab.cli import mode_plot
+
+        figures.save(lambda: mode_plot.draw(found, scene, low, high), options.plot, look)
+    slopes = sensitivities(found, options.sensitivity.split(",")) if options.sensitivity else []
+    if slopes:
+        document["sensitivity"] = [
+            {"parameter": s.parameter, "value": s.value, "derivative": as_strings(s.derivative), "error": s.error} for s in slopes
+        ]
+    if not convention.plain:
+        document["convention"] = convention.formula
+    commands.answer(options, document, lambda: [*_tables(found, scene, z), *_slopes(slopes, scene)], scene)
+    return commands.DONE
+
+
+def _tables(found: Eigenfunction, scene: scene_files.Scene, z: Any) -> list[RenderableType]:
+    """What the mode is, then each field: its largest value on these heights, where that is, and its values at both of their ends."""
+    import numpy as np
+
+    from shootstab.cli import tables
+    from shootstab.io.eigenfunctions import columns
+    from shootstab.io.notation import held_complex
+
+    parts = [f"{name.replace('_', ' ')} {value:.0e}" for name, value in found.budget.as_dict().items()]
+    condition, nonnormality = f"{found.conditioning.relative:.2g}", f"{found.conditioning.nonnormality:.3g}"
+    rows = {
+        tables.in_symbol("σ", scene): held_complex(found.mode.sigma, found.mode.error),
+        "normalization": found.normalization,
+        "error": f"{found.error:.1e} of each unknown's largest value",
+        "": f"({', '.join(parts[:3])},\n {', '.join(parts[3:])})",
+        "condition": f"{condition}: relative changes ε of the entries make {condition} ε of {scene.symbol} at most",
+        "nonnormality": f"{nonnormality} (1: self-adjoint)",
+    }
+    if found.kind:
+        rows["kind"] = found.kind
+    table = tables.ruled("", "field", "largest value", "at z", f"at z = {z[0]:.4g}", f"at z = {z[-1]:.4g}", numbered=False)
+    for name, f in columns(found, z).items():
+        place = int(np.abs(f).argmax())
+        held = found.error * abs(f[place])
+        table.add_row(name, _short(f[place], held), f"{z[place]:.4g}", _short(f[0], held), _short(f[-1], held))
+    return [tables.heading(scene), tables.pairs(rows), table, tables.paragraph(f"Values at {len(z)} heights.")]
+
+
+def _slopes(slopes: Sequence[Sensitivity], scene: scene_files.Scene) -> list[RenderableType]:
+    """The sensitivities as a table; nothing where none were asked for."""
+    from shootstab.cli import tables
+    from shootstab.io.notation import held_complex
+
+    if not slopes:
+        return []
+    table = tables.ruled("", "parameter", "value", f"∂{scene.symbol}/∂p", numbered=False)
+    for s in slopes:
+        table.add_row(s.parameter, f"{s.value:g}", held_complex(s.derivative, max(s.error, 1e-9 * abs(s.derivative))))
+    return [table]
+
+
+def _short(value: complex, error: float) -> str:
+    """Four figures of each part; 0 for a part below the error."""
+    re, im = (0.0 if abs(x) <= error else float(x) for x in (value.real, value.imag))
+    return f"{re:.4g}" if im == 0.0 else f"{re:.4g} {'-' if im < 0 else '+'} {abs(im):.4g}i"

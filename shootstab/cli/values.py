@@ -1,0 +1,84 @@
+"""The values of options, refused in words: each parser raises argparse.ArgumentTypeError that says what is allowed."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+from shootstab.io.notation import complex_from, floats_from
+
+
+def refused(text: str, allowed: str) -> argparse.ArgumentTypeError:
+    """The refusal of a text, with what is allowed."""
+    return argparse.ArgumentTypeError(f"{text!r}: allowed is {allowed}")
+
+
+def integer(least: int, most: int) -> Callable[[str], int]:
+    """A parser of integers in this range."""
+
+    def parse(text: str) -> int:
+        if not re.fullmatch(r"\d{1,9}", text, re.ASCII) or not least <= int(text) <= most:
+            raise refused(text, f"an integer from {least} to {most}")
+        return int(text)
+
+    return parse
+
+
+def numbers(count: int | None = None) -> Callable[[str], tuple[float, ...]]:
+    """A parser of so many finite numbers with commas between them, of any number of them for None."""
+
+    def parse(text: str) -> tuple[float, ...]:
+        try:
+            return floats_from(text, count)
+        except ValueError:
+            wanted = "finite numbers" if count is None else f"{count} finite numbers"
+            raise refused(text, "a finite number" if count == 1 else f"{wanted} with commas between them") from None
+
+    return parse
+
+
+def guess(text: str) -> complex:
+    """A complex number as RE, RE,IM or RE+IMi."""
+    try:
+        if "," in text:
+            return complex(*floats_from(text, 2))
+        guess = complex_from(text)
+    except ValueError:
+        guess = complex("nan")
+    if guess - guess != 0:
+        raise refused(text, "RE, RE,IM or RE+IMi, finite")
+    return guess
+
+
+def tolerance(text: str) -> float:
+    """A relative accuracy."""
+    value = numbers(1)(text)[0]
+    if not 1e-14 <= value <= 0.1:
+        raise refused(text, "a number from 1e-14 to 0.1")
+    return value
+
+
+def absolute(text: str) -> float:
+    """An absolute accuracy."""
+    value = numbers(1)(text)[0]
+    if not value >= 0.0:
+        raise refused(text, "a finite number from 0 on")
+    return value
+
+
+def table_path(text: str) -> Path:
+    """The name of a table of fields."""
+    path = Path(text)
+    if path.suffix.lower() not in (".csv", ".npz"):
+        raise refused(text, "a file name that ends in .csv or .npz")
+    return path
+
+
+def plot_path(text: str) -> Path:
+    """The name of a picture."""
+    path = Path(text)
+    if path.suffix.lower() not in (".png", ".pdf", ".svg"):
+        raise refused(text, "a file name that ends in .png, .pdf or .svg")
+    return path

@@ -1,0 +1,171 @@
+"""`shootstab verify`: verdicts on a spectrum, as a table, a picture, a page, a table for a paper."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from argparse import ArgumentParser, Namespace
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from shootstab.cli import commands, figures, values
+from shootstab.cli.selection import SORTS
+from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.records import VERDICTS, Report
+from shootstab.io import scenes as scene_files
+from shootstab.io.files import write_text
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from shootstab.analyses.proved_verdicts import ProvedVerdict
+    from shootstab.cli.page import Page
+
+SHAPES = 3  # chosen: eigenfunctions on a page, those that grow most; each takes about as long as its verdict
+
+
+def options(command: ArgumentParser) -> None:
+    """What `verify` may be told."""
+    formats = "csv, text, json, npy, npz, MATLAB, HDF5 or Legolas"
+    command.add_argument("eigenvalues", nargs="?", metavar="EIGENVALUES", help=f"{formats} (default: the bundled reference)")
+    command.add_argument("--dataset", metavar="NAME", help="the array that is meant, in a file that holds several")
+    command.add_argument(
+        "--row", type=values.integer(1, 999_999_999), metavar="N", help="the spectrum that is meant, in an array of several"
+    )
+    command.add_argument(
+        "--digits", type=values.integer(1, 12), default=6, metavar="N", help="digits that an eigenvalue must have (default 6)"
+    )
+    command.add_argument("--prove", action="store_true", help="prove what is confirmed, and that nothing lies near what is spurious")
+    command.add_argument("--strict", action="store_true", help="`continuum` is bad news too")
+    command.add_argument("--only", choices=("bad", *VERDICTS), help="show these verdicts only; bad: all but confirmed and continuum")
+    command.add_argument("--sort", choices=SORTS, help="the order of the table (default: that of the file)")
+    figures.options(command, "draw the complex plane")
+    command.add_argument("-M", dest="truncation", type=values.integer(0, 999_999), metavar="N", help="truncation of the bundled reference")
+    command.add_argument("--region", type=values.numbers(4), metavar="RE0,IM0,RE1,IM1", help="look for missing modes in this rectangle")
+    wishes = "none, within the claims (the default for a list), or in the --region"
+    command.add_argument("--missing", choices=("none", "within", "region"), help=f"where missing modes are looked for: {wishes}")
+    command.add_argument("--unstable", action="store_true", help="count all growing modes too, wherever they are")
+    command.add_argument(
+        "--example", action="store_true", help="the spectrum that comes with shootstab for this scene (low): one of each verdict"
+    )
+    command.add_argument("--html", type=Path, metavar="FILE", help="a page with all of it, in one file that needs no network")
+    command.add_argument("--markdown", type=Path, metavar="FILE", help="the table in Markdown")
+    command.add_argument("--tex", type=Path, metavar="FILE", help="the table as a LaTeX tabular")
+
+
+def verify(options: Namespace) -> int:
+    """A verdict on each eigenvalue in the file, or on those of the bundled reference."""
+    from shootstab.cli.terminal import progress
+    from shootstab.io import documents, examples, readers
+
+    if options.eigenvalues is not None and options.truncation is not None:
+        raise InputError("-M is the truncation of the bundled reference: allowed only without EIGENVALUES")
+    look = commands.look(options)
+    for name in ("dataset", "row"):
+        if getattr(options, name) is not None and options.eigenvalues is None:
+            raise InputError(f"--{name}: allowed only with EIGENVALUES")
+    convention = commands.convention(options)
+    if options.unstable and convention.unit.imag != 0.0:
+        raise InputError(f"--unstable: allowed with growth rates only, not with --as {convention.kind}")
+    if options.prove and not convention.plain:
+        raise InputError("--prove: allowed with eigenvalues in the problem's own terms")
+    if options.html is not None:
+        from shootstab.cli import page
+
+        page.require(options.html)
+    region = None if options.region is None else commands.rectangle(options.region)
+    source = options.eigenvalues
+    if options.example:
+        source = examples.path_for(options.scene, source)
+    spectrum = None if source is None else readers.read(source, options.dataset, options.row)
+    given = None if spectrum is None else convention.read(spectrum)
+    own = scene_files.load(options.scene)
+    scene = own.seen(convention)
+    if options.prove:
+        from shootstab.analyses.prove import factors
+
+        factors(own.problem)  # what has no enclosure is refused before anything is computed
+    from shootstab.analyses.missing import unstable_box
+    from shootstab.analyses.reference import claims
+    from shootstab.analyses.verify import verify as question
+
+    with progress(f"verifying {scene.name}") as told:
+        if given is None:
+            claimed = claims(own.problem, options.digits, options.truncation)
+            # the reference claims that these are modes, not that there are no others
+            if options.missing is None:
+                region = region or (unstable_box(own.problem, claimed) if convention.plain else None)
+            given = (claimed / convention.unit).tolist()
+        wishes: Any = {
+            "digits": options.digits,
+            "region": region,
+            "unstable": options.unstable,
+            "missing": options.missing,
+            "atol": options.atol,
+        }
+        report = question(scene.problem, given, progress=told, **wishes)
+        theorems: tuple[ProvedVerdict, ...] = ()
+        if options.prove:
+            from shootstab.analyses.proved_verdicts import proved_verdicts
+
+            theorems = proved_verdicts(scene.problem, report)
+    from shootstab.analyses.hypotheses import hypotheses
+    from shootstab.cli.proposals import sentence
+
+    meant = [sentence(found, convention.plain) for found in hypotheses(scene.problem, report, options.digits)]
+    report = convention.shown(replace(report, dropped=0 if spectrum is None else spectrum.dropped))
+    if options.plot is not None:
+        from shootstab.cli import plots
+
+        plots.save(report, scene, options.plot, look)
+
+    _write_tables(options, report, scene)
+    if options.html is not None:
+        page.save(_page(report, scene), options.html)
+
+    def tables() -> list[RenderableType]:
+        from shootstab.cli import tables
+
+        return [
+            *tables.report(report, scene, options.only, options.sort),
+            *tables.theorems(report, theorems),
+            *map(tables.paragraph, meant),
+        ]
+
+    document = documents.report(report)
+    document["meant"] = meant
+    for stated, theorem in zip(document["verdicts"], theorems, strict=False):
+        stated |= vars(theorem)
+    if not convention.plain:
+        document["convention"] = convention.formula
+    commands.answer(options, document, tables, scene)
+    bad = report.strictly_bad_news if options.strict else report.bad_news
+    return commands.BAD_NEWS if bad or any(theorem.contradicts for theorem in theorems) else commands.DONE
+
+
+def _write_tables(options: Namespace, report: Report, scene: scene_files.Scene) -> None:
+    """--markdown and --tex."""
+    from shootstab.cli import exports
+
+    for path, made in ((options.markdown, exports.markdown), (options.tex, exports.latex)):
+        if path is not None:
+            write_text(path, made(report, scene))
+
+
+def _page(report: Report, scene: scene_files.Scene) -> Page:
+    """The page, with the modes refined and the eigenfunctions of the fastest growing ones."""
+    from shootstab.analyses.eigenfunction import eigenfunction
+    from shootstab.analyses.refine import refine
+    from shootstab.cli import page, plane
+
+    sigmas = [complex(v.sigma) for v in report.verdicts if v.sigma is not None] + [complex(m.sigma) for m in report.missing]
+    sigmas = sorted(dict.fromkeys(sigmas), key=lambda s: -(plane.unit(scene) * s).real)
+    modes = [mode for sigma in sigmas if (mode := refine(scene.problem, sigma)).converged]
+    shapes = []
+    for mode in modes[:SHAPES]:
+        try:
+            shapes.append(eigenfunction(scene.problem, mode))
+        except (InputError, ConvergenceError):
+            continue  # several modes that are not told apart, or beside the continuous spectrum: the page has the others
+    return page.Page(report, scene, modes, shapes, shlex.join(["shootstab", *sys.argv[1:]]))

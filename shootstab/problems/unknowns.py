@@ -1,0 +1,84 @@
+"""What the state of a problem stands for: its unknowns by name, and where on the user's line each component lives.
+
+The engine integrates ψ over t; what a user calls W or ν̂ is a linear combination of ψ, and one z may lie in any of several subdomains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from shootstab.core.errors import InputError
+from shootstab.problems.capabilities import LAYOUT, UNKNOWNS
+from shootstab.problems.protocol import ComplexArray, Problem
+
+
+@dataclass(frozen=True, eq=False)
+class Unknowns:
+    """names (q,) of the unknowns, and matrix(z, σ) (m, q, n), which gives them from the state at points z (m,): u = matrix ψ."""
+
+    names: tuple[str, ...]
+    matrix: Callable[[ComplexArray, complex], ComplexArray]
+
+    @classmethod
+    def combinations(cls, rows: Mapping[str, ArrayLike], size: int) -> Unknowns:
+        """By name, each a row of numbers (size,) over the state. Raises InputError for other rows."""
+        if not rows:
+            raise InputError("unknowns is empty: allowed are names, each with a row over the components")
+        stacked = [np.asarray(row) for row in rows.values()]
+        for name, row in zip(rows, stacked, strict=True):
+            if not isinstance(name, str) or row.shape != (size,) or row.dtype.kind not in "biufc" or not np.isfinite(row).all():
+                raise InputError(f"unknowns[{name!r}]: allowed is a row of {size} finite numbers, one for each component")
+        constant = np.array(stacked, dtype=np.complex128)
+        return cls(tuple(rows), lambda z, sigma: np.broadcast_to(constant, (len(z), *constant.shape)))
+
+    @classmethod
+    def components(cls, names: Sequence[str], size: int) -> Unknowns:
+        """Names for the first components of the state. Raises InputError where they are too many, or not different."""
+        if isinstance(names, str) or not 0 < len(set(names)) == len(names) <= size:
+            raise InputError(f"unknowns = {names!r}: allowed are different names, at most {size}, one for each component")
+        return cls.combinations(dict(zip(names, np.eye(size), strict=False)), size)
+
+    def in_units_of(self, unit: complex) -> Unknowns:
+        """The same for an eigenvalue v, σ = unit·v."""
+        return Unknowns(self.names, lambda z, v: self.matrix(z, unit * v))
+
+
+@dataclass(frozen=True)
+class Placement:
+    """ψ on z = offset + scale·t, as the components first … first + size of what is integrated over t."""
+
+    offset: float
+    scale: float
+    first: int
+    size: int
+
+    def z(self, t: ComplexArray) -> ComplexArray:
+        """Points (m,) of the user's line, of t (m,)."""
+        return self.offset + self.scale * t
+
+    def t(self, z: ComplexArray) -> ComplexArray:
+        """Points (m,) of the line of integration, of z (m,)."""
+        return (z - self.offset) / self.scale
+
+    def of(self, states: ComplexArray) -> ComplexArray:
+        """The components (…, n) of states (…, N) of the whole."""
+        return states[..., self.first : self.first + self.size]
+
+
+def placements(problem: Problem) -> tuple[Placement, ...]:
+    """One for each subdomain; a problem without a layout of its own is integrated over z itself."""
+    found: tuple[Placement, ...] = LAYOUT.of(problem) or (Placement(0.0, 1.0, 0, problem.size),)
+    return found
+
+
+def unknowns(problem: Problem) -> Unknowns:
+    """Those that the problem names, or the components ψ1, ψ2, … of its state."""
+    found: Unknowns | None = UNKNOWNS.of(problem)
+    if found is not None:
+        return found
+    size = placements(problem)[0].size
+    return Unknowns.components([f"psi{i}" for i in range(1, size + 1)], size)
