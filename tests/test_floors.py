@@ -120,7 +120,7 @@ def test_shooting_and_pseudospectral_paths_share_the_steady_flow_only() -> None:
     spectral = reachable(f"{CHUTE}.chute_collocation")
     shooting = set().union(*(reachable(n) for n in ("shootstab.discriminants.frame", f"{CHUTE}.perturbations", "shootstab.roots.search")))
     shared = {n for n in spectral & shooting if not n.startswith("shootstab.core")}
-    assert shared <= LAWS | {"shootstab.kernels.tableau", "shootstab.kernels.step_control"}, shared
+    assert shared <= LAWS | {"shootstab.kernels.taylor_pieces", "shootstab.kernels.recorded_programs"}, shared
     assert not any(n.startswith("shootstab.spectral") or "collocation" in n for n in shooting)
 
 

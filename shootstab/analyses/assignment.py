@@ -11,8 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.optimize
-import scipy.sparse
 
 from shootstab.core.records import digits_between
 
@@ -43,6 +41,8 @@ class Candidate:
 
 def assign(candidates: Sequence[Sequence[Candidate]]) -> list[int | None]:
     """For each claim the number of the mode given to it, or None; the problem falls apart where no candidates are shared."""
+    from scipy.optimize import linear_sum_assignment
+
     given: list[int | None] = [None] * len(candidates)
     for claims in shared(candidates):
         offered = {c.mode: c.multiplicity for i in claims for c in candidates[i]}
@@ -53,7 +53,7 @@ def assign(candidates: Sequence[Sequence[Candidate]]) -> list[int | None]:
         for row, i in enumerate(claims):
             by_mode = {c.mode: c.worth for c in candidates[i]}
             worth[row] = [by_mode.get(mode, 0.0) for mode in copies]
-        for row, column in zip(*scipy.optimize.linear_sum_assignment(worth, maximize=True), strict=True):
+        for row, column in zip(*linear_sum_assignment(worth, maximize=True), strict=True):
             if worth[row, column] > 0.0:
                 given[claims[row]] = copies[column]
     return given
@@ -61,12 +61,15 @@ def assign(candidates: Sequence[Sequence[Candidate]]) -> list[int | None]:
 
 def shared(candidates: Sequence[Sequence[Candidate]]) -> list[list[int]]:
     """The claims in groups of those that are tied by candidates."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     pairs = [(i, c.mode) for i, some in enumerate(candidates) for c in some]
     n = len(candidates)
     size = n + 1 + max((mode for _, mode in pairs), default=0)
     row, column = [i for i, _ in pairs], [n + mode for _, mode in pairs]
-    graph = scipy.sparse.coo_array((np.ones(len(pairs)), (row, column)), shape=(size, size))
-    labels = scipy.sparse.csgraph.connected_components(graph, directed=False)[1][:n]
+    graph = coo_array((np.ones(len(pairs)), (row, column)), shape=(size, size))
+    labels = connected_components(graph, directed=False)[1][:n]
     groups: dict[int, list[int]] = {}
     for i, label in enumerate(labels.tolist()):
         groups.setdefault(label, []).append(i)

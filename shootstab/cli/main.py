@@ -34,6 +34,8 @@ from shootstab.cli import (
 from shootstab.cli import sweep_command as sweeping
 from shootstab.cli import trade_command as trading
 from shootstab.cli.help import DOORS, STATUSES, epilog, with_nearest
+from shootstab.cli.terminal import Announcement
+from shootstab.core import compilation
 from shootstab.core.errors import InputError, OutputError, ShootstabError
 from shootstab.core.threads import one_thread_from_here
 
@@ -54,6 +56,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             return commands.DONE
         options = parser().parse_args(words)
         commands.prepare(options)
+        compilation.tell(Announcement())
         with signals.raised():
             status: int = options.run(options)
             sys.stdout.flush()

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import io
+import itertools
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
+
+from shootstab.core import compilation
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -43,6 +46,17 @@ def plain(parts: Sequence[RenderableType]) -> str:
     return "".join(line.rstrip() + "\n" for line in written.getvalue().splitlines())
 
 
+class Announcement:
+    """Says on a terminal, once, that kernels are compiled, and so why the first answer takes longer than those to come."""
+
+    said = False
+
+    def __call__(self, kernel: str) -> None:
+        if not self.said and sys.stderr is not None and sys.stderr.isatty():
+            print("shootstab: compiling kernels, once: later runs find them in a cache", file=sys.stderr, flush=True)
+        self.said = True
+
+
 @contextmanager
 def progress(task: str) -> Iterator[Progress | None]:
     """A bar on standard error, to be told (done, total); into a log a line every ten seconds.
@@ -68,8 +82,10 @@ def _bar(task: str) -> Iterator[Progress]:
         bar_task = bar.add_task(task, total=None)
 
         def told(done: int, total: int) -> None:
-            bar.update(bar_task, completed=done, total=total)
+            bar.update(bar_task, completed=done, total=total, description=task)
 
+        compiled = itertools.count(1)
+        compilation.tell(lambda kernel: bar.update(bar_task, description=f"{task} (compiling kernel {next(compiled)}, {kernel})"))
         yield told
 
 

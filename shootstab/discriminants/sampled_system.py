@@ -20,30 +20,38 @@ from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
 from shootstab.kernels.elimination import solve_each
+from shootstab.kernels.recorded_programs import evaluate
 from shootstab.kernels.reduced_system import ReducedSystem
 from shootstab.kernels.tableau import STAGES
 from shootstab.kernels.tableau import C as ABSCISSAE
+from shootstab.problems.capabilities import RECORDED
 from shootstab.problems.protocol import ComplexArray, Pencil, Problem
+from shootstab.problems.recorded_pencil import RecordedPencil, ReducedPencil
 
 LARGE_COMPLETION = 1e8  # chosen: entries of V beyond which unit vectors complete C badly; half the digits of a double are lost there
 
 
 @dataclass(frozen=True, eq=False)
 class SampledSystem:
-    """nodes (N+1,) from the far end to the wall; the reduced system on the N steps, in complex numbers."""
+    """nodes (N+1,) from the far end to the wall; the reduced system on the N steps, in real or in complex numbers as it was made."""
 
     nodes: ComplexArray
-    system: ReducedSystem
+    made: ReducedSystem
+
+    @cached_property
+    def system(self) -> ReducedSystem:
+        """The system in complex numbers."""
+        return self.made.in_complex_numbers()
 
     @cached_property
     def real(self) -> ReducedSystem | None:
         """The system in real numbers, None if it is not real."""
-        return self.system.in_real_numbers()
+        return self.made.in_real_numbers()
 
     @property
     def bytes_of_a_step(self) -> int:
-        """How much memory one step takes, where the system is real too twice."""
-        return sum(a.nbytes for a in self.system.numbers) * 3 // (2 * (len(self.nodes) - 1))
+        """How much memory one step takes in real and in complex numbers."""
+        return sum(24 * a.size for a in self.made.numbers) // (len(self.nodes) - 1)
 
     def numbers(self, sigma: complex, *arrays: ComplexArray) -> tuple[Any, ...]:
         """The system, σ and copies of arrays for a kernel: as real numbers where all of them are, and complex ones otherwise."""
@@ -69,22 +77,53 @@ def resample(problem: Problem, nodes: NDArray[np.complexfloating], known: Sample
     fresh = np.flatnonzero(old < 0)
     if 2 * len(fresh) > len(old):
         return sample_system(problem, at)
-    P, V, G = (a[old] for a in known.system.numbers)
+    P, V, G = (a[old] for a in known.made.numbers)
     if len(fresh):
         new = _sampled(problem, at[:-1][fresh], np.diff(at)[fresh])
-        if not all(map(np.array_equal, new.structure, known.system.structure)):
-            return sample_system(problem, at)  # an entry vanishes on one of the two
+        same = all(map(np.array_equal, new.structure, known.made.structure))
+        if not same or new.P.dtype != P.dtype:
+            return sample_system(problem, at)  # an entry, or all imaginary parts, vanish on one of the two
         P[fresh], V[fresh], G[fresh] = new.numbers
-    return SampledSystem(at, known.system._replace(P=P, V=V, G=G))
+    return SampledSystem(at, known.made._replace(P=P, V=V, G=G))
 
 
 def _sampled(problem: Problem, starts: ComplexArray, h: ComplexArray) -> ReducedSystem:
     """The system on steps of these lengths from these points, in the order of the path."""
     order = np.argsort(ABSCISSAE)
     points: ComplexArray = starts[:, None] + h[:, None] * ABSCISSAE[order]
-    reduced = reduce_pencil(problem.pencil(points.ravel()), problem.size)
     back = np.argsort(order)
+    recorded = RECORDED.of(problem)
+    formula = None if recorded is None else recorded.reduced
+    if formula is not None:
+        system = _computed(recorded, formula, points.ravel(), np.repeat(h, STAGES), back)
+        if system is not None:
+            return system
+    reduced = reduce_pencil(problem.pencil(points.ravel()), problem.size)
     return sample(h, *(a.reshape(len(h), STAGES, *a.shape[1:])[:, back] for a in reduced))
+
+
+def _computed(
+    recorded: RecordedPencil, formula: ReducedPencil, points: ComplexArray, h: ComplexArray, back: NDArray[np.int64]
+) -> ReducedSystem | None:
+    """The system by a program, at points in the order of the path with the lengths of their steps; back is the order of the abscissae.
+
+    None where V is large or numbers are not finite: elimination then takes pivots by size, or says what is wrong.
+    """
+    fields = recorded.fields(points)
+    kind = np.float64 if formula.program.real and fields.dtype.kind == "f" and not h.imag.any() else np.complex128
+    inputs = np.concatenate((fields, (h if kind is np.complex128 else h.real)[None])).astype(kind, copy=False)
+    values = evaluate(formula.program, inputs, recorded.parameters.astype(kind))
+    at_stages = values.T.reshape(-1, STAGES, len(values))[:, back]
+    entries, carried, _ = formula.counts
+    P, V, G = np.split(at_stages, (entries, entries + carried), axis=2)
+    if not (np.isfinite(values).all() and (np.abs(V) < LARGE_COMPLETION * np.abs(h).reshape(-1, STAGES, 1)).all()):
+        return None
+    powers = (2,) * len(formula.quadratic)
+    lists = formula.start, formula.column, formula.linear, formula.quadratic, powers, formula.carries
+    m, steps = formula.moving, len(P)
+    V, G = V.reshape(steps, STAGES, len(formula.carries), m), G.reshape(steps, STAGES, 2, m, m)
+    numbers = map(np.ascontiguousarray, (P, V, G))
+    return ReducedSystem(*(np.array(a, dtype=np.uint64) for a in lists), *numbers)  # type: ignore[arg-type]
 
 
 def sample(h: ComplexArray, X: ComplexArray, V: ComplexArray, G: ComplexArray, T: ComplexArray) -> ReducedSystem:

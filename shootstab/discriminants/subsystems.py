@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError, ShootstabError
-from shootstab.problems.capabilities import GENERIC, INTERIOR, Continuum
+from shootstab.problems.capabilities import GENERIC, INTERIOR, RECORDED, Continuum
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil, Problem
+from shootstab.problems.recorded_pencil import I_POWERS, RecordedPencil, Selection
 
 PATTERN_SAMPLES = 9  # chosen: points at which the pencil is asked which entries it has
-I_POWERS = np.array([1, 1j])  # exact: the powers of i by which states and equations are turned so that a system may be real
 
 
 class Coupled(InputError):  # noqa: N818 - it is a finding, not a fault
@@ -70,6 +70,12 @@ class Subsystem:
                 _require_apart("pencil", M, self.equations, self.states)
             pencil = pencil.each(lambda M: M[:, self.equations[:, None], self.states])
         return pencil.each(lambda M: M * turn)
+
+    @cached_property
+    def recorded(self) -> RecordedPencil | None:
+        whole: RecordedPencil | None = RECORDED.of(self.whole)
+        lists = (self.equations, self.states, self.phases[1], self.phases[0])
+        return None if whole is None else whole.selected(Selection(*(tuple(a.tolist()) for a in lists)))
 
     def start(self, sigma: complex, tolerance: float) -> float:
         return self.whole.start(sigma, tolerance)

@@ -6,7 +6,6 @@ from itertools import pairwise
 
 import numpy as np
 import scipy.linalg
-import scipy.optimize
 from numpy.typing import NDArray
 
 from shootstab.core import polynomial
@@ -44,7 +43,9 @@ def _paired(here: list[complex], there: list[complex]) -> list[tuple[complex, co
     """σ of neighbouring ℓ on the same curve: the assignment of the least total distance."""
     if not here or not there:
         return []
-    rows, columns = scipy.optimize.linear_sum_assignment(np.abs(np.subtract.outer(np.array(here), np.array(there))))
+    from scipy.optimize import linear_sum_assignment
+
+    rows, columns = linear_sum_assignment(np.abs(np.subtract.outer(np.array(here), np.array(there))))
     return [(here[i], there[j]) for i, j in zip(rows.tolist(), columns.tolist(), strict=True)]
 
 

@@ -47,8 +47,15 @@ class ReducedSystem(NamedTuple):
         """P (N, 12, E + E1 + E2), V (N, 12, v, m), G (N, 12, g, m, m)."""
         return self[6:]
 
+    def in_complex_numbers(self) -> ReducedSystem:
+        """The same in complex128."""
+        P, V, G = (part.astype(np.complex128, copy=False) for part in self.numbers)
+        return self._replace(P=P, V=V, G=G)
+
     def in_real_numbers(self) -> ReducedSystem | None:
         """The same in float64; None if it is not real."""
+        if self.P.dtype.kind == "f":
+            return self
         if any(part.imag.any() for part in self.numbers):
             return None
         P, V, G = (np.ascontiguousarray(part.real) for part in self.numbers)

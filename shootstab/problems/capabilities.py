@@ -144,5 +144,7 @@ MODE_SHAPE = Capability("mode_shape", None, "this problem says nothing of its ei
 BASE_FLOW = Capability("flow", None, "this problem has no steady flow of grains: allowed is a scene with a [flow]")
 # growing_region(floor): a rectangle that holds every eigenvalue with Re σ ≥ floor, and the name of the lemma by which it does
 GROWING_REGION = Capability("growing_region", None, "this problem has no theorem that bounds its growing modes")
+# the problem's pencil as a formula, a problems.recorded_pencil.RecordedPencil: what is sampled on a mesh is then computed by a program
+RECORDED = Capability("recorded", None, "this problem has no recorded pencil")
 # a name and parameters by which a checker of certificates knows the problem
 CERTIFIED = Capability("certified", None, "this problem has no checker of certificates")

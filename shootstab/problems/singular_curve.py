@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
-import scipy.optimize
 from numpy.typing import NDArray
 
 from shootstab.core import polynomial
@@ -107,6 +106,8 @@ def singular_curves(function: PencilFunction, z: ComplexArray) -> SingularCurve 
 
 def _several(C: Sequence[ComplexArray]) -> tuple[ComplexArray, ...]:
     """As many curves as are finite everywhere, joined from point to point by the least total distance."""
+    from scipy.optimize import linear_sum_assignment
+
     pairs = zip(*polynomial.companion(C), strict=True)
     alphas, betas = zip(*(scipy.linalg.eig(a, b, right=False, homogeneous_eigvals=True) for a, b in pairs), strict=True)
     size = np.abs(np.array(betas)) / np.hypot(np.abs(np.array(alphas)), np.abs(np.array(betas)))
@@ -116,7 +117,7 @@ def _several(C: Sequence[ComplexArray]) -> tuple[ComplexArray, ...]:
         keep = np.argsort(finite)[::-1][:count]
         sigma = alpha[keep] / beta[keep]
         if rows:
-            _, order = scipy.optimize.linear_sum_assignment(np.abs(np.subtract.outer(rows[-1], sigma)))
+            _, order = linear_sum_assignment(np.abs(np.subtract.outer(rows[-1], sigma)))
             sigma = sigma[order]
         rows.append(sigma)
     return tuple(np.array(rows, dtype=np.complex128).T) if count else ()

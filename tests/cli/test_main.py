@@ -707,3 +707,17 @@ def test_many_digits_are_printed_as_they_are() -> None:
     assert held_complex(sigma, 1e-40) == "0.0037396706229794099322207660630167500000 - 0.2375264888204701074465793134634397576781i"
     mode = Mode(sigma, 1e-40, Budget(0, 0, 0, 0, 1e-40), "converged", "taylor", 1, 0.1)
     assert documents.mode(mode)["sigma"]["im"].startswith("-" + text[:40])
+
+
+def test_that_kernels_are_compiled_is_said_once_and_on_a_terminal_only(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from shootstab.cli.terminal import Announcement
+
+    quiet, loud = Announcement(), Announcement()
+    quiet("transport")
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    loud("transport")
+    loud("orthonormalize")
+    assert capsys.readouterr().err == "shootstab: compiling kernels, once: later runs find them in a cache\n"

@@ -8,8 +8,12 @@ from scipy.special import lambertw
 
 import shootstab as st
 from shootstab.core.errors import InputError
-from shootstab.discriminants.sampled_system import reduce_pencil
-from shootstab.problems.protocol import Pencil
+from shootstab.discriminants.sampled_system import reduce_pencil, sample_system
+from shootstab.discriminants.subsystems import decouple
+from shootstab.kernels.reduced_system import ReducedSystem
+from shootstab.problems.capabilities import RECORDED
+from shootstab.problems.protocol import Pencil, Problem
+from shootstab.problems.recorded_pencil import RecordedPencil
 
 SIGMA = 0.7 - 0.4j
 
@@ -81,3 +85,78 @@ def test_dependent_rows_are_refused() -> None:
     C1[0, 2, 2] = 1.0
     with pytest.raises(InputError, match="are dependent at some z"):
         reduce_pencil(Pencil(C0, C1, C0, C1), 3)
+
+
+def assembled(system: ReducedSystem, n: int, sigma: complex) -> np.ndarray:
+    """hA(σ) at every abscissa of every step, from the lists."""
+    m, entries = system.G.shape[3], len(system.column)
+    values = system.P[:, :, :entries].astype(complex)
+    values[:, :, system.linear.astype(int)] += sigma * system.P[:, :, entries : entries + len(system.linear)]
+    assert np.all(system.powers == 2)
+    values[:, :, system.higher.astype(int)] += sigma**2 * system.P[:, :, entries + len(system.linear) :]
+    stacked = np.zeros((*system.P.shape[:2], n + m, n), complex)
+    stacked[:, :, np.searchsorted(system.start, np.arange(entries), side="right") - 1, system.column.astype(int)] = values
+    V = np.zeros((*system.P.shape[:2], n, m), complex)
+    V[:, :, system.carries.astype(int)] = system.V
+    return np.asarray(stacked[:, :, :n] + V @ np.linalg.solve(system.G[:, :, 0] + sigma * system.G[:, :, 1], stacked[:, :, n:]))
+
+
+class WithoutFormula:
+    """A problem that keeps to itself that its pencil is a formula."""
+
+    recorded = None
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(self.problem, name)
+
+
+@pytest.mark.parametrize(
+    ("scene", "kx", "ky", "real"), [("high", 0.0, 0.01, True), ("low", 0.011, 0.0, False), ("low", 0.011, 0.02, False)]
+)
+def test_the_recorded_reduction_is_the_one_of_the_matrices(scene: str, kx: float, ky: float, real: bool) -> None:
+    """Two eliminations, one recorded once and one at every point: the same A(σ), on the real axis and off it, of every subsystem."""
+    flow = st.scene(scene).problem.flow
+    problem = st.chute.problem(flow, kx=kx, ky=ky)
+    decoupling = decouple(problem)
+    straight = np.linspace(8.0, 0.0, 12) * flow.far_temperature
+    for member in (problem,) if decoupling is None else decoupling.members:
+        assert RECORDED.of(member).reduced is not None
+        for nodes in (straight + 0j, straight + 0.05j * flow.far_temperature):
+            systems = [sample_system(p, nodes) for p in (member, WithoutFormula(member))]
+            assert (systems[0].real is not None) == (real and nodes is not None and not nodes.imag.any())
+            one, other = (assembled(s.system, member.size, 0.02 - 0.03j) for s in systems)
+            # entries that cancel are held against the largest of their row
+            assert np.all(np.abs(one - other) <= 1e-13 * np.abs(other).max(axis=3, keepdims=True))
+
+
+def test_an_elimination_without_pivots_gives_way_to_one_with() -> None:
+    """C = [[a, a+1], [a+2, a+3]] with a = 0 in the middle of the path: what pivots on a is no number there, and is not used."""
+
+    def formula(fields: list, parameters: list, shape: object) -> tuple[dict, ...]:
+        (a,) = fields
+        return {(0, 0): a, (0, 1): a + 1, (1, 0): a + 2, (1, 1): a + 3}, {}, {(0, 1): 1, (1, 0): a}, {(0, 0): 1}
+
+    class Crossing(WithoutFormula):
+        size = 2
+
+        @property
+        def recorded(self) -> RecordedPencil:
+            return RecordedPencil(formula, "crossing", 2, lambda z: z.real[None].copy(), np.empty(0), 1)
+
+        def pencil(self, z: np.ndarray) -> Pencil:
+            matrices = np.zeros((4, len(z), 2, 2), complex)
+            for M, entries in zip(matrices, formula([z], [], None), strict=True):
+                for (i, j), entry in entries.items():
+                    M[:, i, j] = entry
+            return Pencil(*matrices)
+
+    problem = Crossing(None)  # type: ignore[arg-type]
+    assert problem.recorded.reduced is not None
+    nodes = np.array([1.0, 0.0, -1.0], complex)  # an abscissa lies on every node
+    with np.errstate(all="ignore"):
+        got = assembled(sample_system(problem, nodes).system, 2, SIGMA)  # type: ignore[arg-type]
+    p = problem.pencil(np.array([0j]))
+    assert np.allclose(got[1, 0], -np.linalg.solve(p.C0[0], p.D0[0] + SIGMA * p.D1[0]), rtol=1e-13, atol=1e-15)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 from sampled import constant, spoilt
+from scipy.integrate import DOP853
 
 from shootstab.discriminants.sampled_system import sample
 from shootstab.kernels import frame_transport as transport
@@ -22,6 +23,13 @@ RNG = np.random.default_rng(5)
 
 def random_complex(*shape: int) -> np.ndarray:
     return RNG.standard_normal(shape) + 1j * RNG.standard_normal(shape)
+
+
+def test_the_tableau_is_that_of_scipy() -> None:
+    for name in ("A", "B", "C"):
+        assert np.array_equal(getattr(tableau, name), getattr(DOP853, name))
+    assert np.array_equal(tableau.E5, DOP853.E5[: tableau.STAGES])
+    assert np.array_equal(tableau.E3, DOP853.E3[: tableau.STAGES])
 
 
 def test_quadrature_conditions_to_order_8() -> None:

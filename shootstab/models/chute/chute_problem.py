@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from shootstab.models.chute.chute_collocation import Collocation
+from typing import TYPE_CHECKING
+
 from shootstab.models.chute.mode_shape import ModeShape
-from shootstab.models.chute.multiprecision_problem import ChuteDigits
-from shootstab.models.chute.parameter_family import ChuteFamily
 from shootstab.models.chute.perturbations import Perturbations
+
+if TYPE_CHECKING:  # what most questions do not need is imported when it is asked for
+    from shootstab.models.chute.chute_collocation import Collocation
+    from shootstab.models.chute.multiprecision_problem import ChuteDigits
+    from shootstab.models.chute.parameter_family import ChuteFamily
 
 
 class ChuteProblem(Perturbations):
@@ -15,6 +19,8 @@ class ChuteProblem(Perturbations):
     @property
     def pseudospectral(self) -> Collocation:
         """Chebyshev collocation of the conservative form."""
+        from shootstab.models.chute.chute_collocation import Collocation
+
         return Collocation(self.flow, self.kx, self.ky)
 
     @property
@@ -24,8 +30,12 @@ class ChuteProblem(Perturbations):
 
     def multiprecision(self) -> ChuteDigits:
         """The parameters as exact decimals, everything by series."""
+        from shootstab.models.chute.multiprecision_problem import ChuteDigits
+
         return ChuteDigits(self)
 
     def family(self, names: tuple[str, ...]) -> ChuteFamily:
         """The chutes that differ from this one in these parameters. Raises InputError for names that cannot vary, or not together."""
+        from shootstab.models.chute.parameter_family import ChuteFamily
+
         return ChuteFamily.around(self.flow, self.kx, self.ky, names, type(self))

@@ -12,9 +12,11 @@ from shootstab.core.errors import InputError, NoFlowError
 from shootstab.models.chute.parameters import Chute
 from shootstab.models.chute.registry import BRANCHES, BY_NAME
 from shootstab.models.chute.steady_flow import TOLERANCE, Flow, descend
+from shootstab.roots.bracket import zero_between
 
 SCAN = (1e-2, 1e3, 121)  # chosen: T_∞ from, to, points: 24 a decade
 SCOUTING = 1e-9  # chosen: the tolerance of flows that only tell where to look
+OVERSHOOT = 4.0  # chosen: by so many of the differences next to it an extremum between points of the scan surely does not exceed them
 DOUBT = 1e-5  # of the mass flux: where a scouting flow comes nearer to it, its error could decide whether a flow is there (chosen)
 
 
@@ -24,11 +26,16 @@ def flows(chute: Chute, mass_flux: float) -> list[Flow]:
     Two flows next to a fold of the family, closer in T_∞ than two points of the scan, are seen because the extrema of Q0(T_∞) are
     located too. Raises InputError unless the mass flux is a positive, finite number.
     """
+    return [solve_between(chute, mass_flux, *b) for b in _separated(chute, mass_flux)]
+
+
+def _separated(chute: Chute, mass_flux: float) -> list[tuple[float, float]]:
+    """Intervals of ln T_∞ with one flow each, rising."""
     BY_NAME["mass_flux"].check(mass_flux)
     found, nearest = _brackets(chute, mass_flux, SCOUTING)
-    if not (nearest > DOUBT * mass_flux and all(_changes_sign(chute, mass_flux, *b) for b in found)):
-        found, _ = _brackets(chute, mass_flux, TOLERANCE)
-    return [solve_between(chute, mass_flux, *b) for b in found]
+    if nearest > DOUBT * mass_flux and all(_changes_sign(chute, mass_flux, *b) for b in found):
+        return found
+    return _brackets(chute, mass_flux, TOLERANCE)[0]
 
 
 def _brackets(chute: Chute, mass_flux: float, tolerance: float) -> tuple[list[tuple[float, float]], float]:
@@ -65,24 +72,23 @@ def _changes_sign(chute: Chute, mass_flux: float, low: float, high: float) -> bo
 
 def steady_by_flux(chute: Chute, mass_flux: float, branch: str | None) -> Flow:
     """The flow with this mass flux; branch picks one of several by T_∞: high, mid, low."""
-    found = flows(chute, mass_flux)
+    found = _separated(chute, mass_flux)
     if not found:
         raise NoFlowError(f"mass_flux = {mass_flux:g}: no steady flow with 0.01 <= far_temperature <= 1000 and these parameters carries it")
-    temperatures = ", ".join(f"{f.far_temperature:.6g}" for f in found)
-    if branch is None:
-        if len(found) > 1:
-            raise InputError(
-                f"mass_flux = {mass_flux:g} has {len(found)} flows, far_temperature {temperatures}: "
-                f"branch is needed, one of {', '.join(_names(len(found)))}"
-            )
-        return found[0]
     names = _names(len(found))
-    if branch not in names:
+    if branch in names:
+        return solve_between(chute, mass_flux, *found[names[::-1].index(branch)])
+    if branch is None and len(found) == 1:
+        return solve_between(chute, mass_flux, *found[0])
+    temperatures = ", ".join(f"{f.far_temperature:.6g}" for f in flows(chute, mass_flux))
+    if branch is None:
         raise InputError(
-            f"branch = {branch!r}: mass_flux = {mass_flux:g} has {len(found)} flows, far_temperature {temperatures}: "
-            f"allowed is {', '.join(names)}"
+            f"mass_flux = {mass_flux:g} has {len(found)} flows, far_temperature {temperatures}: branch is needed, one of {', '.join(names)}"
         )
-    return found[names[::-1].index(branch)]
+    raise InputError(
+        f"branch = {branch!r}: mass_flux = {mass_flux:g} has {len(found)} flows, far_temperature {temperatures}: "
+        f"allowed is {', '.join(names)}"
+    )
 
 
 def _names(count: int) -> tuple[str, ...]:
@@ -113,26 +119,28 @@ def _last_member(misfit: Callable[[float], float], inside: float, outside: float
 
 def _fold_between(misfit: Callable[[float], float], logs: np.ndarray, at: np.ndarray, i: int) -> list[float]:
     """The extremum of Q0 in [x_i, x_{i+1}] if Q0 − mass_flux comes near zero there without changing sign between the points."""
-    from scipy.optimize import minimize_scalar
-
     if i == 0 or i + 2 >= len(logs) or at[i] * at[i + 1] < 0.0:
         return []
     before, here, after = np.diff(at[i - 1 : i + 3])
     if not np.isfinite([before, here, after]).all() or before * after > 0.0:
         return []
+    nearest = np.abs(at[i : i + 2]).min()
+    if nearest > OVERSHOOT * np.abs([before, here, after]).max():
+        return []
     sign = np.sign(at[i])
+    from scipy.optimize import minimize_scalar
+
     best = minimize_scalar(lambda x: sign * misfit(x), bounds=(logs[i], logs[i + 1]), method="bounded", options={"xatol": 1e-9})
     return [float(best.x)]
 
 
 def solve_between(chute: Chute, mass_flux: float, low: float, high: float) -> Flow:
     """The flow of this mass flux with ln T_∞ between low and high, on which sides Q0 lies on either side of it."""
-    from scipy.optimize import brentq
-
-    x = brentq(lambda x: _flux(chute, x, TOLERANCE) - mass_flux, low, high, xtol=1e-15, rtol=1e-15)
+    x = zero_between(lambda x: _flux(chute, x, TOLERANCE) - mass_flux, low, high)
     return replace(descend(chute, float(np.exp(x))), asked_flux=mass_flux)
 
 
+@lru_cache(maxsize=64)
 def with_base_flow_error(flow: Flow, factor: float) -> Flow:
     """The same flow, of the same T_∞ or the same mass flux, integrated with a tolerance larger by this factor.
 

@@ -19,11 +19,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.series import Series, constant
+from shootstab.core.straight_line import Program, Recorder, program
 from shootstab.kernels.frobenius import Sparse, row_sizes, series_terms, series_value, sparse
-from shootstab.models.chute.background import Background, background
+from shootstab.kernels.recorded_programs import series
 from shootstab.models.chute.balance import slopes
-from shootstab.models.chute.first_order_system import DECAYING, SIZE, pencil_entries
+from shootstab.models.chute.first_order_system import DECAYING, SIZE
 from shootstab.models.chute.parameters import Chute
+from shootstab.models.chute.tabulated import FIELD_COUNT, as_background, expanded, pencil_formula
 
 ComplexArray = NDArray[np.complex128]
 Terms = NDArray[np.inexact]
@@ -50,21 +52,35 @@ def flow_series(chute: Chute, far_temperature: Any, far_velocity: Any, terms: in
 
 
 @lru_cache(maxsize=16)
-def _far_background(chute: Chute, far_temperature: float, far_velocity: float) -> Background:
-    """The steady flow far up, in doubles: the same for all waves on it."""
-    return background(chute, *flow_series(chute, far_temperature, far_velocity, FAR_TERMS, math.pi), math.pi)
+def _far_fields(chute: Chute, far_temperature: float, far_velocity: float) -> ComplexArray:
+    """The fields (44, FAR_TERMS) of the steady flow far up, as series in ν0: the same for all waves on it."""
+    states = flow_series(chute, far_temperature, far_velocity, FAR_TERMS, math.pi)
+    return expanded(chute, np.array([part.coefficients for part in states]))
+
+
+@lru_cache
+def _recorded(shape: tuple[bool, bool]) -> tuple[Program, tuple[tuple[int, int, int], ...]]:
+    """C0 ν0′/ν0, C1 ν0′/ν0, D0 and D1 as a program of the fields and (tanθ, k_x, k_y), and (matrix, row, column) of each result."""
+    recorder = Recorder()
+    fields = recorder.inputs(FIELD_COUNT)
+    matrices = pencil_formula(fields, recorder.parameters(3), shape)
+    decay = as_background(fields).decay[0]
+    results = {(k, i, j): v * decay if k < 2 else v for k, entries in enumerate(matrices) for (i, j), v in entries.items()}
+    return program(recorder, list(results.values())), tuple(results)
 
 
 class FarField:
     """The series of one flow and one wave; P_m for a σ on demand."""
 
     def __init__(self, chute: Chute, far_temperature: float, far_velocity: float, kx: float, ky: float) -> None:
-        bg = _far_background(chute, far_temperature, far_velocity)
-        decay = bg.decay[0]
-        C0, C1, D0, D1 = pencil_entries(bg, chute.tan_theta, kx, ky)
+        fields = _far_fields(chute, far_temperature, far_velocity)
+        formula, places = _recorded((kx == 0.0, ky == 0.0))
+        matrices = np.zeros((4, FAR_TERMS, SIZE, SIZE), dtype=np.complex128)
+        for place, values in zip(places, series(formula, fields, np.array([chute.tan_theta, kx, ky])), strict=True):
+            matrices[place[0], :, place[1], place[2]] = values
         self.exponents = far_temperature * decay_matrix(kx, ky)
         self.trace = float(np.trace(self.exponents).real)
-        self._conductivity = float(bg.K[0][0])
+        self._conductivity = float(as_background(fields[:, 0].real).K[0])
         self._far_temperature, self._far_velocity = far_temperature, far_velocity
         self._kx, self._ky = kx, ky
         # Λ = rate·I + left rightᵀ
@@ -78,16 +94,16 @@ class FarField:
         states, equations, solutions = _turns(SIZE, TURNED_STATES), _turns(SIZE, TURNED_EQUATIONS), _turns(DECAYING, TURNED_SOLUTIONS)
         of_system = equations.conj()[:, None] * states
         of_frame = states.conj()[:, None] * solutions
-        series = _Series(
-            sparse(of_system * np.stack([_matrices({k: v * decay for k, v in part.items()}) for part in (C0, C1)])),
-            sparse(of_system * np.stack([_matrices(part) for part in (D0, D1)])),
+        of_flow = _Series(
+            sparse(of_system * matrices[:2]),
+            sparse(of_system * matrices[2:]),
             self.exponents[3, 3].real,
             solutions.conj() * (2 * left - basis @ left),  # the inverse of basis, applied
             -far_temperature / (7 * math.hypot(kx, ky)) * (left @ basis) * solutions,
             constant @ basis * of_frame,
             at_zero * of_frame,
         )
-        self._series, self._real, self._back = series, series.in_real_numbers(), of_frame.conj()
+        self._series, self._real, self._back = of_flow, of_flow.in_real_numbers(), of_frame.conj()
 
     def _first(self) -> tuple[ComplexArray, ComplexArray]:
         """P_0 = constant + pole/Ω, Ω = σ + i k_x u_∞, each (8, 4): columns û, v̂, ŵ, T̂ at infinity."""
@@ -171,11 +187,3 @@ def _row_sizes(P: Terms) -> NDArray[np.float64]:
     sizes = np.empty(len(P))
     row_sizes(P, sizes)
     return sizes
-
-
-def _matrices(entries: dict[tuple[int, int], Any]) -> ComplexArray:
-    """(FAR_TERMS, 8, 8) from entries that are series in ν0."""
-    out = np.zeros((FAR_TERMS, SIZE, SIZE), dtype=np.complex128)
-    for (i, j), entry in entries.items():
-        out[:, i, j] = [complex(c) for c in entry.coefficients]
-    return out

@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
 from shootstab.models.chute import first_order_system as system
-from shootstab.models.chute.background import Background, background, fields
+from shootstab.models.chute.background import Background
 from shootstab.models.chute.family import with_base_flow_error
 from shootstab.models.chute.far_field import FarField
 from shootstab.models.chute.steady_flow import Flow
+from shootstab.models.chute.tabulated import FIELD_COUNT, as_background, pencil_formula, tabulated
 from shootstab.models.chute.wall import wall_rows
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
+from shootstab.problems.recorded_pencil import RecordedPencil
 from shootstab.problems.unknowns import Unknowns
 
 PERTURBED = ("nu", "u", "v", "w", "T")
@@ -38,9 +40,8 @@ class ChuteContinuum:
 
     def __call__(self, z: ComplexArray) -> ComplexArray:
         """σ_c (m,) at points z (m,)."""
-        log_nu, T, u, Q = self.flow.states_at(z)[:, :4].T
-        values = fields(self.flow.chute, np.exp(log_nu), T, u, Q, math.pi)
-        return np.asarray(system.continuum(values, self.kx), dtype=np.complex128)
+        values = as_background(tabulated(self.flow.chute, self.flow.states_at(z), derivatives=False), derivatives=False)
+        return np.asarray(system.continuum(values, self.kx)[0], dtype=np.complex128)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +78,12 @@ class Perturbations:
         C0, C1, D0, D1 = (_dense(entries, len(z)) for entries in parts)
         return Pencil(C0, C1, D0, D1)
 
+    @cached_property
+    def recorded(self) -> RecordedPencil:
+        """The same system as a formula of the fields."""
+        parameters = np.array([self.flow.chute.tan_theta, self.kx, self.ky])
+        return RecordedPencil(pencil_formula, (self.kx == 0.0, self.ky == 0.0), self.size, self._fields, parameters, FIELD_COUNT)
+
     def start(self, sigma: complex, tolerance: float) -> float:
         """Where the series of the far field holds to the tolerance."""
         return self.flow.height(self.flow.inside(self._far.reach(sigma, tolerance)))
@@ -89,13 +96,15 @@ class Perturbations:
         return FarFrame(frame, tangent, self._far.trace * log_nu, error)
 
     def mesh(self, start: float) -> NDArray[np.float64]:
-        """Every eighth point, (m,) in all, of the steady flow's own integration."""
-        inside = self.flow.nodes[self.flow.nodes < start]
-        return np.concatenate(([start], inside[:-1][::8], [0.0]))
+        """The start and the centres, (m,) in all, of the steady flow's own Taylor polynomials."""
+        return np.concatenate(([start], self.flow.nodes[self.flow.nodes < start]))
 
     def wall_rows(self) -> tuple[ComplexArray, ComplexArray]:
-        base = _scalars(self._background(np.array([0.0 + 0j])))
-        return wall_rows(self.flow.chute, base, self.kx, self.ky, math.pi)
+        return self._wall_rows
+
+    @cached_property
+    def _wall_rows(self) -> tuple[ComplexArray, ComplexArray]:
+        return wall_rows(self.flow.chute, _base(self.flow), self.kx, self.ky, math.pi)
 
     def with_base_flow_error(self, factor: float) -> Self:
         """The same problem on a steady flow computed with a tolerance larger by this factor."""
@@ -121,6 +130,9 @@ class Perturbations:
         return Unknowns(PERTURBED, matrix)
 
     def _background(self, z: ComplexArray) -> Background:
+        return as_background(self._fields(z))
+
+    def _fields(self, z: ComplexArray) -> NDArray[np.inexact]:
         return _along_path(self.flow, np.ascontiguousarray(z, dtype=np.complex128).tobytes())
 
     @cached_property
@@ -129,22 +141,15 @@ class Perturbations:
 
 
 @lru_cache(maxsize=8)
-def _along_path(flow: Flow, points: bytes) -> Background:
-    """The background at points of a path: for all waves that share a mesh it is the same."""
-    return _background_of(flow, flow.states_at(np.frombuffer(points, dtype=np.complex128), order="path"))
+def _along_path(flow: Flow, points: bytes) -> NDArray[np.inexact]:
+    """The fields at points of a path: for all waves that share a mesh they are the same."""
+    return tabulated(flow.chute, flow.states_at(np.frombuffer(points, dtype=np.complex128), order="path"))
 
 
-def _background_of(flow: Flow, states: ComplexArray) -> Background:
-    return background(flow.chute, np.exp(states[:, 0]), states[:, 1], states[:, 2], states[:, 3], math.pi)
-
-
-def _scalars(bg: Background) -> Background:
-    """The background at its first point, as numbers."""
-    from dataclasses import fields as fields_of
-
-    from shootstab.core.series import Series
-
-    return Background(**{f.name: Series(complex(c[0]) for c in getattr(bg, f.name).coefficients) for f in fields_of(bg)})
+@lru_cache(maxsize=16)
+def _base(flow: Flow) -> Background:
+    """The background at the base, in numbers."""
+    return as_background(tabulated(flow.chute, flow.states_at(np.zeros(1)))[:, 0].tolist())
 
 
 def _dense(entries: system.Entries, points: int) -> ComplexArray:

@@ -1,8 +1,10 @@
 """The steady, fully developed flow (guide/theory.md 1.2): p′ = −ν, u′ = tanθ p/η, q′ = tanθ² p²/η − γ.
 
-The state is regular at infinity: (ln ν, T, u, Q) with Q = q/ν, and two quadratures, ∫p dz and ∫νu dz from z to infinity.
+The state is regular at infinity: (ln ν, T, u, Q) with Q = q/ν, and three quadratures, ∫p dz, ∫νu dz and ∫ν dz from z to infinity.
 The equations do not contain z, so the flow that decays for a given T_∞ is one curve: it is started at ν = 1e−18, where the
 first terms of its expansion in ν are exact to rounding, and followed down to the base, where the energy condition holds.
+
+What is kept are the Taylor polynomials of this integration: the flow at any z in one of their discs is a value of one of them.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.errors import ConvergenceError, InputError, NoFlowError
-from shootstab.kernels.tableau import STAGES
+from shootstab.kernels.taylor_pieces import along_path, at_each, integrate, terms_for
 from shootstab.models.chute import constitutive as law
 from shootstab.models.chute import descent
 from shootstab.models.chute.balance import slip, slopes
@@ -24,8 +26,11 @@ from shootstab.models.chute.descent import DESCENT_SIZE
 from shootstab.models.chute.parameters import Chute
 from shootstab.models.chute.registry import BY_NAME
 
-NU_TOP = 1e-18  # chosen: ν0 where the integration begins; what the first order in ν0 leaves out is below rounding there
-TOLERANCE = 2e-14  # chosen: local error of the best flow, some hundred units of rounding, below which steps are lost to noise
+TOLERANCE = 1e-16  # chosen: what a polynomial leaves out, relative; below the rounding of doubles
+BEGINNING = 1e-2  # chosen: of the tolerance, ν0 where the integration begins; what the first order in ν0 leaves out is below it there
+NU_TOP = BEGINNING * TOLERANCE
+MOST_PIECES = 1000  # chosen: at most; the paper's flows have some 60
+LONGEST_PIECE = 3.0  # chosen: of T_∞, the length of a piece at most; ν changes by a factor of 20 over it
 
 
 @dataclass(frozen=True)
@@ -46,32 +51,49 @@ class Fields:
 class Flow:
     """One steady flow, known at any z, real or complex.
 
-    nodes (m,), descending from the top to the base at 0, and states (m, 6) there.
+    nodes (m,), descending from the top to the base at 0; pieces (m, 7, N), the Taylor coefficients of the state around each of them,
+    good to the tolerance in discs of these radii (m,).
     """
 
     chute: Chute
     far_temperature: float
     nodes: NDArray[np.float64]
-    states: NDArray[np.complex128]
+    pieces: NDArray[np.float64]
+    radii: NDArray[np.float64]
     far_velocity: float
     tolerance: float = TOLERANCE
     asked_flux: float | None = None  # the mass flux by which the flow was chosen, if it was
 
+    @property
+    def states(self) -> NDArray[np.float64]:
+        """States (m, 6) at the nodes."""
+        return self.pieces[:, :6, 0]
+
     def states_at(self, z: Any, order: str = "any") -> NDArray[np.complex128]:
-        """States (…, 6) at z. With order='path' the points are followed one after the other, from the first one on:
-        off the real axis this continues the flow analytically along the path they make.
+        """States (…, 6) at z: (ln ν, T, u, Q, ∫p, ∫νu).
+
+        With order='path' the points are followed one after the other, from the first one on: far off the real axis this continues the
+        flow analytically along the path they make.
         """
         z = np.asarray(z)
         flat = np.ravel(z).astype(np.complex128)
         out = np.empty((flat.size, DESCENT_SIZE), dtype=np.complex128)
-        if order == "path":
-            self._continue(flat, out)
-        else:
-            ranks = np.argsort(-flat.real)
-            sorted_out = np.empty_like(out)
-            self._near_nodes(flat[ranks], sorted_out)
-            out[ranks] = sorted_out
-        return out.reshape(*z.shape, DESCENT_SIZE)
+        # nodes descend: the last node with nodes[i] ≥ Re z
+        places = np.searchsorted(-self.nodes, -flat.real, side="right") - 1
+        below = places >= 0
+        if not below.all():
+            out[~below] = self._beyond_top(flat[~below])
+        inside = np.flatnonzero(below)
+        kernel = along_path if order == "path" else at_each
+        found = np.empty((inside.size, DESCENT_SIZE), dtype=np.complex128)
+        points = flat[inside]
+        lists = descent.equations(self.chute.radial_law[0])
+        reached = kernel(lists, self.chute.numbers, self.nodes, self.pieces, self.radii, places[inside], self.tolerance, points, found)
+        if reached < inside.size:
+            z_lost = points[reached]
+            raise ConvergenceError(f"the steady flow cannot be continued to z = {z_lost:.6g}: a singularity of the flow lies there")
+        out[inside] = found
+        return out[:, :6].reshape(*z.shape, 6)
 
     def at(self, z: Any) -> Fields:
         """The fields at heights z, real or complex, each of the shape of z."""
@@ -82,39 +104,16 @@ class Flow:
         decay, T_z, u_z, _ = slopes(nu, T, Q, self.chute.ep, self.chute.tan_theta, self.chute.radial_law, math.pi)
         return Fields(nu, u, T, nu * law.f1(nu, g0, self.chute.ep) * T, nu * Q, nu * decay, u_z, T_z)
 
-    def _continue(self, z: NDArray[np.complex128], out: NDArray[np.complex128]) -> None:
-        # what comes before the top is known without being followed
-        inside = np.flatnonzero((z.real <= self.nodes[0]) | (z.imag != 0.0))
-        begin = min(int(inside[0]) if inside.size else z.size, z.size - 1)
-        self._near_nodes(z[: begin + 1], out[: begin + 1])
-        reached = begin + descent.follow(out[begin].copy(), z[begin], z[begin:], self.chute.numbers, self.tolerance, out[begin:])
-        if reached < z.size:
-            raise ConvergenceError(f"the steady flow cannot be continued to z = {z[reached]:.6g}: a singularity of the flow lies there")
-
-    def _near_nodes(self, z: NDArray[np.complex128], out: NDArray[np.complex128]) -> None:
-        """Each point by a step of its own from the nearest node above it; beyond the top, by the expansion in ν."""
-        above = z.real > self.nodes[0]
-        if above.any():
-            out[above] = self._beyond_top(z[above])
-        inside = np.flatnonzero(~above)
-        # nodes descend: the last node with nodes[i] ≥ Re z
-        place = np.clip(np.searchsorted(-self.nodes, -z[inside].real, side="right") - 1, 0, len(self.nodes) - 1)
-        points, found = z[inside], np.empty((inside.size, DESCENT_SIZE), dtype=np.complex128)
-        reached = descent.from_nodes(self.nodes, self.states, place, points, self.chute.numbers, self.tolerance, found)
-        if reached < inside.size:
-            raise ConvergenceError(f"the steady flow cannot be continued to z = {points[reached]:.6g}: a singularity of the flow lies near")
-        out[inside] = found
-
     def _beyond_top(self, z: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        log_nu = math.log(NU_TOP) - (z - self.nodes[0]) / self.far_temperature
+        log_nu = self.pieces[0, 0, 0] - (z - self.nodes[0]) / self.far_temperature
         states = top_state(self.chute, self.far_temperature, log_nu)
         states[:, 2] += self.far_velocity
-        states[:, 5] += self.far_velocity * np.exp(log_nu) * self.far_temperature
+        states[:, 5] += self.far_velocity * states[:, 6]
         return states
 
     def height(self, nu: float) -> float:
         """The real z, nearest to the top, at which ν0 = nu; nu must lie below the value at the base and on the way up."""
-        log_nu = self.states[:, 0].real
+        log_nu = self.states[:, 0]
         target = math.log(nu)
         if target <= log_nu[0]:
             return float(self.nodes[0] - (target - log_nu[0]) * self.far_temperature)
@@ -137,7 +136,7 @@ class Flow:
 
         Below it ν0 is a coordinate, as the series of the far field take it.
         """
-        log_nu = self.states[:, 0].real
+        log_nu = self.states[:, 0]
         falls = np.flatnonzero(np.diff(log_nu) <= 0.0)
         return math.exp(log_nu[falls[0]] if falls.size else log_nu[-1])
 
@@ -148,7 +147,7 @@ class Flow:
     @cached_property
     def base(self) -> dict[str, float]:
         """ν, T, u at the base."""
-        y = self.states[-1].real
+        y = self.states[-1]
         return {"nu": float(np.exp(y[0])), "T": float(y[1]), "u": float(y[2])}
 
     @cached_property
@@ -161,16 +160,16 @@ class Flow:
     @cached_property
     def mass_flux(self) -> float:
         """Q0 = ∫νu dz of (2.8)."""
-        return float(self.states[-1, 5].real)
+        return float(self.states[-1, 5])
 
     @cached_property
     def centre_of_mass(self) -> float:
         """h0 = ∫νz dz / M0 of (2.8); the integral is ∫p dz, by parts."""
-        return float(self.states[-1, 4].real) / self.hold_up
+        return float(self.states[-1, 4]) / self.hold_up
 
 
 def top_state(chute: Chute, far_temperature: float, log_nu: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """States (m, 6) so high up that only the first terms of the expansion in ν count; u is taken relative to u_∞.
+    """States (m, 7) so high up that only the first terms of the expansion in ν count; u is taken relative to u_∞.
 
     T = T_∞ (1 + (g4/g3) ν), Q = −(tanθ²/g2 − f5) T_∞^{5/2} ν / 2, u − u_∞ = −(tanθ/g2) T_∞^{3/2} ν.
     """
@@ -184,6 +183,7 @@ def top_state(chute: Chute, far_temperature: float, log_nu: NDArray[np.complex12
     out[:, 3] = -(chute.tan_theta**2 / g2 - f5) * far_temperature**2.5 * nu / 2
     out[:, 4] = nu * far_temperature**2
     out[:, 5] = nu * out[:, 2] * far_temperature / 2
+    out[:, 6] = nu * far_temperature
     return out
 
 
@@ -195,49 +195,35 @@ def descend(chute: Chute, far_temperature: float, tolerance: float = TOLERANCE) 
     BY_NAME["far_temperature"].check(far_temperature)
     if law.slip_coefficient(chute.r) == 0.0:
         raise NoFlowError(f"r = {chute.r:g}: no steady flow, for a smooth base bears no shear; r must be above 0")
-    z = np.zeros(6000)
-    states = np.empty((z.size, DESCENT_SIZE), dtype=np.complex128)
-    y0 = top_state(chute, far_temperature, np.array([math.log(NU_TOP) + 0j]))[0]
-    count, found = descent.descend(y0, chute.numbers, far_temperature, tolerance, z, states)
+    lists, terms = descent.equations(chute.radial_law[0]), terms_for(tolerance)
+    nodes, pieces, radii = np.zeros(MOST_PIECES), np.empty((MOST_PIECES, DESCENT_SIZE, terms)), np.empty(MOST_PIECES)
+    start = top_state(chute, far_temperature, np.array([math.log(BEGINNING * tolerance) + 0j]))[0].real.copy()
+    limits = descent.limits(law.densest(chute.radial_law))
+    longest = LONGEST_PIECE * far_temperature
+    count, found = integrate(lists, chute.numbers, start, tolerance, longest, limits, nodes, pieces, radii)
+    nodes, pieces, radii = nodes[:count].copy(), pieces[:count].copy(), radii[:count].copy()
     if not found:
-        nu = math.exp(states[count, 0].real)
         raise NoFlowError(
             f"no steady flow with far_temperature = {far_temperature:g} and these parameters: the flow that decays "
-            f"to it meets no base (followed down to nu = {nu:.3g})"
+            f"to it meets no base (followed down to nu = {math.exp(pieces[-1, 0, 0]):.3g})"
         )
-    z, states = z[: count + 1], states[: count + 1]
-    place_base(chute, z, states)
-    return _with_slip(chute, far_temperature, z - z[-1], states, tolerance)
+    return _with_slip(chute, far_temperature, nodes - nodes[-1], pieces, radii, tolerance)
 
 
-def place_base(chute: Chute, z: NDArray[np.float64], states: NDArray[np.complex128]) -> None:
-    """Shorten the last step of z (N,) and states (N, 6) in place, so that it ends where the energy defect vanishes."""
-    from scipy.optimize import brentq
-
-    stages, trial = np.empty((STAGES, DESCENT_SIZE), dtype=np.complex128), np.empty(DESCENT_SIZE, dtype=np.complex128)
-    start, length = states[-2], z[-1] - z[-2]
-
-    def defect(fraction: float) -> float:
-        descent.step(start, fraction * length, chute.numbers, stages, trial)
-        return float(descent.energy_defect(trial, chute.numbers))
-
-    fraction = brentq(defect, 0.0, 1.0, xtol=1e-16, rtol=1e-15)
-    defect(fraction)
-    z[-1] = z[-2] + fraction * length
-    states[-1] = trial
-
-
-def _with_slip(chute: Chute, far_temperature: float, z: NDArray[np.float64], states: NDArray[np.complex128], tolerance: float) -> Flow:
+def _with_slip(
+    chute: Chute,
+    far_temperature: float,
+    nodes: NDArray[np.float64],
+    pieces: NDArray[np.float64],
+    radii: NDArray[np.float64],
+    tolerance: float,
+) -> Flow:
     """Add the constant to u that the slip condition asks for, and carry it into ∫νu."""
-    log_nu, T, u, Q = states[-1, :4].real
+    log_nu, T, u, Q = pieces[-1, :4, 0]
     nu = math.exp(log_nu)
     g0, _ = law.radial(nu, chute.radial_law)
     u_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.radial_law, math.pi)[2]
-    far_velocity = slip(nu, T, u_z, g0, chute.r, chute.tan_theta, math.pi) - u
-    states = states.copy()
-    states[:, 2] += far_velocity
-    # ∫_z^∞ ν dz = p
-    nus = np.exp(states[:, 0])
-    g0s, _ = law.radial(nus, chute.radial_law)
-    states[:, 5] += far_velocity * nus * law.f1(nus, g0s, chute.ep) * states[:, 1]
-    return Flow(chute, far_temperature, z, states, float(far_velocity), tolerance)
+    far_velocity = float(slip(nu, T, u_z, g0, chute.r, chute.tan_theta, math.pi) - u)
+    pieces[:, 2, 0] += far_velocity
+    pieces[:, 5] += far_velocity * pieces[:, 6]
+    return Flow(chute, far_temperature, nodes, pieces, radii, far_velocity, tolerance)

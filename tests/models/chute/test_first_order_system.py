@@ -32,6 +32,7 @@ from shootstab.models.chute.background import Background, background
 from shootstab.models.chute.first_order_system import SIZE, continuum, pencil_entries
 from shootstab.models.chute.parameters import Chute
 from shootstab.models.chute.steady_flow import descend
+from shootstab.models.chute.tabulated import as_background, tabulated
 
 PAPER = Chute(e=0.8, e_w=0.8, r=0.6, tan_theta=0.3)
 CHUTES = [PAPER, Chute(e=0.93, e_w=0.7, r=0.4, tan_theta=0.41), Chute(e=0.7, e_w=0.9, r=0.5, tan_theta=0.35, radial="carnahan-starling")]
@@ -239,6 +240,22 @@ def test_background_of_arrays_is_the_background_of_each_point():
             for place, value in entries.items():
                 assert np.shape(value) == (len(STATES),)
                 assert complex(value[i]) == pytest.approx(complex(point[place]), rel=1e-13, abs=1e-300)
+
+
+@pytest.mark.parametrize("chute", CHUTES, ids=lambda c: f"{c.radial}-{c.e}")
+@pytest.mark.parametrize("turn", [0.0, 0.1])
+def test_tabulated_background_is_the_background_of_each_point(chute, turn):
+    """Recorded programs of the formulas give what the formulas do, with derivatives and without, in real numbers for real states."""
+    states = np.array([[math.log(nu), T, u, Q, 0.0, 0.0] for nu, T, u, Q in STATES]) * (1 + turn * 1j)
+    whole, plain = as_background(tabulated(chute, states)), as_background(tabulated(chute, states, derivatives=False), derivatives=False)
+    for i, (log_nu, *state, _, _) in enumerate(states):
+        exact = background(chute, np.exp(log_nu), *state, math.pi)
+        for name in Background.__dataclass_fields__:
+            got, want = getattr(whole, name), getattr(exact, name)
+            assert np.iscomplexobj(got[0]) == (turn != 0.0)
+            assert complex(got[0][i]) == pytest.approx(complex(want[0]), rel=2e-14, abs=0.0), name
+            assert abs(got[1][i] - want[1]) <= 1e-13 * (abs(want[1]) + abs(want[0] * exact.decay[0])), name
+            assert complex(getattr(plain, name)[0][i]) == pytest.approx(complex(want[0]), rel=2e-14, abs=0.0), name
 
 
 def test_background_of_series_is_differentiated_by_them():

@@ -13,12 +13,13 @@ from linearization import evaluator
 
 from shootstab.core.errors import ConvergenceError, InputError, NoFlowError
 from shootstab.core.series import Series
+from shootstab.kernels import taylor_pieces
 from shootstab.models.chute import descent
 from shootstab.models.chute.balance import slopes
 from shootstab.models.chute.constitutive import radial, slip_coefficient
 from shootstab.models.chute.family import BRANCHES, flows, steady_by_flux
 from shootstab.models.chute.parameters import Chute
-from shootstab.models.chute.steady_flow import NU_TOP, Flow, descend, place_base, top_state
+from shootstab.models.chute.steady_flow import NU_TOP, Flow, descend
 
 PAPER = Chute(e=0.8, e_w=0.8, r=0.6, tan_theta=0.3)
 NEARLY_ELASTIC = Chute(e=0.95, e_w=0.8, r=0.6, tan_theta=0.2)
@@ -61,7 +62,7 @@ class Fields:
 
 
 def panels(flow: Flow, steps: int) -> np.ndarray:
-    """Ascending heights from the base to the top, so many steps of the integration apart: close where the flow is steep."""
+    """Ascending heights from the base to the top, so many pieces of the flow apart: close where the flow is steep."""
     ends = np.append(flow.nodes[::-1][:-1:steps], flow.nodes[0])
     return ends[np.append(True, np.diff(ends) > 0)]
 
@@ -400,19 +401,11 @@ def test_taylor_integration_in_thirty_digits():
 
 def test_tolerance_is_converged():
     """Tightening the tolerance a thousandfold from 1e−11 moves the base by the first tolerance, not by the second."""
-    bases = []
-    for tolerance in (1e-8, 1e-11, 2e-14):
-        z, states = np.zeros(6000), np.empty((6000, 6), dtype=np.complex128)
-        count, found = descent.descend(
-            top_state(PAPER, 2.54, np.array([math.log(NU_TOP) + 0j]))[0], PAPER.numbers, 2.54, tolerance, z, states
-        )
-        assert found
-        z, states = z[: count + 1], states[: count + 1]
-        place_base(PAPER, z, states)
-        bases.append((states[-1].real.copy(), count))
-    errors = [np.abs(b[0][[0, 1, 3]] - bases[-1][0][[0, 1, 3]]).max() for b in bases[:2]]
+    flows_of = [descend(PAPER, 2.54, tolerance) for tolerance in (1e-8, 1e-11, 1e-16)]
+    bases = [flow.states[-1, [0, 1, 3]] for flow in flows_of]
+    errors = [np.abs(base - bases[-1]).max() for base in bases[:2]]
     assert errors[0] <= 1e-6 and errors[1] <= 1e-9 and errors[1] < errors[0] / 50
-    assert bases[0][1] < bases[1][1] < bases[2][1]
+    assert flows_of[0].pieces.shape[2] < flows_of[1].pieces.shape[2] < flows_of[2].pieces.shape[2]
 
 
 # ------------------------------------------------------------------------------------------------ complex z
@@ -478,39 +471,54 @@ def test_singularity_of_the_flow_is_reported():
         assert np.isfinite(before).all()
 
 
-def test_wild_trial_steps_are_rejected():
-    """One step across the whole flow overflows: its error must be no number, never zero, and the flow must be followed by smaller ones."""
+def test_points_far_apart_are_reached_as_those_between_are():
+    """From high up to far below the base, in one go and by 36 steps."""
     flow = flow_of(PAPER, 2.54)
-    stages, out = np.empty((12, 6), complex), np.empty(6, complex)
-    start = flow.states_at(10 * 2.54)
-    error = descent.step(start, -35 * 2.54 + 0j, PAPER.numbers, stages, out)
-    assert not error <= 1.0
     z = np.linspace(10.0, -25.0, 36) * 2.54
     far, near = flow.states_at(z[[0, -1]], order="path")[-1], flow.states_at(z, order="path")[-1]
     assert np.isfinite(far).all()
     assert np.all(np.abs(far - near) <= 1e-10 * np.abs(near))
 
 
+def test_pieces_meet():
+    """Every polynomial agrees with the next one where that begins, and half-way between on both sides of the real axis."""
+    for far_temperature in (7.338568375902416, 0.2):
+        flow = flow_of(PAPER, far_temperature)
+        scale = np.abs(flow.pieces[:, :, 0]) + 1e-2 * np.abs(flow.pieces[:, [1], 0]) ** 0.5
+        for i, h in enumerate(np.diff(flow.nodes)):
+            for t in (h, h * (0.5 + 0.5j), h * (0.5 - 0.5j)):
+                if max(abs(t) / flow.radii[i], abs(t - h) / flow.radii[i + 1]) <= 1.0:
+                    here, there = (np.polynomial.polynomial.polyval(s, p.T) for s, p in ((t, flow.pieces[i]), (t - h, flow.pieces[i + 1])))
+                    # Q is nothing yet next to the top
+                    assert np.all(np.abs(here - there)[[0, 1, 2, 4, 5, 6]] <= 4e-15 * scale[i + 1][[0, 1, 2, 4, 5, 6]])
+
+
 # ------------------------------------------------------------------------------------------------ compiled and not
-def test_kernels_agree_with_their_python_source():
+def test_equations_are_those_of_the_balance():
+    """The recorded program gives the slopes of `balance.slopes` and the energy defect of (A 18), compiled and not, at complex states."""
+    lists, rng = descent.equations(PAPER.radial_law[0]), np.random.default_rng(5)
     flow = flow_of(PAPER, 0.2)
-    rng = np.random.default_rng(5)
     for z in (0.0, 0.7, 5.0):
-        y = flow.states_at(z) * (1 + 1e-3j * rng.normal(size=6))
-        a, b = np.empty((2, 6), complex)
-        descent.rhs(y, PAPER.numbers, a)
-        descent.rhs.py_func(y, PAPER.numbers, b)
-        assert np.all(np.abs(a - b) <= 1e-13 * np.abs(a))
-        assert descent.energy_defect(y, PAPER.numbers) == pytest.approx(
-            descent.energy_defect.py_func(y, PAPER.numbers), rel=1e-12, abs=1e-14
-        )
-        outs, errors = [], []
-        for step in (descent.step, descent.step.py_func):
-            stages, out = np.empty((12, 6), complex), np.empty(6, complex)
-            errors.append(step(y, -0.05 + 0.01j, PAPER.numbers, stages, out))
-            outs.append(out)
-        assert np.all(np.abs(outs[0] - outs[1]) <= 1e-13 * np.abs(outs[0]))
-        assert abs(errors[0] - errors[1]) <= 1e-6 * errors[0] + 1e-14
+        y = np.append(flow.states_at(z), 0.3) * (1 + 1e-3j * rng.normal(size=7))
+        outs = []
+        for kernel in (taylor_pieces.expand, taylor_pieces.expand.py_func):
+            out, sizes = np.zeros((7, 6), complex), np.empty(7)
+            out[:, 0] = y
+            stop = kernel(lists, PAPER.numbers.astype(complex), np.empty((len(lists[0]), 6), complex), out, sizes)
+            outs.append((out, sizes, stop))
+        assert np.all(np.abs(outs[0][0] - outs[1][0]) <= 1e-13 * np.abs(outs[0][0]))
+        assert np.allclose(outs[0][1], outs[1][1], rtol=1e-14, atol=0.0)
+        assert outs[0][2] == pytest.approx(outs[1][2], rel=1e-12, abs=1e-14)
+        nu, T, u, Q = np.exp(y[0]), *y[1:4]
+        rates = slopes(nu, T, Q, PAPER.ep, PAPER.tan_theta, PAPER.radial_law, math.pi)
+        g1, A = evaluator(PAPER.radial, ("g1", "A"), 0, "numpy")(nu, PAPER.ep, PAPER.nu_max)
+        expected = [*rates, -g1 * T, -nu * u, -nu]
+        assert np.all(np.abs(outs[0][0][:, 1] - expected) <= 1e-13 * np.abs(expected))
+        s = math.sqrt(1 - PAPER.r**2)
+        kappa, delta = 2 / 3 * (2 / (1 + s) - s), math.sqrt(2 / math.pi) * 2 * (1 - PAPER.e_w) / (1 + s)
+        slip_velocity = (PAPER.tan_theta * (T * math.pi / 2) ** 0.5 + (kappa - A * PAPER.r**2 / 2) * rates[2]) / kappa
+        p, q = g1 * T, nu * Q
+        assert outs[0][2] == pytest.approx(((q - PAPER.tan_theta * p * slip_velocity + delta * p * T**0.5) / p).real, rel=1e-12, abs=1e-14)
 
 
 # ------------------------------------------------------------------------------------------------ the family

@@ -1,0 +1,18 @@
+"""Who is told when a kernel is compiled: the first time ever that it is needed, before it is found in the cache."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+_told: list[Callable[[str], None]] = []
+
+
+def tell(listener: Callable[[str], None]) -> None:
+    """From now on call listener with the name of every kernel whose compilation begins."""
+    _told.append(listener)
+
+
+def begins(name: str) -> None:
+    """A kernel is compiled."""
+    for listener in _told:
+        listener(name)
