@@ -26,7 +26,8 @@ from shootstab.problems.protocol import ComplexArray
 
 @dataclass(frozen=True)
 class Conditioning:
-    """absolute: κ, |δσ| per relative change of every entry; relative: κ/|σ|, infinite at σ = 0. nonnormality ≥ 1 is 1 if self-adjoint."""
+    """absolute: κ, |δσ| per relative change of every entry; relative: κ/|σ|, infinite at σ = 0. nonnormality ≥ 1: 1 without
+    cancellation."""
 
     absolute: float
     relative: float

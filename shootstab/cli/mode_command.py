@@ -96,7 +96,7 @@ def _tables(found: Eigenfunction, scene: scene_files.Scene, z: Any) -> list[Rend
         "error": f"{found.error:.1e} of each unknown's largest value",
         "": f"({', '.join(parts[:3])},\n {', '.join(parts[3:])})",
         "condition": f"{condition}: relative changes ε of the entries make {condition} ε of {scene.symbol} at most",
-        "nonnormality": f"{nonnormality} (1: self-adjoint)",
+        "nonnormality": f"{nonnormality} (1: no product of φ and its adjoint cancels another)",
     }
     if found.kind:
         rows["kind"] = found.kind
