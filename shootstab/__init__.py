@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from shootstab.discriminants.frame import Frame
     from shootstab.discriminants.riccati import Riccati
     from shootstab.formulation.conditions import Axis, Conditions, Periodic
+    from shootstab.formulation.joints import InterfaceConditions
     from shootstab.formulation.problem import equations
     from shootstab.io.readers import read
     from shootstab.io.scenes import load as scene
@@ -62,6 +63,7 @@ _HOMES = {
     "Conditions": "shootstab.formulation.conditions",
     "Axis": "shootstab.formulation.conditions",
     "Periodic": "shootstab.formulation.conditions",
+    "InterfaceConditions": "shootstab.formulation.joints",
     "Wall": "shootstab.problems",
     "LinearProblem": "shootstab.problems",
     "Interface": "shootstab.problems",
@@ -102,6 +104,7 @@ __all__ = [
     "Infinity",
     "InputError",
     "Interface",
+    "InterfaceConditions",
     "LinearProblem",
     "NoFlowError",
     "Periodic",

@@ -27,6 +27,7 @@ EXAMPLES = {
     "scenes": "shootstab scenes",
     "guide": "shootstab guide verdicts",
     "explain": "shootstab explain scene.toml",
+    "critical": "shootstab critical scene.toml --parameter Ra=640 --over a=2.3 --guess 0",
 }
 
 DOORS = """shootstab: an independent second opinion on eigenvalues of linear stability problems

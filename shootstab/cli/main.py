@@ -20,6 +20,7 @@ from shootstab import __version__
 from shootstab.cli import (
     baseline_command,
     commands,
+    critical_command,
     explain_command,
     figures,
     guide_command,
@@ -165,6 +166,9 @@ def parser() -> argparse.ArgumentParser:
         command.add_argument("--atol", type=values.absolute, metavar="X", help=says)
     figures.options(find, "draw the modes and the region")
     find.add_argument("--resonances", action="store_true", help="list zeros beyond the continuous spectrum too")
+
+    critical = _command(subparsers, critical_command.critical, "where a mode begins to grow, over all values of a parameter")
+    critical_command.options(critical, values.guess)
 
     _command(subparsers, explain_command.explain, "what the reduction of the scene's equations found")
 

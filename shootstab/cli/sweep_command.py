@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shootstab.cli.commands import BAD_NEWS, DONE, answer
+from shootstab.core.errors import InputError
 from shootstab.io import scenes as scene_files
 from shootstab.io.files import require_writable, write_whole
 from shootstab.models.chute.registry import SWEPT
@@ -36,6 +37,8 @@ def options(parser: argparse.ArgumentParser, integer: Callable[[int, int], Any],
     """Add what `sweep` takes."""
     for p in SWEPT:
         parser.add_argument(p.option, dest=p.name, type=_values, metavar="A:B:N", help=f"{p.meaning}: N values from A to B, or one value")
+    named = "a parameter of a scene in equations, likewise; may be given for several"
+    parser.add_argument("--over", type=_named_values, action="append", default=[], metavar="NAME=A:B:N", help=named)
     parser.add_argument("--digits", type=integer(1, 11), default=8, metavar="N", help="digits of σ at every point (default 8)")
     parser.add_argument("--every", type=integer(1, 1000), default=12, metavar="N", help="count modes at every N-th point (default 12)")
     parser.add_argument("--floor", type=_floor, default=1e-8, metavar="X", help="a mode grows if Re σ > X (default 1e-8)")
@@ -50,6 +53,10 @@ def options(parser: argparse.ArgumentParser, integer: Callable[[int, int], Any],
 def sweep(options: Namespace) -> int:
     """The dominant mode over wavenumbers and flows."""
     axes = {p.name: getattr(options, p.name) for p in SWEPT if getattr(options, p.name) is not None}
+    for name, values in options.over:
+        if name in axes:
+            raise InputError(f"{name}: given twice: allowed is once")
+        axes[name] = values
     for path in (options.out, options.export):
         if path is not None:
             require_writable(path)
@@ -206,6 +213,13 @@ def _values(text: str) -> tuple[float, ...]:
     (a, b), n = ends, int(parts[2])
     # 15 digits: 0.015 and not 0.015000000000000003
     return tuple(float(f"{a + (b - a) * i / (n - 1):.15g}") for i in range(n))
+
+
+def _named_values(text: str) -> tuple[str, tuple[float, ...]]:
+    name, equals, values = text.partition("=")
+    if not equals or not re.fullmatch(r"[^\W\d]\w*", name):
+        raise argparse.ArgumentTypeError(f"{text!r}: allowed is NAME=A:B:N, or NAME=X")
+    return name, _values(values)
 
 
 def _floor(text: str) -> float:

@@ -129,8 +129,8 @@ class Collocation:
 
 
 def collocation(statement: Statement) -> Collocation | None:
-    """The discretization of a statement; None where an end is at infinity or periodic, or conditions are not as many as c and d ask for."""
-    if not all(statement.finite) or isinstance(statement.left, Periodic):
+    """The discretization of a statement; None in layers, with ends at infinity or periodic, and where conditions do not fit."""
+    if not all(statement.finite) or isinstance(statement.left, Periodic) or statement.joints:
         return None
     unknowns = statement.names.unknowns
     S = np.full((len(unknowns), len(unknowns)), MINUS_INFINITY)

@@ -10,7 +10,8 @@
 
 An end is {at, conditions}; {axis = its place} where the equations have a regular singular point; {periodic = its place}, both ends;
 "infinity"; or, where the coefficients have no limit there, {infinity = true, start = …}.
-Further keys: eigenvalue and variable, their names (by default sigma and z), fold, and reference = [re, im].
+interfaces = [{ at, conditions, amplitudes }] divides the domain into layers, in which parameters and definitions that are lists have one
+value each. Further keys: eigenvalue and variable, their names (by default sigma and z), fold, and reference = [re, im].
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from shootstab.formulation.problem import EquationProblem, equations
 from shootstab.problems.ends import Infinity
 
 NEEDED = ("unknowns", "equations", "left", "right")
-OPTIONAL = ("parameters", "where", "eigenvalue", "variable", "fold", "reference")
+OPTIONAL = ("interfaces", "parameters", "where", "eigenvalue", "variable", "fold", "reference")
 
 
 def from_table(table: Mapping[str, Any]) -> EquationProblem:
@@ -46,6 +47,7 @@ def from_table(table: Mapping[str, Any]) -> EquationProblem:
         _texts(table, "equations"),
         _end(table["left"], "left"),
         _end(table["right"], "right"),
+        interfaces=_interfaces(table),
         parameters=_table(table, "parameters"),
         where=_table(table, "where"),
         eigenvalue=_text(table, "eigenvalue", "sigma"),
@@ -79,6 +81,14 @@ def _end(given: Any, side: str) -> End:
     return Conditions(given["at"], given["conditions"])
 
 
+def _interfaces(table: Mapping[str, Any]) -> list[Any]:
+    """Tables with at, conditions and amplitudes; what is in them is checked where they are read."""
+    value = table.get("interfaces", [])
+    if not isinstance(value, list) or not all(isinstance(x, dict) for x in value):
+        raise InputError(f"[problem] interfaces = {value!r}: allowed is a list of {{ at = ..., conditions = [...], amplitudes = [...] }}")
+    return value
+
+
 def _texts(table: Mapping[str, Any], key: str) -> list[str]:
     value = table[key]
     if not isinstance(value, list) or not value or not all(isinstance(x, str) for x in value):
@@ -99,10 +109,9 @@ def _table(table: Mapping[str, Any], key: str) -> dict[str, Any]:
     if not isinstance(value, dict):
         raise InputError(f"[problem] {key} = {shortened(value)}: allowed is a table of names")
     for name, x in value.items():
-        if not (_is_number(x) or (key == "where" and isinstance(x, str))):
-            raise InputError(
-                f"[problem] {key}: {name} = {shortened(x)}: allowed is a finite number{' or a formula' if key == 'where' else ''}"
-            )
+        if not all(_is_number(y) or (key == "where" and isinstance(y, str)) for y in (x if isinstance(x, list) else [x])):
+            told = f"a finite number{' or a formula' if key == 'where' else ''}, or a list with one for each layer"
+            raise InputError(f"[problem] {key}: {name} = {shortened(x)}: allowed is {told}")
     return value
 
 

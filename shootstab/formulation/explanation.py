@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import re
+from collections.abc import Sequence
 
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
-from shootstab.formulation.continuous_spectrum import InteriorSpectrum
 from shootstab.formulation.expression import Expression
-from shootstab.formulation.first_order import FirstOrder
+from shootstab.formulation.layers import ReducedLayer
 from shootstab.formulation.state_pencil import Condition, StatePencil
 from shootstab.formulation.statement import Statement
 from shootstab.formulation.system import Row, shown
@@ -18,13 +19,12 @@ LONGEST_SHOWN = 400  # chosen: characters of a formula that are shown
 
 def explanation(
     statement: Statement,
-    first: FirstOrder,
+    layers: Sequence[ReducedLayer],
     conditions: tuple[list[Condition], list[Condition]],
     system: StatePencil,
-    inside: InteriorSpectrum,
 ) -> Lines:
     """Pairs of a heading and what belongs to it; formulas in the user's names, parameters by their values."""
-    names = statement.names
+    names, first = statement.names, layers[0].first_order
 
     def text(expression: Expression) -> str:
         found = str(expression)
@@ -53,16 +53,21 @@ def explanation(
     for factor, where in first.factors:
         lines.append(("multiplied", f"{where} by {text(factor)}, which may vanish"))
     highest = max(len(part) for part in (system.C, system.left, system.right)) - 1
-    powers = "to the first power" if highest == 1 else f"up to the power {highest}"
-    lines.append(("eigenvalue", f"{names.eigenvalue} occurs {powers}"))
-    terms = [f"({text(c)})*{names.eigenvalue}**{k}" if k else f"({text(c)})" for k, c in first.determinant.items()]
-    lines.append(("det C", " + ".join(terms)))
-    curve = "none: det C does not hold the eigenvalue"
-    if inside.curves:
-        many = f"{inside.curves} curves, the zeros of det C in {names.eigenvalue}"
-        found = inside.expression
-        curve = many if found is None else f"{names.eigenvalue} = {text(found)}, {names.variable} along the domain"
-    lines.append(("continuous spectrum inside", curve))
+    occurs = "to the first power" if highest == 1 else f"up to the power {highest}"
+    lines.append(("eigenvalue", f"{names.eigenvalue} occurs {occurs}"))
+    for j, layer in enumerate(layers, 1):
+        of_layer = f" of layer {j}" if len(layers) > 1 else ""
+        powers = [f"({text(c)})*{names.eigenvalue}**{k}" if k else f"({text(c)})" for k, c in layer.first_order.determinant.items()]
+        lines.append((f"det C{of_layer}", " + ".join(powers)))
+        curve = "none: det C does not hold the eigenvalue"
+        if layer.spectrum_inside.curves:
+            many = f"{layer.spectrum_inside.curves} curves, the zeros of det C in {names.eigenvalue}"
+            found = layer.spectrum_inside.expression
+            curve = many if found is None else f"{names.eigenvalue} = {text(found)}, {names.variable} along the domain"
+        lines.append((f"continuous spectrum inside{of_layer}", curve))
+    for joint, pair in zip(statement.joints, itertools.pairwise(layers), strict=True):
+        rows_there = joint.conditions((pair[0].first_order, pair[1].first_order))
+        lines += [(f"interface, {names.variable} = {joint.at:g}", row_text(row) + " = 0") for row in rows_there]
     for side, end, rows in zip(("left", "right"), (statement.left, statement.right), conditions, strict=True):
         if isinstance(end, Conditions):
             lines += [(f"{side}, {names.variable} = {end.at:g}", condition_text(row)) for row in rows]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -56,19 +56,23 @@ class FirstOrder:
 
     def in_states(self, row: Row, beside: Iterable[Jet] = ()) -> Row:
         """The same in terms of the states, and of what may stand beside them, up to a factor that vanishes for single σ at most."""
-        states = {*self.states, *beside}
-        for _ in range(MOST_SUBSTITUTIONS):
-            foreign = [at for at in row if at not in states]
-            if not foreign:
-                return row
-            name, order = max(foreign, key=lambda at: at[1])
-            (_, top), rule = self.rules[name]
-            rule = differentiated(rule, order - top, self.vanishing)
-            pivot, x = rule[name, order], row[name, order]
-            p, x = (number(1), x / pivot) if degree(pivot) == 0 else (pivot, x)
-            row = combined([(p, row), (-x, rule)], self.vanishing)
-            row.pop((name, order), None)
-        raise InputError(f"a condition needs more than {MOST_SUBSTITUTIONS} substitutions: allowed are lower derivatives")
+        return reduced_to(row, {*self.states, *beside}, self.rules, self.vanishing)
+
+
+def reduced_to(row: Row, states: Set[Jet], rules: Mapping[str, tuple[Jet, Row]], vanishing: Vanishing) -> Row:
+    """A row in terms of the states alone, by rules of which each finds a jet and its derivatives from lower ones."""
+    for _ in range(MOST_SUBSTITUTIONS):
+        foreign = [at for at in row if at not in states]
+        if not foreign:
+            return row
+        name, order = max(foreign, key=lambda at: at[1])
+        (_, top), rule = rules[name]
+        rule = differentiated(rule, order - top, vanishing)
+        pivot, x = rule[name, order], row[name, order]
+        p, x = (number(1), x / pivot) if degree(pivot) == 0 else (pivot, x)
+        row = combined([(p, row), (-x, rule)], vanishing)
+        row.pop((name, order), None)
+    raise InputError(f"a condition needs more than {MOST_SUBSTITUTIONS} substitutions: allowed are lower derivatives")
 
 
 def first_order(system: System, vanishing: Vanishing, regular: object) -> FirstOrder:

@@ -13,7 +13,7 @@ imaginary unit, pi is π; decimals are taken exactly. What is wrong is told with
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 
 from shootstab.core.errors import InputError, shortened
@@ -43,12 +43,14 @@ def read(text: str, where: str, scope: Scope, known: Callable[[], str]) -> Expre
 class Reader:
     """One pass over one formula."""
 
-    def __init__(self, text: str, where: str, scope: Scope, known: Callable[[], str]) -> None:
+    def __init__(self, text: str, where: str, scope: Scope, known: Callable[[], str], sides: Mapping[str, Scope] | None = None) -> None:
+        """sides, at an interface: the scopes of before(f) and behind(f)."""
         if not isinstance(text, str):
             raise InputError(f"{where} = {text!r}: allowed is a formula as text")
         if len(text) > LONGEST_FORMULA:
             raise InputError(f"{where} has {len(text)} characters: allowed are {LONGEST_FORMULA}")
         self._text, self._where, self._scope, self._known = text, where, scope, known
+        self._sides = sides or {}
         self._tokens = self._split()
         self._at = 0
         self._depth = 0
@@ -154,7 +156,21 @@ class Reader:
         except KeyError:
             raise self._error(f"unknown name {name!r}: allowed are {self._known()}", at) from None
 
+    def _one_sided(self, side: str) -> Expression:
+        """What stands in the parenthesis, on one side of an interface."""
+        outside, self._scope = self._scope, self._sides[side]
+        value = self._item()
+        self._scope = outside
+        return value
+
     def _call(self, name: str, at: int) -> Expression:
+        if name in self._sides:
+            return self._one_sided(name)
+        if name == "jump" and self._sides:
+            begin = self._at
+            before = self._one_sided("before")
+            self._at = begin
+            return self._one_sided("behind") - before
         opened = self._at
         self._next()
         self._deeper()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 from shootstab.formulation.expression import Expression, number, quotient
@@ -32,9 +32,9 @@ def left_null_vector(L: Sequence[SparseRow], columns: Sequence[str], vanishing: 
         following = []
         for row, history in work:
             if name in row:
-                p, x = _coprime(pivot, row[name])
-                row = _minus(row, pivot_row, p, x, vanishing)
-                history = _minus(history, pivot_history, p, x, vanishing)
+                p, x = coprime(pivot, row[name])
+                row = minus(row, pivot_row, p, x, vanishing)
+                history = minus(history, pivot_history, p, x, vanishing)
                 row.pop(name, None)
             following.append((row, history))
         work = following
@@ -55,7 +55,7 @@ def determinant(L: Sequence[SparseRow], columns: Sequence[str]) -> Expression:
     return total
 
 
-def _coprime(pivot: Expression, x: Expression) -> tuple[Expression, Expression]:
+def coprime(pivot: Expression, x: Expression) -> tuple[Expression, Expression]:
     """p, x′ with p·x = x′·pivot, both short."""
     if pivot.constant is not None:
         return number(1), x / pivot
@@ -66,7 +66,10 @@ def _coprime(pivot: Expression, x: Expression) -> tuple[Expression, Expression]:
     return pivot, x
 
 
-def _minus(row: dict[K, Expression], other: dict[K, Expression], p: Expression, x: Expression, vanishing: Vanishing) -> dict[K, Expression]:
+def minus(
+    row: dict[K, Expression], other: dict[K, Expression], p: Expression, x: Expression, vanishing: Callable[[Expression], bool]
+) -> dict[K, Expression]:
+    """p · row − x · other, without the coefficients that vanish."""
     total = {at: p * c for at, c in row.items()}
     for at, c in other.items():
         term = x * c

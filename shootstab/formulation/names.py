@@ -59,13 +59,13 @@ class Names:
         if type(formula).__module__.startswith("sympy"):
             from shootstab.formulation.symbolic import converted
 
-            return converted(formula, where, self._meaning, self._listed, self.variable)
+            return converted(formula, where, self.meaning, self.listed, self.variable)
         if isinstance(formula, int | float | complex) and not isinstance(formula, bool):
             return number(formula)
-        return read(formula, where, self._meaning, self._listed)
+        return read(formula, where, self.meaning, self.listed)
 
-    def _meaning(self, name: str) -> Expression:
-        """Raises KeyError."""
+    def meaning(self, name: str) -> Expression:
+        """The expression of a name. Raises KeyError."""
         if name in self.unknowns:
             return jet(name)
         if name == self.eigenvalue:
@@ -90,6 +90,6 @@ class Names:
                 self._open.pop()
         return self._known[name]
 
-    def _listed(self) -> str:
+    def listed(self) -> str:
         names = [*self.unknowns, *self.where, *self.given, *self.parameters, self.variable, self.eigenvalue, "pi", "i"]
         return ", ".join(names)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,21 +13,24 @@ from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
 from shootstab.formulation.axis import RegularSpace
+from shootstab.formulation.condition_count import require_count
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
-from shootstab.formulation.continuous_spectrum import InteriorSpectrum, interior_spectrum
+from shootstab.formulation.continuous_spectrum import InteriorSpectrum
 from shootstab.formulation.digits import EquationDigits
 from shootstab.formulation.equation_collocation import Collocation, collocation
+from shootstab.formulation.equation_family import EquationFamily, family_around
 from shootstab.formulation.evaluation import Given, filled, on_arrays
 from shootstab.formulation.explanation import Lines, explanation
-from shootstab.formulation.first_order import FirstOrder, first_order
+from shootstab.formulation.first_order import FirstOrder
 from shootstab.formulation.gaussian import Gaussian
+from shootstab.formulation.joints import between
+from shootstab.formulation.layers import ReducedLayer, pencil_of, reduced_layers
 from shootstab.formulation.limits import with_limit
 from shootstab.formulation.regular_digits import RegularStart
 from shootstab.formulation.singular_ends import between_periodic_ends, between_singular_ends, singular_end
 from shootstab.formulation.state_pencil import Condition, Powers, StatePencil, in_states, state_pencil
 from shootstab.formulation.stated_unknowns import unknowns_of
 from shootstab.formulation.statement import Statement, stated
-from shootstab.formulation.system import degree, shown
 from shootstab.problems.ends import Infinity, Wall
 from shootstab.problems.linear_problem import MOST_STATES, LinearProblem
 from shootstab.problems.pencil_function import PencilFunction
@@ -41,13 +44,37 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class EquationProblem(LinearProblem):
-    """A problem made by `equations`: the engine's view of it, what the reduction found, and what the user wrote."""
+    """A problem made by `equations`: the engine's view of it, what the reduction found, and what the user wrote.
+
+    states is the system of the first layer with the conditions; posed are the arguments of `equations`.
+    """
 
     statement: Statement
-    first_order: FirstOrder
+    layers: tuple[ReducedLayer, ...]
     conditions: tuple[list[Condition], list[Condition]]
     states: StatePencil
-    spectrum_inside: InteriorSpectrum
+    posed: Mapping[str, Any] | None = None
+
+    @property
+    def first_order(self) -> FirstOrder:
+        """The first-order system, that of the first layer."""
+        return self.layers[0].first_order
+
+    @property
+    def spectrum_inside(self) -> InteriorSpectrum:
+        """Where C is singular in the first layer."""
+        return self.layers[0].spectrum_inside
+
+    def with_parameters(self, values: Mapping[str, complex]) -> EquationProblem:
+        """The same with other values of some of its parameters, which may be complex. Raises InputError for a name that is none."""
+        if self.posed is None:
+            raise InputError("this problem comes from a statement: allowed is one made by st.equations")
+        return remade(self.posed, values)
+
+    @property
+    def family(self) -> Callable[[tuple[str, ...]], EquationFamily] | None:
+        """The problems that differ in parameters, for sweeps."""
+        return None if self.posed is None else partial(family_around, self.posed, make=remade)
 
     @property
     def continuum(self) -> ContinuumOnLine | None:
@@ -57,7 +84,7 @@ class EquationProblem(LinearProblem):
     @property
     def explanation(self) -> Lines:
         """What the reduction found, in words."""
-        told = explanation(self.statement, self.first_order, self.conditions, self.states, self.spectrum_inside)
+        told = explanation(self.statement, self.layers, self.conditions, self.states)
         at_ends = [
             (
                 f"at {at.where}",
@@ -70,29 +97,42 @@ class EquationProblem(LinearProblem):
 
     @cached_property
     def pseudospectral(self) -> Collocation | None:
-        """The equations as they stand, by collocation. None with an end at infinity."""
+        """The equations as they stand, by collocation. None with an end at infinity, or in layers."""
         return collocation(self.statement)
 
     @property
-    def multiprecision(self) -> Callable[[], EquationDigits] | None:
-        """The same expressions on power series. None where a function is given to doubles only, an end is at infinity, both
-        are singular, or the exponents of one are no integers."""
+    def multiprecision(self) -> Callable[[], EquationDigits]:
+        """The same expressions on power series. What it returns raises InputError, with the reason, where there is no such way."""
         ends = self.statement.left, self.statement.right
         places = [Fraction(Gaussian.of(end.at).re) for end in ends if not isinstance(end, Infinity)]
-        if self.statement.domain.given or len(places) < 2 or not any(self.statement.holding):
-            return None
-        if all(self.statement.holding):
-            return lambda: EquationDigits(self.states, places[0], places[1])
         space = self.reduction.subdomains[0].far
-        if not isinstance(space, RegularSpace) or not space.end.integer:
-            return None
-        start = RegularStart(space.end, Fraction(space.x))
-        return lambda: EquationDigits(self.states, places[0], places[1], start, backwards=self.statement.holding[0])
+        why = None
+        if self.statement.domain.given:
+            why = f"{', '.join(self.statement.domain.given)} are given to doubles only: allowed are formulas"
+        elif len(places) < 2:
+            why = "an end at infinity asks for the decaying space there to many digits: allowed are finite ends"
+        elif self.statement.joints:
+            why = "that is not offered in layers: allowed is a problem without interfaces"
+        elif not any(self.statement.holding):
+            why = "both ends are regular singular or periodic: allowed is one with conditions"
+        elif not all(self.statement.holding) and not (isinstance(space, RegularSpace) and space.end.integer):
+            why = "the exponents at the regular singular end are no integers"
+
+        def made() -> EquationDigits:
+            if why is not None:
+                raise InputError(f"many digits: {why}")
+            if all(self.statement.holding):
+                return EquationDigits(self.states, places[0], places[1])
+            assert isinstance(space, RegularSpace)
+            start = RegularStart(space.end, Fraction(space.x))
+            return EquationDigits(self.states, places[0], places[1], start, backwards=self.statement.holding[0])
+
+        return made
 
     @property
     def enclosable(self) -> Enclosable | None:
-        """The same expressions in balls. None where a function is given to doubles only, or an end has no conditions."""
-        if self.statement.domain.given or not all(self.statement.holding):
+        """The same expressions in balls. None in layers, where a function is given to doubles only, or an end has no conditions."""
+        if self.statement.domain.given or self.statement.joints or not all(self.statement.holding):
             return None
         from shootstab.formulation.enclosed import EquationEnclosable
 
@@ -103,10 +143,17 @@ class EquationProblem(LinearProblem):
 
     @property
     def crossings(self) -> tuple[tuple[NDArray[np.float64], ComplexArray], ...]:
-        """As for any problem, (z, σ_c(z)), each (m,); where C is singular on several curves, all of them."""
-        if self.spectrum_inside.single or not self.spectrum_inside.curves:
+        """As for any problem, (z, σ_c(z)), each (m,); where C is singular on several curves, or in layers, all of them."""
+        if len(self.layers) == 1 and (self.spectrum_inside.single or not self.spectrum_inside.curves):
             return super().crossings
-        return tuple((z.real, branch) for z in self.reduction.lines for branch in self.spectrum_inside.branches(z))
+        found = []
+        for z in self.reduction.lines:
+            middle = z[len(z) // 2].real
+            inside = next(layer.spectrum_inside for layer in self.layers if layer.domain.left < middle < layer.domain.right)
+            if inside.curves:
+                branches = [inside.curve(z)] if inside.single else inside.branches(z)
+                found += [(z.real, np.asarray(branch, dtype=np.complex128)) for branch in branches]
+        return tuple(found)
 
 
 def equations(
@@ -115,6 +162,7 @@ def equations(
     left: Any,
     right: Any,
     *,
+    interfaces: Sequence[Any] = (),
     parameters: Mapping[str, Any] | None = None,
     where: Mapping[str, Any] | None = None,
     eigenvalue: str = "sigma",
@@ -127,31 +175,62 @@ def equations(
 
     Equations and conditions are text (see grammar.py) or SymPy expressions, and stand for 'vanishes'. The eigenvalue may occur to any
     natural power. parameters are numbers, where holds definitions by name. An end is Conditions(at, [...]), Infinity(), or Axis(at), a
-    regular singular point of the equations at which solutions are regular; or both ends are Periodic(at). given are
+    regular singular point of the equations at which solutions are regular; or both ends are Periodic(at). interfaces divide the domain
+    into layers, in which parameters and definitions that are lists have one value each: see joints.py. given are
     functions of the coordinate that no formula defines, as name: f(z, order) ↦ the derivative of that order, for arrays z. fold and
     reference are those of `problem`.
 
     Raises InputError, which names the equation or condition and the place: an unknown name, a term that is not linear, as many equations
     as unknowns, dependent equations, a point at which the order changes, and conditions that are too many, too few, or say nothing.
     """
-    statement = stated(unknowns, equations, left, right, parameters or {}, where or {}, eigenvalue, variable, given or {})
-    return assembled(statement, fold, reference)
+    posed = {
+        "unknowns": unknowns,
+        "equations": equations,
+        "left": left,
+        "right": right,
+        "interfaces": interfaces,
+        "parameters": parameters or {},
+        "where": where or {},
+        "eigenvalue": eigenvalue,
+        "variable": variable,
+        "given": given or {},
+        "fold": fold,
+        "reference": reference,
+    }
+    tables = parameters or {}, where or {}
+    statement = stated(unknowns, equations, left, right, interfaces, *tables, eigenvalue, variable, given or {})
+    return assembled(statement, fold, reference, posed)
 
 
-def assembled(statement: Statement, fold: float = 0.0, reference: complex | None = None) -> EquationProblem:
+def remade(posed: Mapping[str, Any], values: Mapping[str, complex]) -> EquationProblem:
+    """The problem that these arguments of `equations` pose, with other parameters. Raises InputError for a name that is none."""
+    for name in values:
+        if name not in posed["parameters"]:
+            listed = ", ".join(posed["parameters"]) or "none, for the problem has no parameters"
+            raise InputError(f"{name} is no parameter of the equations: allowed is {listed}")
+    return equations(**{**posed, "parameters": {**posed["parameters"], **values}})
+
+
+def assembled(
+    statement: Statement, fold: float = 0.0, reference: complex | None = None, posed: Mapping[str, Any] | None = None
+) -> EquationProblem:
     """The reduction of a statement, and the problem that it makes."""
     domain = statement.domain
-    first = first_order(statement.system, domain.vanishing, domain.regular)
-    spectrum = interior_spectrum(first, domain, statement.names.variable)
-    conditions = [in_states(list(rows), first) for rows in (statement.left_rows, statement.right_rows)]
+    layers = reduced_layers(statement.layers)
+    first, spectrum = layers[0].first_order, layers[0].spectrum_inside
+    conditions = [
+        in_states(list(rows), layer.first_order)
+        for rows, layer in zip((statement.left_rows, statement.right_rows), (layers[0], layers[-1]), strict=True)
+    ]
     ends = statement.left, statement.right
-    _require_count(first, statement, conditions)
+    require_count(first, statement, conditions)
     system = state_pencil(first, conditions[0], conditions[1])
     if system.size > MOST_STATES:
         raise InputError(f"the equations have {system.size} states: allowed are {MOST_STATES}")
-    matrices = PencilFunction(system.size, pencil_of(system, domain.given), vectorized=True)
-    _require_finite(system, statement)
-    curve: Callable[[Any], Any] | None = spectrum.curve if spectrum.curves else None
+    systems = [system, *(layer.states for layer in layers[1:])]
+    matrices = PencilFunction(system.size, pencil_of(systems, [layer.domain for layer in layers]), vectorized=True)
+    _require_finite(matrices, statement)
+    curve: Callable[[Any], Any] | None = spectrum.curve if spectrum.curves and len(layers) == 1 else None
     made: list[Any] = []
     for end, rows, count, side in zip(ends, (system.left, system.right), (system.left_rows, system.right_rows), (-1, 1), strict=True):
         if isinstance(end, Conditions):
@@ -168,38 +247,29 @@ def assembled(statement: Statement, fold: float = 0.0, reference: complex | None
             raise InputError("C is singular for some sigma at every point up to a regular singular end: that is not offered")
         reduction = between_singular_ends(system.size, made[0], made[1])
     else:
-        reduction = reduce_to_two_points(matrices, made[0], made[1], (), fold, reference)
+        interfaces = between(statement.joints, [layer.first_order for layer in layers], domain.given)
+        reduction = reduce_to_two_points(matrices, made[0], made[1], interfaces, fold, reference)
+    # in layers, of which each finds the unknowns that were removed in its own way, those that are states
+    shown_unknowns = [name for name in statement.names.unknowns if not statement.joints or (name, 0) in first.states]
     return EquationProblem(
         matrices,
         reduction,
         curve,
-        unknowns=unknowns_of(statement.names.unknowns, first, system.size, domain.given),
+        unknowns=unknowns_of(shown_unknowns, first, system.size, domain.given),
         statement=statement,
-        first_order=first,
+        layers=layers,
         conditions=(conditions[0], conditions[1]),
         states=system,
-        spectrum_inside=spectrum,
+        posed=posed,
     )
 
 
-def pencil_of(system: StatePencil, given: Given) -> Callable[[ComplexArray], tuple[ComplexArray, ...]]:
-    """C0, C1, …, D0, D1, … as a function of z (m,), real or complex."""
-
-    def pencil(z: ComplexArray) -> tuple[ComplexArray, ...]:
-        at = on_arrays(z, given)
-        return tuple(filled(part, (system.size, system.size), z, at) for part in (*system.C, *system.D))
-
-    return pencil
-
-
-def _require_finite(system: StatePencil, statement: Statement) -> None:
+def _require_finite(matrices: PencilFunction, statement: Statement) -> None:
     """Raise InputError where the coefficients are not finite at an end with conditions."""
     for side, end in (("left", statement.left), ("right", statement.right)):
-        if isinstance(end, Conditions):
-            parts = pencil_of(system, statement.domain.given)(np.array([complex(end.at)]))
-            if not all(np.isfinite(part).all() for part in parts):
-                place = f"{statement.names.variable} = {end.at:g}"
-                raise InputError(f"at the {side} end, {place}, the equations are singular: allowed is st.Axis({end.at:g}), or another end")
+        if isinstance(end, Conditions) and not all(np.isfinite(part).all() for part in matrices.function(np.array([complex(end.at)]))):
+            place = f"{statement.names.variable} = {end.at:g}"
+            raise InputError(f"at the {side} end, {place}, the equations are singular: allowed is st.Axis({end.at:g}), or another end")
 
 
 def _wall(z: float, rows: Powers, count: int, size: int, given: Given) -> Wall:
@@ -207,28 +277,3 @@ def _wall(z: float, rows: Powers, count: int, size: int, given: Given) -> Wall:
     at = on_arrays(place, given)
     W0, *later = (filled(part, (count, size), place.astype(np.complex128), at)[0] for part in rows)
     return Wall(float(z), W0, np.array(later))
-
-
-def _require_count(first: FirstOrder, statement: Statement, conditions: list[list[Condition]]) -> None:
-    """As many conditions as the order, where both ends are finite; at an end at infinity the count is that of what decays."""
-    left, right = len(statement.left_rows), len(statement.right_rows)
-    names = statement.names
-    held = [*first.C.values(), *first.D.values(), *(c for rows in conditions for row in rows for c in row.values())]
-    if not any(degree(c) for c in held):
-        raise InputError(
-            f"neither the equations nor the conditions hold the eigenvalue {names.eigenvalue}: they pose no eigenvalue problem"
-        )
-    for side, count, other in (("left", left, right), ("right", right, left)):
-        if all(statement.holding) and count == 0 and other == first.order:
-            raise InputError(
-                f"all {other} conditions stand at one end: an initial-value problem, whose only solution is zero whatever "
-                f"{names.eigenvalue} is; it has no eigenvalues"
-            )
-        if statement.holding[side == "right"] and count == 0:
-            raise InputError(f"{side} has no conditions: allowed is at least one (the order of the equations is {first.order})")
-        if count > first.order:
-            raise InputError(f"{side} has {count} conditions: allowed are {first.order}, the order of the equations")
-    if all(statement.holding) and left + right != first.order:
-        listed = ", ".join(shown(state) for state in first.states)
-        told = f"{left} conditions at the left end and {right} at the right"
-        raise InputError(f"{told}: allowed are {first.order} in all, the order of the equations, whose states are {listed}")

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
-
-import numpy as np
 
 from shootstab.core.errors import InputError
 from shootstab.formulation.conditions import Conditions, End, Periodic, end_of, rows_of
 from shootstab.formulation.domain import Domain
 from shootstab.formulation.evaluation import Given
+from shootstab.formulation.joints import InterfaceConditions, Joint, read_joint
+from shootstab.formulation.layers import Layer, own_definitions
 from shootstab.formulation.names import Names
 from shootstab.formulation.system import Row, System
 from shootstab.problems.ends import Infinity
@@ -19,18 +21,28 @@ from shootstab.problems.ends import Infinity
 
 @dataclass(frozen=True, eq=False)
 class Statement:
-    """The equations and the conditions at both ends as rows over the unknowns, with the names in them.
+    """The equations and the conditions at both ends as rows over the unknowns, with the names in them; domain is the whole one.
 
-    An end without conditions (an axis, infinity) has no rows.
+    An end without conditions (an axis, infinity) has no rows. Layers are one more than joints, from left to right.
     """
 
-    names: Names
-    system: System
     left: End
     right: End
     left_rows: tuple[tuple[str, Row], ...]
     right_rows: tuple[tuple[str, Row], ...]
     domain: Domain
+    layers: tuple[Layer, ...]
+    joints: tuple[Joint, ...] = ()
+
+    @property
+    def names(self) -> Names:
+        """Of the first layer."""
+        return self.layers[0].names
+
+    @property
+    def system(self) -> System:
+        """Of the first layer."""
+        return self.layers[0].system
 
     @property
     def finite(self) -> tuple[bool, bool]:
@@ -48,6 +60,7 @@ def stated(
     equations: Sequence[Any],
     left: Any,
     right: Any,
+    interfaces: Sequence[Any],
     parameters: Mapping[str, Any],
     where: Mapping[str, Any],
     eigenvalue: str,
@@ -58,15 +71,46 @@ def stated(
     for name, value in (("unknowns", unknowns), ("equations", equations)):
         if isinstance(value, str) or not isinstance(value, Sequence):
             raise InputError(f"{name} = {value!r}: allowed is a list")
-    names = Names(tuple(unknowns), dict(parameters), dict(where), eigenvalue, variable, tuple(given))
     ends = end_of(left, "left"), end_of(right, "right")
-    low = -np.inf if isinstance(ends[0], Infinity) else ends[0].at
-    high = np.inf if isinstance(ends[1], Infinity) else ends[1].at
-    if not low < high:
-        raise InputError(f"the ends lie at {variable} = {low:g} and {high:g}: allowed is a left end below the right one")
     if isinstance(ends[0], Periodic) != isinstance(ends[1], Periodic):
         raise InputError("one end is periodic and the other is not: allowed are two periodic ends")
-    read = {f"equation {i}": names.expression(e, f"equation {i}") for i, e in enumerate(equations, 1)}
-    system = System.of(names.unknowns, read)
-    rows = [tuple(rows_of(end, side, names)) for end, side in zip(ends, ("left", "right"), strict=True)]
-    return Statement(names, system, *ends, rows[0], rows[1], Domain(float(low), float(high), dict(given)))
+    joints = _interfaces(interfaces, ends)
+    low, high = (math.inf * side if isinstance(end, Infinity) else float(end.at) for side, end in zip((-1, 1), ends, strict=True))
+    places = [low, *(float(joint.at) for joint in joints), high]
+    if not all(a < b for a, b in itertools.pairwise(places)):
+        told = f"the ends lie at {variable} = {low:g} and {high:g}"
+        if joints:
+            told = f"ends and interfaces lie at {variable} = {', '.join(f'{place:g}' for place in places)}"
+        raise InputError(f"{told}: allowed is a left end below the right one{', and interfaces between' if joints else ''}")
+    count, layers = len(places) - 1, []
+    for j, (begin, end) in enumerate(itertools.pairwise(places)):
+        own_parameters = own_definitions(parameters, j, count, "the parameter")
+        names = Names(tuple(unknowns), own_parameters, own_definitions(where, j, count, "where"), eigenvalue, variable, tuple(given))
+        read = {f"equation {i}": names.expression(e, f"equation {i}") for i, e in enumerate(equations, 1)}
+        layers.append(Layer(names, System.of(names.unknowns, read), Domain(begin, end, dict(given))))
+    layered = [name for table in (parameters, where) for name, value in table.items() if isinstance(value, list | tuple)]
+    read_joints = [read_joint(joint, (a.names, b.names), layered) for joint, (a, b) in zip(joints, itertools.pairwise(layers), strict=True)]
+    rows = [tuple(rows_of(end, side, layers[j].names)) for end, side, j in zip(ends, ("left", "right"), (0, -1), strict=True)]
+    return Statement(*ends, rows[0], rows[1], Domain(low, high, dict(given)), tuple(layers), tuple(read_joints))
+
+
+def _interfaces(given: Sequence[Any], ends: tuple[End, End]) -> list[InterfaceConditions]:
+    """From left to right. Raises InputError for what is none, and beside ends that offer none."""
+    out = []
+    for joint in given:
+        if isinstance(joint, dict) and {"at", "conditions"} <= set(joint) <= {"at", "conditions", "amplitudes"}:
+            joint = InterfaceConditions(**joint)
+        allowed = "allowed is { at = ..., conditions = [...], amplitudes = [...] }, in Python st.InterfaceConditions"
+        if not isinstance(joint, InterfaceConditions):
+            raise InputError(f"the interface {joint!r}: {allowed}")
+        if isinstance(joint.at, bool) or not isinstance(joint.at, int | float) or not math.isfinite(joint.at):
+            raise InputError(f"the interface at = {joint.at!r}: allowed is a finite number")
+        for name, value in (("conditions", joint.conditions), ("amplitudes", joint.amplitudes)):
+            if isinstance(value, str) or not isinstance(value, Sequence) or not all(isinstance(x, str) for x in value):
+                raise InputError(f"the interface {joint.at:g}: {name} = {value!r}: allowed is a list of texts")
+        out.append(joint)
+    if out and not all(isinstance(end, Conditions | Infinity) for end in ends):
+        raise InputError(
+            "interfaces beside an axis or periodic ends: that is not offered; allowed are ends with conditions, or at infinity"
+        )
+    return sorted(out, key=lambda joint: float(joint.at))

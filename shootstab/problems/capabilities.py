@@ -134,6 +134,10 @@ ENCLOSABLE = Capability("enclosable", None, "a proof asks for a problem in close
 # closed forms whose discriminants multiply to that of the problem, up to a constant
 FACTORS = Capability("factors", (), "this problem is not made of others")
 FAMILY = Capability("family", None, "this problem belongs to no family of problems with parameters: a sweep is over parameters of a family")
+# with_parameters({name: number}): the same problem with other parameters, which may be complex
+WITH_PARAMETERS = Capability(
+    "with_parameters", None, "this problem has no parameters by name: allowed is a scene with equations in [problem]"
+)
 EXPLANATION = Capability("explanation", None, "this problem was not written in equations: allowed is a scene with equations in [problem]")
 # unknowns.Unknowns: what the state of the problem stands for, by name
 UNKNOWNS = Capability("unknowns", None, "this problem does not name its unknowns")

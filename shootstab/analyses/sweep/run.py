@@ -90,7 +90,9 @@ def sweep(
     out: str | Path | None = None,
     progress: Progress | None = None,
 ) -> Swept:
-    """The dominant growing mode over a grid of k_x, k_y, far_temperature, mass_flux, tan_theta, e, e_w, r; the rest is the problem's.
+    """The dominant growing mode over a grid of parameters; the rest is the problem's.
+
+    Of the chute these are k_x, k_y, far_temperature, mass_flux, tan_theta, e, e_w and r, of a problem in equations its parameters.
 
     axes: name → number or numbers that rise or fall. Modes are followed along lines of neighbouring points, and counted at their ends, at
     every `every`-th point and where one is lost (see walk.py): there dominance is proved, between it is continued. Modes with

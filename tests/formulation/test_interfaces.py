@@ -1,0 +1,124 @@
+"""Layers and interfaces in equations: waves between two fluids, exactly; one fluid cut in two; what is refused."""
+
+from __future__ import annotations
+
+import tomllib
+from typing import Any
+
+import numpy as np
+import pytest
+
+import shootstab as st
+from shootstab.core.errors import InputError
+from shootstab.formulation.equation_scene import from_table
+
+FLUIDS = """
+unknowns = ["u", "w", "p"]
+parameters = { k = 1.3, g = 1, rho = [1, 0.8], U = [0, 0.7] }
+equations = ["(sigma + i*k*U)*u*rho + i*k*p = 0", "rho*(sigma + i*k*U)*w + d(p) = 0", "i*k*u + d(w) = 0"]
+left = { at = -1, conditions = ["w"] }
+right = { at = 2, conditions = ["w"] }
+interfaces = [{ at = 0, amplitudes = ["h"], conditions = [
+  "before(sigma + i*k*U)*h = before(w)", "behind(sigma + i*k*U)*h = behind(w)", "jump(p) = g*jump(rho)*h"] }]
+"""
+
+
+def exact_waves(k: float, rho: tuple[float, float], U: tuple[float, float], depths: tuple[float, float]) -> np.ndarray:
+    """ρ₁ (σ + ikU₁)² coth kh₁ + ρ₂ (σ + ikU₂)² coth kh₂ = −gk (ρ₁ − ρ₂)."""
+    weights = [r / np.tanh(k * h) for r, h in zip(rho, depths, strict=True)]
+    shifts = [1j * k * u for u in U]
+    return np.roots(
+        sum(w * np.array([1, 2 * s, s * s]) for w, s in zip(weights, shifts, strict=True)) + np.array([0, 0, k * (rho[0] - rho[1])])
+    )
+
+
+def test_waves_between_two_fluids() -> None:
+    problem = from_table(tomllib.loads(FLUIDS))
+    assert problem.first_order.order == 2
+    for root in exact_waves(1.3, (1, 0.8), (0, 0.7), (1, 2)):
+        mode = st.refine(problem, guess=root * (1 + 1e-3))
+        assert mode.converged
+        assert abs(mode.sigma - root) <= mode.error < 1e-11
+    told = dict(problem.explanation)
+    assert told["continuous spectrum inside of layer 1"].startswith("sigma = 0")
+    assert "before(" in told["interface, z = 0"]
+    assert "behind(" in told["interface, z = 0"]
+
+
+def test_kelvin_and_helmholtz_between_half_planes() -> None:
+    """Equal densities, no gravity: σ = k(±1/2 − i/2) for U = 0 and 1; the decaying spaces are those of the two layers."""
+    problem = st.equations(
+        ["u", "w", "p"],
+        ["(sigma + i*k*U)*u + i*k*p", "(sigma + i*k*U)*w + d(p)", "i*k*u + d(w)"],
+        st.Infinity(),
+        st.Infinity(),
+        parameters={"k": 2, "U": [0, 1]},
+        interfaces=[st.InterfaceConditions(0, ["behind(sigma + i*k*U)*before(w) - before(sigma + i*k*U)*behind(w)", "jump(p)"])],
+    )
+    mode = st.refine(problem, guess=1.01 - 0.99j)
+    assert abs(mode.sigma - (1 - 1j)) <= mode.error < 1e-10
+
+
+POISEUILLE: dict[str, Any] = {
+    "unknowns": ["u", "v", "p"],
+    "equations": [
+        "(sigma + i*a*U)*u + v*d(U) + i*a*p = mu*(d(u,2) - a**2*u)/R",
+        "(sigma + i*a*U)*v + d(p) = mu*(d(v,2) - a**2*v)/R",
+        "i*a*u + d(v)",
+    ],
+    "left": st.Conditions(-1, ["u", "v"]),
+    "right": st.Conditions(1, ["u", "v"]),
+    "where": {"U": "1 - z**2"},
+}
+CONTINUITY = ["jump(u) + jump(d(U))*h", "jump(v)", "jump(mu*(d(u) + d(U,2)*h + i*a*v))", "jump(2*mu*d(v)/R - p) = gamma*a**2*h"]
+KINEMATIC = "before(sigma + i*a*U)*h = before(v)"
+
+
+def two_layers(gamma: float, mu: tuple[float, float] = (1, 1)) -> Any:
+    joint = st.InterfaceConditions(0.3, [*CONTINUITY, KINEMATIC], ["h"])
+    return st.equations(**POISEUILLE, interfaces=[joint], parameters={"R": 10000, "a": 1, "gamma": gamma, "mu": list(mu)})
+
+
+def test_one_fluid_in_two_layers_has_its_own_modes_and_the_interface() -> None:
+    """Without surface tension the interface is carried along, σ = −iaU, and changes nothing."""
+    problem = two_layers(0.0)
+    mode = st.refine(problem, guess=0.0037 - 0.2375j)
+    assert abs(mode.sigma - (0.003739670622979410 - 0.23752648882047011j)) <= mode.error < 1e-11
+    carried = st.refine(problem, guess=0.001 - 0.909j)
+    assert abs(carried.sigma + 0.91j) <= carried.error + 1e-12
+
+
+MISTAKES: tuple[tuple[dict[str, Any], str], ...] = (
+    (
+        {"conditions": [*CONTINUITY, "u"], "amplitudes": ["h"]},
+        r"u stands without a side: allowed are before\(u\), behind\(u\) and jump\(u\)",
+    ),
+    (
+        {"conditions": [*CONTINUITY[:3], KINEMATIC], "amplitudes": ["h"]},
+        "4 conditions and 1 amplitudes at the interface 0.3: allowed are 4 conditions, .* one for",
+    ),
+    ({"conditions": [*CONTINUITY[1:2], KINEMATIC, "jump(v)", "before(v)"], "amplitudes": ["h", "g"]}, "holds the amplitude g"),
+    (
+        {"conditions": [*CONTINUITY, "jump(w)"], "amplitudes": ["h"]},
+        "condition 5, column 6, at 'w': unknown name 'w': allowed are h, before",
+    ),
+    ({"conditions": ["jump(i*a*u + d(v))", "jump(u)", "jump(v)", "jump(p)"]}, "condition 1 says nothing"),
+    ({"conditions": [*CONTINUITY, "d(h)"], "amplitudes": ["h"]}, "a derivative of the amplitude h, which is a number"),
+    ({"conditions": [*CONTINUITY, KINEMATIC], "amplitudes": ["u"]}, "the amplitude 'u' is an unknown of the equations too"),
+)
+
+
+@pytest.mark.parametrize(("given", "told"), MISTAKES)
+def test_what_was_wrong_is_named(given: dict[str, Any], told: str) -> None:
+    parameters = {"R": 10000, "a": 1, "gamma": 0, "mu": 1}
+    with pytest.raises(InputError, match=told):
+        st.equations(**POISEUILLE, interfaces=[{"at": 0.3, **given}], parameters=parameters)
+
+
+def test_lists_are_as_long_as_there_are_layers() -> None:
+    with pytest.raises(InputError, match="the parameter mu is a list of 3: allowed is one for each of the 2 layers"):
+        two_layers(0.0, (1, 1, 2))  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=r"ends and interfaces lie at z = -1, 1\.5, 1"):
+        st.equations(**POISEUILLE, interfaces=[{"at": 1.5, "conditions": []}], parameters={"R": 1, "a": 1, "mu": 1})
+    with pytest.raises(InputError, match="many digits: that is not offered in layers"):
+        st.refine(two_layers(0.0), 0.0037 - 0.2375j, digits=20)
