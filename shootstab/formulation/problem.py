@@ -120,7 +120,7 @@ class EquationProblem(LinearProblem):
 
         def made() -> EquationDigits:
             if why is not None:
-                raise InputError(f"many digits: {why}")
+                raise InputError(f"more than 12 digits: {why}")
             if all(self.statement.holding):
                 return EquationDigits(self.states, places[0], places[1])
             assert isinstance(space, RegularSpace)

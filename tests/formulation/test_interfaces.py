@@ -120,5 +120,5 @@ def test_lists_are_as_long_as_there_are_layers() -> None:
         two_layers(0.0, (1, 1, 2))  # type: ignore[arg-type]
     with pytest.raises(InputError, match=r"ends and interfaces lie at z = -1, 1\.5, 1"):
         st.equations(**POISEUILLE, interfaces=[{"at": 1.5, "conditions": []}], parameters={"R": 1, "a": 1, "mu": 1})
-    with pytest.raises(InputError, match="many digits: that is not offered in layers"):
+    with pytest.raises(InputError, match="more than 12 digits: that is not offered in layers"):
         st.refine(two_layers(0.0), 0.0037 - 0.2375j, digits=20)
