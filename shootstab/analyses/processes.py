@@ -27,6 +27,7 @@ from shootstab.core.threads import one_thread
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 DEATHS = 8  # chosen: so many workers that died at one job are not chance, the job is what kills them
+_ENDING = {getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)}
 STILLBORN = 30  # chosen: so many in a row that were killed before they took a job
 
 
@@ -119,7 +120,7 @@ def _started() -> _Worker:
     ours, theirs = context.Pipe()
     process = context.Process(target=_serve, args=(theirs,), daemon=True)
     try:
-        with one_thread(), _no_interrupts():
+        with one_thread(), _no_signals():
             process.start()
     except OSError as error:
         ours.close()
@@ -130,13 +131,17 @@ def _started() -> _Worker:
 
 
 @contextmanager
-def _no_interrupts() -> Iterator[None]:
-    """Ctrl-C goes to all processes of a terminal, and is the parent's business: what is started here has it blocked for good."""
+def _no_signals() -> Iterator[None]:
+    """A signal that the parent makes an exception of waits until its worker has what it needs to start: half of that is a traceback there.
+
+    What is started here has the signals blocked. Ctrl-C, which goes to all processes of a terminal, is the parent's business and remains
+    so; the others the worker takes again as it begins to serve.
+    """
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    resource_tracker.ensure_running()  # it would unblock the signal as it starts
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    resource_tracker.ensure_running()  # it would unblock them as it starts
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, *_ENDING})
     try:
         yield
     finally:
@@ -148,6 +153,8 @@ def _no_interrupts() -> Iterator[None]:
 
 def _serve(connection: Connection) -> None:
     """Say that a job can be taken, do it, and send its result, until the parent is gone."""
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _ENDING)
     _depend_on_the_parent()
     answer: Any = None
     with suppress(EOFError, OSError):

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from shootstab.core.errors import InputError, shortened
+from shootstab.core.scene_keys import LARGEST_NUMBER
 from shootstab.formulation.names import Names
 from shootstab.formulation.system import Row, row_of
 from shootstab.problems.ends import Infinity
@@ -48,7 +48,7 @@ def end_of(given: Any, side: str) -> End:
         return given
     if not isinstance(given, Conditions | Axis | Periodic):
         raise InputError(f"{side} = {shortened(given)}: allowed is st.Conditions(at, [...]), st.Axis(at), st.Periodic(at) or st.Infinity()")
-    if isinstance(given.at, bool) or not isinstance(given.at, int | float) or not math.isfinite(given.at):
+    if isinstance(given.at, bool) or not isinstance(given.at, int | float) or not abs(given.at) < LARGEST_NUMBER:
         raise InputError(f"{side}: at = {shortened(given.at)}: allowed is a finite number, or st.Infinity()")
     if isinstance(given, Axis | Periodic):
         return given

@@ -38,6 +38,8 @@ def from_hdf5(data: bytes, wanted: Wanted, largest: int) -> NDArray[np.complex12
             found = _found(file, largest)
             path = None if wanted.dataset is None else wanted.dataset.strip("/") or "/"
             return spectrum_in(found, Wanted(path, wanted.row), list(found))
+    except UnicodeDecodeError:
+        raise ValueError("HDF5 file: a name in it is not UTF-8: allowed are names in UTF-8") from None
     except ValueError as error:
         raise ValueError(f"HDF5 file: {error}") from None
     except Exception as error:  # a parser of somebody else's on bytes of anybody's

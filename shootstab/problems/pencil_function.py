@@ -62,7 +62,9 @@ class PencilFunction:
         for name, M in zip(_names(len(stacked)), stacked, strict=True):
             if M.shape[1:] != (n, n):
                 raise InputError(f"the pencil's {name} has shape {M.shape[1:]}: allowed is ({n}, {n})")
-            if not (np.isfinite(M.sum()) or np.isfinite(M).all()):  # a sum is quicker, and finite only if all are
+            with np.errstate(over="ignore", invalid="ignore"):
+                total = M.sum()  # quicker than to look at each, and finite only if all are
+            if not (np.isfinite(total) or np.isfinite(M).all()):
                 where = complex(z[~np.isfinite(M).all(axis=(1, 2))][0])
                 raise InputError(f"the pencil's {name} is not finite at z = {where.real if where.imag == 0.0 else where:g}")
         if len(stacked) == 2:

@@ -94,6 +94,23 @@ if __name__ == "__main__":
     os.kill(os.getpid(), signal.{by})
 """
 
+STARTING = """
+import os, signal
+from multiprocessing.context import SpawnProcess
+from shootstab.analyses.processes import in_processes
+started = []
+def start(self, original=SpawnProcess.start):
+    os.kill(os.getpid(), signal.SIGTERM)
+    original(self)
+    started.append(self)
+def end(*_):
+    raise SystemExit(7 if started else 8)
+if __name__ == "__main__":
+    SpawnProcess.start = start
+    signal.signal(signal.SIGTERM, end)
+    list(in_processes(abs, [-1, -2], 1))
+"""
+
 
 def test_a_program_without_a_guard_is_told_so(tmp_path: Path) -> None:
     script = tmp_path / "unguarded.py"
@@ -101,6 +118,14 @@ def test_a_program_without_a_guard_is_told_so(tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=60)
     assert done.returncode == 1
     assert 'a program must guard its start by `if __name__ == "__main__"`' in done.stderr.splitlines()[-1]
+
+
+def test_a_signal_waits_until_a_worker_has_what_it_needs_to_start(tmp_path: Path) -> None:
+    """Else it would find half of it, and say so in a traceback."""
+    script = tmp_path / "starting.py"
+    script.write_text(STARTING)
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (7, "")
 
 
 @pytest.mark.parametrize("by", ["SIGKILL", "SIGTERM", "SIGHUP"])

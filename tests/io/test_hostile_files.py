@@ -128,6 +128,12 @@ SCENES = {
         b"reference = [1e308, 0.1]\n",
         "reference = ",
     ),
+    "a place that no double holds": (
+        b'[problem]\nunknowns = ["u"]\nequations = ["sigma*u = d(u,2)"]\nright = "infinity"\nleft = { conditions = ["u"], at = 0x'
+        + b"f" * 400
+        + b" }",
+        "at = ",
+    ),
     "a fold that no double holds": (
         b'[problem]\nunknowns = ["u"]\nequations = ["sigma*u = d(u,2)"]\nleft = "infinity"\nright = "infinity"\nfold = 0x' + b"f" * 400,
         "fold = ",
