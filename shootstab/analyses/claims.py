@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from shootstab.core.errors import InputError
 from shootstab.core.records import CONFIRMED, INACCURATE, SPURIOUS, UNRESOLVED, Mode, Verdict, digits_between
 
+NEAR_DIGITS = 2  # chosen: a claim that shares fewer digits with a mode does not mean it
+
 
 def radius_of(claim: complex, digits: int) -> float:
     """The radius of the circle that so many digits of the claim mean. Raises InputError for 0, which has no digits."""

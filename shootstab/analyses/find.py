@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 
 from shootstab.analyses.accuracy import Tightening
 from shootstab.analyses.count import counted_twice
@@ -59,7 +59,9 @@ def find(
     require_atol(atol)
     continuation, zeros, whole = find_modes(Continuation(problem, method_named(method, SEARCHING) or Frame(rtol=SEARCHING)), region)
     within = max(KNOWN_WITHIN * size(region), LEAST_MODE_RTOL * max(map(abs, region.hull)))
-    modes = tuple(mode for zero in zeros for mode in modes_of(continuation, zero, min(rtol, within / max(abs(zero.sigma), within)), atol))
+    modes = without_repetition(
+        zeros, (modes_of(continuation, zero, min(rtol, within / max(abs(zero.sigma), within)), atol) for zero in zeros)
+    )
     return Found(modes, whole, tuple(find_resonances(continuation, region)) if resonances else None)
 
 
@@ -73,6 +75,32 @@ def find_modes(continuation: Continuation, region: Region, known: Sequence[Zero]
     return accurate, roots.find(_everywhere(tightening, accurate), region, known, whole), whole
 
 
+def without_repetition(zeros: Sequence[Zero], modes: Iterable[Sequence[Mode]]) -> tuple[Mode, ...]:
+    """The modes of each of the zeros, in their order, together: one that stands for several zeros comes once, and for so many only.
+
+    Zeros that one mesh tells apart may be one multiple mode to the bounds of another.
+    """
+    out: list[Mode] = []
+    spent: list[int] = []  # of the zeros, how many each of the modes stands for
+    for zero, some in zip(zeros, modes, strict=True):
+        for mode in some:
+            own = min(mode.multiplicity, zero.multiplicity)
+            known = next((i for i, other in enumerate(out) if _one_cluster(other, mode)), None)
+            if known is None:
+                out.append(mode)
+                spent.append(own)
+                continue
+            spent[known] += own
+            if mode.multiplicity > out[known].multiplicity:
+                out[known] = mode
+    return tuple(replace(m, multiplicity=n) for m, n in zip(out, spent, strict=True))
+
+
+def _one_cluster(a: Mode, b: Mode) -> bool:
+    """Whether two modes, one of them multiple, may be the same within their bounds."""
+    return max(a.multiplicity, b.multiplicity) > 1 and abs(a.sigma - b.sigma) <= a.error + b.error
+
+
 def modes_of(continuation: Continuation, zero: Zero, rtol: float, atol: float | None = None) -> list[Mode]:
     """A zero as a mode with its error bar; a multiple one, or those into which it falls where D is computed more accurately."""
     method = continuation.method.name if continuation.method.name in METHODS else continuation.method
@@ -82,12 +110,13 @@ def modes_of(continuation: Continuation, zero: Zero, rtol: float, atol: float | 
     while tried is not None:
         continuation, tried = Continuation(continuation.problem, tried), tightened(tried)
     parts = _in_a_circle(_everywhere(Tightening(continuation), continuation), zero)
-    return [
+    each = (
         refine(continuation.problem, z.sigma, rtol, method=method, atol=atol)
         if z.radius == 0.0
         else multiple(continuation, cluster(continuation, z.sigma, z.radius, z.multiplicity), rtol)
         for z in parts
-    ]
+    )
+    return list(without_repetition(parts, ([mode] for mode in each)))
 
 
 def _in_a_circle(search: Search, zero: Zero) -> list[Zero]:

@@ -9,15 +9,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
 
+from shootstab.analyses.claims import NEAR_DIGITS, radius_of
 from shootstab.analyses.cut_region import RegionCount
-from shootstab.analyses.find import find_modes, modes_of
+from shootstab.analyses.find import find_modes, modes_of, without_repetition
 from shootstab.core.division import distance_outside, divided, divisions
 from shootstab.core.errors import ConvergenceError, InputError
-from shootstab.core.records import Mode, Verdict
+from shootstab.core.records import CONTINUUM, UNRESOLVED, Mode, Verdict
 from shootstab.core.regions import Polygon, Rectangle, Region, convex_hull, size
 from shootstab.discriminants.continuation import Continuation
 from shootstab.essential_spectrum.interior import continuum_of
@@ -113,22 +114,24 @@ def _searched(
     undecided += tuple(left)
     if not parts:
         return Missing((), NOT_SEARCHED, undecided)
-    modes: list[Mode] = []
+    modes: tuple[Mode, ...] = ()
     for part in parts:
+        bounded: list[tuple[Zero, list[Mode]]] = []
         for zero in part.zeros:
             if not meant(zero.sigma):
                 continue
             try:
-                modes += modes_of(part.continuation, zero, MISSING_RTOL)
+                bounded.append((zero, modes_of(part.continuation, zero, MISSING_RTOL)))
             except ConvergenceError as error:
                 undecided += (f"the {zero.multiplicity} modes counted near {zero.sigma:.6g}: {error}",)
+        modes += without_repetition([zero for zero, _ in bounded], [some for _, some in bounded])
         undecided += tuple(
             f"what lies within {d.radius:.1e} of the end {d.centre:.6g} of the continuous spectrum" for d in part.whole.left_out
         )
     inside = sum(meant(c) for c in claims)
     low, high = _extremes(region)
     said = f"{where}, from {low:.6g} to {high:.6g}, where {inside} of the {len(claims)} claims lie"
-    return Missing(tuple(modes), said, undecided, region, inside)
+    return Missing(modes, said, undecided, region, inside)
 
 
 def _parts(continuation: Continuation, region: Region, known: list[Zero]) -> tuple[list[_Part], list[str]]:
@@ -205,6 +208,25 @@ def _turns(continuation: Continuation, polygon: Polygon) -> float:
     return turns
 
 
+def told_missing(missing: Sequence[Mode], verdicts: Sequence[Verdict]) -> tuple[tuple[Mode, ...], tuple[str, ...]]:
+    """The modes that are missing whatever is true of the claims that could not be settled, and of the others what is not decided.
+
+    A claim that is unresolved, or not told apart from the continuous spectrum, may mean the nearest mode within two digits.
+    """
+    left, unsure = list(missing), []
+    for i, verdict in enumerate(verdicts, 1):
+        if verdict.sigma is not None or verdict.verdict not in (UNRESOLVED, CONTINUUM) or not left:
+            continue
+        nearest = min(left, key=lambda mode: abs(complex(mode.sigma) - verdict.claimed))
+        within = max(verdict.atol, radius_of(verdict.claimed, NEAR_DIGITS) if verdict.claimed != 0.0 else 0.0)
+        if abs(complex(nearest.sigma) - verdict.claimed) <= within + nearest.error:
+            left.remove(nearest)
+            unsure.append(f"whether the mode {complex(nearest.sigma):.6g} is missing: claim {i}, which is {verdict.verdict}, may mean it")
+            if nearest.multiplicity > 1:
+                left.append(replace(nearest, multiplicity=nearest.multiplicity - 1))
+    return tuple(left), tuple(unsure)
+
+
 def claimed_modes(verdicts: Sequence[Verdict]) -> list[Zero]:
     """The modes that claims mean, a multiple one as often as it is claimed."""
     return [Zero(v.sigma, 1, v.error or 0.0) for v in verdicts if v.sigma is not None]
@@ -218,7 +240,7 @@ def _extremes(region: Region) -> tuple[complex, complex]:
 
 def modes_with_bounds(continuation: Continuation, zeros: list[Zero]) -> tuple[Mode, ...]:
     """The zeros as modes with their error bars. Raises ConvergenceError where one has none."""
-    return tuple(mode for zero in zeros for mode in modes_of(continuation, zero, MISSING_RTOL))
+    return without_repetition(zeros, (modes_of(continuation, zero, MISSING_RTOL) for zero in zeros))
 
 
 def unstable_box(problem: Problem, claims: Iterable[complex]) -> Rectangle | None:

@@ -14,7 +14,8 @@ from shootstab.core.discriminant import Discriminant
 from shootstab.core.errors import ConvergenceError, Inaccurate, InputError
 from shootstab.core.records import CONVERGED, Budget, Mode
 from shootstab.core.regions import Disc
-from shootstab.discriminants.continuation import Continuation
+from shootstab.core.scaled import EPSILON
+from shootstab.discriminants.continuation import Branch, Continuation
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.method import Method
 from shootstab.problems.protocol import Problem
@@ -80,7 +81,7 @@ def finite(guess: Any) -> complex:
 def _attempt(problem: Problem, guess: complex, rtol: float, method: Method, atol: float | None) -> tuple[Mode, int, bool]:
     """One search with one tolerance, the number of evaluations, and whether a smaller tolerance may do better."""
     continuation = Continuation(problem, method)
-    discriminant, _ = continuation.along(guess)
+    discriminant = continuation.along(guess)[0]
     try:
         try:
             root = find_near(discriminant, guess, LEFT * rtol)
@@ -164,6 +165,8 @@ def _simple(continuation: Continuation, root: Root, rtol: float, atol: float | N
         coarse_value, fine_value = coarse.with_derivative(better.sigma), fine.with_derivative(better.sigma)
     sigma = fine_value.sigma + fine_value.newton_step
     parts = budget(continuation.problem, coarse, coarse_value, fine, fine_value, scale)
+    if math.isfinite(scale) and abs(sigma) <= EPSILON * scale:  # 0 to rounding, which digits of σ know nothing of
+        parts = replace(parts, rounding=parts.rounding + abs(sigma))
     size = max(abs(sigma), scale if math.isfinite(scale) else 0.0)
     neutral = min(rtol, NEUTRAL) * scale if math.isfinite(scale) else 0.0
     allowed = neutral if atol is None else atol
@@ -180,10 +183,23 @@ def _simple(continuation: Continuation, root: Root, rtol: float, atol: float | N
     if count > 1:
         several, evaluations = _among_several(continuation, sigma, radius, rtol, atol, apart=not alone)
         return several, fine.evaluations + evaluations
+    if not _is_a_mode(continuation, branch, sigma, radius):
+        told = f"the zero at {sigma:.{FIGURES}g} lies beyond the continuous spectrum, on D continued through it: a resonance, not a mode"
+        raise ConvergenceError(told)
     distance = continuation.distance(sigma)
     status = _status(count, radius, sigma, parts.total, distance, max(rtol * abs(sigma), allowed))
     mode = Mode(sigma, parts.total, parts, status, continuation.method.name, 0, 0.0, distance, branch.path, scale=scale, atol=allowed)
     return mode, fine.evaluations
+
+
+def _is_a_mode(continuation: Continuation, branch: Branch, sigma: complex, radius: float) -> bool:
+    """Whether a zero of a branch lies on that branch's own side of the continuous spectrum, or is one of D itself within this radius.
+
+    The latter is a zero of a subsystem that has no continuous spectrum.
+    """
+    if continuation.own_side(branch, sigma):
+        return True
+    return abs(continuation.at(sigma).discriminant.with_derivative(sigma).newton_step) <= radius
 
 
 def _among_several(

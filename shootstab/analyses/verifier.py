@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass, is_dataclass, replace
 
 from shootstab.analyses.accuracy import Inaccurate
-from shootstab.analyses.claims import radius_of
+from shootstab.analyses.claims import NEAR_DIGITS, radius_of
 from shootstab.analyses.refine import refine
 from shootstab.analyses.refine_double import NEUTRAL, examine, neutral, several
 from shootstab.analyses.zeros import Crowded, Zeros, zeros_in
@@ -24,7 +24,6 @@ from shootstab.roots.iterations import Root, slope_change
 from shootstab.roots.search import Zero
 from shootstab.roots.separation import surroundings
 
-NEAR_DIGITS = 2  # chosen: a claim that shares fewer digits with a mode does not mean it
 SMALLER_CIRCLE = 3.0  # chosen: from one circle to the next smaller one, where D cannot be continued over it
 FIRST_CHANGE = 2.5  # chosen: change of ln D over the radius of the first circle around a claim, a few samples' worth
 MODES_TOLD_APART = 3  # chosen: modes in a circle that are told apart
@@ -117,6 +116,8 @@ class Verifier:
             return replace(seen, refusal=(CONTINUUM, str(error)))
         except ConvergenceError as error:
             return replace(seen, refusal=(UNRESOLVED, str(error)))
+        except MemoryError as error:
+            return replace(seen, refusal=(UNRESOLVED, f"its mesh does not fit into the memory that is left: {error}"))
 
     def _seen(self, seen: Sighting) -> Sighting:
         counted, zeros = self._around(seen)

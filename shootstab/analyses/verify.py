@@ -15,7 +15,16 @@ from numpy.typing import NDArray
 from shootstab.analyses.assignment import Candidate, assign, shared
 from shootstab.analyses.claims import Circle, spurious, verdict_on
 from shootstab.analyses.find import find_modes
-from shootstab.analyses.missing import NONE, NOT_SEARCHED, Missing, claimed_modes, find_missing, modes_with_bounds, require_missing
+from shootstab.analyses.missing import (
+    NONE,
+    NOT_SEARCHED,
+    Missing,
+    claimed_modes,
+    find_missing,
+    modes_with_bounds,
+    require_missing,
+    told_missing,
+)
 from shootstab.analyses.refine_double import TIGHTEST, require_atol
 from shootstab.analyses.unstable import HalfDisc, count_unstable
 from shootstab.analyses.verifier import Sighting, Verifier
@@ -79,16 +88,17 @@ def verify(
     if wish != NONE:
         try:
             lacking = find_missing(verifier.continuation, verdicts, region, verifier.loose, verifier.reach)
-        except ConvergenceError as error:
+        except (ConvergenceError, MemoryError) as error:
             lacking = lacking._replace(undecided=(f"missing modes: {error}",))
     if unstable:
         found = [Zero(complex(m.sigma), m.multiplicity, m.error) for m in lacking.modes]
         try:
             more, said = _unstable(verifier.continuation, [*claimed_modes(verdicts), *found])
             lacking = lacking._replace(modes=lacking.modes + more, searched=f"{lacking.searched}; {said}")
-        except ConvergenceError as error:
+        except (ConvergenceError, MemoryError) as error:
             lacking = lacking._replace(undecided=(*lacking.undecided, f"the half-plane of growing modes: {error}"))
-    absent = _unanswered(lacking.modes, verdicts)
+    absent, unsure = told_missing(_unanswered(lacking.modes, verdicts), verdicts)
+    lacking = lacking._replace(undecided=lacking.undecided + unsure)
     return Report(
         tuple(_with_nearest(verdicts, absent)),
         absent,
@@ -175,6 +185,9 @@ class Assembly:
             modes = self._verifier.modes(zero, self._seen[i])
         except ConvergenceError as error:
             self._lost[i] = str(error)
+            return
+        except MemoryError as error:
+            self._lost[i] = f"the meshes of its error bound do not fit into the memory that is left: {error}"
             return
         self._known[i][zero] = tuple(self._number(mode) for mode in modes)
 

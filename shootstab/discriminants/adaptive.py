@@ -14,7 +14,7 @@ from shootstab.discriminants.deformed_path import DeformedPath
 from shootstab.discriminants.meshing import cut_for, made_for
 from shootstab.discriminants.method import Meshes, Propagator
 from shootstab.discriminants.product import Product
-from shootstab.discriminants.sampled_system import sample_system
+from shootstab.discriminants.sampled_system import SampledSystem, sample_system
 from shootstab.discriminants.shooting import Shooting
 from shootstab.discriminants.subsystems import decouple
 from shootstab.problems.protocol import ComplexArray, Problem
@@ -91,7 +91,7 @@ class SubsystemMeshes:
     def _make(self, key: Key, coarser: Shooting | None) -> Shooting | ConvergenceError:
         anchor = self._centre if key is None else key.anchor if isinstance(key, Cell) else key
         assert anchor is not None
-        begin = None if coarser is None else coarser.sampled
+        begin: Shooting | SampledSystem | None = coarser
         if begin is None and not isinstance(key, complex) and key in self._begin:
             begin = sample_system(self.problem, self._begin[key])
         if coarser is not None and _serves(coarser, anchor, False):

@@ -89,26 +89,30 @@ class Continuation:
             return (_branch(centre, radius, self.on_the_axis, REAL),)
         passes = self.continuum.passes(centre, radius)
         if not passes:
-            return (_branch(centre, radius, *self.along(centre)),)
+            return (_branch(centre, radius, *self.along(centre)[:2]),)
         self._require_one_pass(centre, radius, passes)
         place = passes[0]
         return tuple(self.beside(place, centre, side, radius) for side in (1, -1))
 
     def at(self, sigma: complex) -> Branch:
-        """The branch for a point; on the continuous spectrum itself that of one side."""
+        """The branch for a point, with the side on which its singular point lies; on the continuous spectrum itself that of one side."""
         return _branch(sigma, 0.0, *self.along(sigma))
 
-    def along(self, sigma: complex) -> tuple[AdaptiveDiscriminant, str]:
-        """D along the path that suits σ, every value on the mesh that serves it, and the path."""
+    def along(self, sigma: complex) -> tuple[AdaptiveDiscriminant, str, int]:
+        """D along the path that suits σ, every value on the mesh that serves it; the path, and the side of the singular points above it.
+
+        The side is 0 along the real axis, where every zero is one of D itself.
+        """
         if self.continuum is None:
-            return self.on_the_axis, REAL
+            return self.on_the_axis, REAL, 0
         distance, place = self.continuum.nearest(sigma)
         if distance > self.continuum.scale(place) * abs(self.continuum.slope(place)):
-            return self.on_the_axis, REAL
+            return self.on_the_axis, REAL, 0
         z = self.continuum.singular_point(sigma)
         if z is None or abs(z.imag) > NEAR_AXIS * self.continuum.scale(z.real) or self._beyond(z.real):
-            return self.on_the_axis, REAL
-        return self._beside(z.real, 1 if z.imag > 0.0 else -1)
+            return self.on_the_axis, REAL, 0
+        side = 1 if z.imag > 0.0 else -1
+        return *self._beside(z.real, side), side
 
     def _require_one_pass(self, centre: complex, radius: float, passes: list[float]) -> None:
         assert self.continuum is not None

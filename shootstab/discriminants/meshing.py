@@ -27,35 +27,41 @@ SMALL_DETERMINANT = 1e-5  # chosen: least of the largest singular value of C bel
 RESOLVED_ERROR = 1e-3  # chosen: local errors below this fall with the step, unless the coefficients are not smooth
 NOISY_ORDER = 3  # chosen: errors of parts of a step that fall with a lower power of it all over the step tell of noise
 NOISY_STEPS = 16  # chosen: so many such steps are no accident
+NOISE_SAFETY = 4.0  # chosen: times the largest error seen that does not fall, what noise is taken to be: others are larger by chance
+LOUDEST_NOISE = 1e-6  # chosen: a noise below which D is still worth computing; the bounds on zeros measure what it does to them
 
 Regrid = Callable[[ComplexArray, NDArray[np.float64], float], ComplexArray]
 
 
 def made_for(
-    problem: Problem, propagator: Propagator, path: DeformedPath | None, sigma: complex, begin: SampledSystem | None = None
+    problem: Problem, propagator: Propagator, path: DeformedPath | None, sigma: complex, coarser: Shooting | SampledSystem | None = None
 ) -> Shooting:
-    """D on a mesh on which the local errors hold at σ: cut from the mesh to begin with, or spread from the problem's own first mesh.
+    """D on a mesh on which the local errors hold at σ: cut from the coarser one, or spread from the problem's own first mesh.
 
-    Raises ConvergenceError where no mesh is found, InputError where the pencil is not analytic between the path and the real axis.
+    Where they are rounding, they are held to that. Raises ConvergenceError where no mesh is found, InputError where the pencil is not
+    analytic between the path and the real axis.
     """
     start = problem.start(sigma, far_tolerance(propagator.rtol))
-    if begin is None:
+    noise = coarser.noise if isinstance(coarser, Shooting) else 0.0
+    if coarser is None:
         straight = problem.mesh(start)
         if path is not None:
             require_analytic(problem, path, straight)
         sampled = sample_system(problem, straight.astype(np.complex128) if path is None else path.deform(straight))
         regrids: tuple[Regrid, ...] = (redistribute,) * REDISTRIBUTIONS
     else:
+        begin = coarser.sampled if isinstance(coarser, Shooting) else coarser
         sampled, regrids = _begun_at(problem, begin, start), ()
     before: Shooting | None = None
     for turn in range(MESH_ATTEMPTS):
-        shooting = Shooting(problem, propagator, sampled)
+        shooting = Shooting(problem, propagator, sampled, noise=noise)
         errors = shooting.propagated(sigma, False).errors
         if turn >= len(regrids):
-            if (errors <= propagator.rtol).all():
-                return _settled(shooting, sigma)
             if before is not None:
-                _require_smooth(before, shooting, sigma)
+                noise = max(noise, _noise(before, shooting, sigma))
+                shooting = shooting.allowing(noise)
+            if (errors <= shooting.asked).all():
+                return _settled(shooting, sigma)
             before = shooting
         sampled = _regridded(shooting, errors, regrids[turn] if turn < len(regrids) else subdivide, sigma)
     raise ConvergenceError(
@@ -71,18 +77,18 @@ def cut_for(shooting: Shooting, sigmas: list[complex]) -> Shooting:
             if not propagation.sound:
                 raise ConvergenceError(f"the charts that suit the middle of a circle do not serve sigma = {sigma:.6g} on it")
         errors = np.max([propagation.errors for propagation in propagations], axis=0)
-        if (errors <= MESH_SLACK * shooting.propagator.rtol).all():
+        if (errors <= MESH_SLACK * shooting.asked).all():
             return shooting
         sampled = _regridded(shooting, errors, subdivide, sigmas[0])
-        shooting = Shooting(shooting.problem, shooting.propagator, sampled)
-    raise ConvergenceError(f"local errors of {shooting.propagator.rtol:.1e} cannot be held around sigma = {sigmas[0]:.6g}")
+        shooting = Shooting(shooting.problem, shooting.propagator, sampled, noise=shooting.noise)
+    raise ConvergenceError(f"local errors of {shooting.asked:.1e} cannot be held around sigma = {sigmas[0]:.6g}")
 
 
 def _settled(shooting: Shooting, sigma: complex) -> Shooting:
     sampled = shooting.sampled
     far = shooting.problem.far_frame(float(sampled.nodes[0].real), sigma)
     propagator = shooting.propagator.settled(sampled, far, sigma)
-    return shooting if propagator is shooting.propagator else Shooting(shooting.problem, propagator, sampled)
+    return shooting if propagator is shooting.propagator else Shooting(shooting.problem, propagator, sampled, noise=shooting.noise)
 
 
 def _begun_at(problem: Problem, known: SampledSystem, start: float) -> SampledSystem:
@@ -99,7 +105,7 @@ def _begun_at(problem: Problem, known: SampledSystem, start: float) -> SampledSy
 def _regridded(shooting: Shooting, errors: NDArray[np.float64], regrid: Regrid, sigma: complex) -> SampledSystem:
     """The problem on the next mesh. Raises ConvergenceError where that is too large, or a step of it too short to be one."""
     known = shooting.sampled
-    nodes = regrid(known.nodes, errors, shooting.propagator.rtol)
+    nodes = regrid(known.nodes, errors, shooting.asked)
     most = int(MOST_BYTES / max(known.bytes_of_a_step, 1))
     if len(nodes) > most:
         why = _trouble(shooting, errors, sigma)
@@ -110,25 +116,29 @@ def _regridded(shooting: Shooting, errors: NDArray[np.float64], regrid: Regrid, 
     return resample(shooting.problem, nodes, known)
 
 
-def _require_smooth(before: Shooting, after: Shooting, sigma: complex) -> None:
-    """Raise ConvergenceError where steps that were cut err as much as their sum did, in all of their parts: coefficients are noisy.
+def _noise(before: Shooting, after: Shooting, sigma: complex) -> float:
+    """NOISE_SAFETY times the local error that does not fall with the step: that of steps that were cut and err as much in all parts.
 
-    At a jump or a kink one part errs; the others fall with the order of the method.
+    0 where there are none. At a jump or a kink one part errs; the others fall with the order of the method. Noise is rounding of a row of
+    the frame that would be 0 in exact arithmetic, or of the coefficients. Raises ConvergenceError where it is louder than LOUDEST_NOISE.
     """
     first = np.flatnonzero(np.isin(after.sampled.nodes[:-1], before.sampled.nodes[:-1]))
     old = before.propagated(sigma, False).errors
     if len(first) != len(old):
-        return
+        return 0.0
     parts = np.diff(np.append(first, after.steps))
     least = np.minimum.reduceat(after.propagated(sigma, False).errors, first)
-    noisy = (parts > 1) & (old < RESOLVED_ERROR) & (least > after.propagator.rtol) & (least > old / parts**NOISY_ORDER)
-    if np.count_nonzero(noisy) >= NOISY_STEPS:
+    noisy = (parts > 1) & (old < RESOLVED_ERROR) & (least > after.asked) & (least > old / parts**NOISY_ORDER)
+    if np.count_nonzero(noisy) < NOISY_STEPS:
+        return 0.0
+    noise = NOISE_SAFETY * float(old[noisy].max())
+    if noise > LOUDEST_NOISE:
         z = before.sampled.nodes[:-1][noisy].real
-        error = float(least[noisy].max())
         raise ConvergenceError(
-            f"between z = {z.min():.6g} and {z.max():.6g} local errors of {error:.1e} do not fall with the step: the coefficients are "
-            "noisy there, and allow no tolerance below that"
+            f"between z = {z.min():.6g} and {z.max():.6g} local errors of {noise / NOISE_SAFETY:.1e} do not fall with the step: "
+            "they are rounding, or noise in the coefficients"
         )
+    return noise
 
 
 def _trouble(shooting: Shooting, errors: NDArray[np.float64], sigma: complex) -> str:

@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise, product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,7 @@ from shootstab.problems.capabilities import RECORDED
 from shootstab.problems.protocol import ComplexArray, Pencil, Problem
 from shootstab.problems.recorded_pencil import RecordedPencil, ReducedPencil
 
+STEPS_AT_A_TIME = 1024  # chosen: steps sampled together: what is needed on the way takes ten times the memory of what is kept
 LARGE_COMPLETION = 1e8  # chosen: entries of V beyond which unit vectors complete C badly; half the digits of a double are lost there
 
 
@@ -88,18 +89,44 @@ def resample(problem: Problem, nodes: NDArray[np.complexfloating], known: Sample
 
 
 def _sampled(problem: Problem, starts: ComplexArray, h: ComplexArray) -> ReducedSystem:
-    """The system on steps of these lengths from these points, in the order of the path."""
-    order = np.argsort(ABSCISSAE)
-    points: ComplexArray = starts[:, None] + h[:, None] * ABSCISSAE[order]
-    back = np.argsort(order)
+    """The system on steps of these lengths from these points, in the order of the path, STEPS_AT_A_TIME of them together."""
     recorded = RECORDED.of(problem)
     formula = None if recorded is None else recorded.reduced
     if formula is not None:
+        points, back = _abscissae(starts, h)
         system = _computed(recorded, formula, points.ravel(), np.repeat(h, STAGES), back)
         if system is not None:
             return system
-    reduced = reduce_pencil(problem.pencil(points.ravel()), problem.size)
-    return sample(h, *(a.reshape(len(h), STAGES, *a.shape[1:])[:, back] for a in reduced))
+    chunks = [slice(first, first + STEPS_AT_A_TIME) for first in range(0, len(h), STEPS_AT_A_TIME)]
+    made, present = [], []
+    for chunk in chunks:
+        reduced = _reduced(problem, starts[chunk], h[chunk])
+        present.append(_present(*reduced))
+        made.append(sample(h[chunk], *reduced, present[-1]))
+    if len(made) == 1:
+        return made[0]
+    if len({(p.entries.shape, p.rows.shape) for p in present}) > 1:  # σ enters other rows of C in one chunk than in another
+        reduced = _reduced(problem, starts, h)
+        return sample(h, *reduced, _present(*reduced))
+    whole = Present(np.asarray(sum(p.entries for p in present), dtype=np.bool_), np.asarray(sum(p.rows for p in present), dtype=np.bool_))
+    for i, chunk in enumerate(chunks):
+        if not all(map(np.array_equal, present[i], whole)):  # an entry vanishes all over it
+            made[i] = sample(h[chunk], *_reduced(problem, starts[chunk], h[chunk]), whole)
+    P, V, G = (np.concatenate(arrays) for arrays in zip(*(system.numbers for system in made), strict=True))
+    return made[0]._replace(P=P, V=V, G=G)
+
+
+def _abscissae(starts: ComplexArray, h: ComplexArray) -> tuple[ComplexArray, NDArray[np.int64]]:
+    """The points (N, 12) of the steps in the order of the path, and where among them each abscissa of the pair stands."""
+    order = np.argsort(ABSCISSAE)
+    return starts[:, None] + h[:, None] * ABSCISSAE[order], np.argsort(order)
+
+
+def _reduced(problem: Problem, starts: ComplexArray, h: ComplexArray) -> tuple[ComplexArray, ComplexArray, ComplexArray, ComplexArray]:
+    """X, V, G, T of `reduce_pencil` at the abscissae of the steps, each (N, 12, …)."""
+    points, back = _abscissae(starts, h)
+    X, V, G, T = (a.reshape(len(h), STAGES, *a.shape[1:])[:, back] for a in reduce_pencil(problem.pencil(points.ravel()), problem.size))
+    return X, V, G, T
 
 
 def _computed(
@@ -126,22 +153,40 @@ def _computed(
     return ReducedSystem(*(np.array(a, dtype=np.uint64) for a in lists), *numbers)  # type: ignore[arg-type]
 
 
-def sample(h: ComplexArray, X: ComplexArray, V: ComplexArray, G: ComplexArray, T: ComplexArray) -> ReducedSystem:
-    """The reduced system at the abscissae of N steps of lengths h, in the form that the kernels take.
+class Present(NamedTuple):
+    """Which entries (·, n + m, n) of [X; τ], by the power of σ, and which rows (n,) of V, are not zero everywhere."""
+
+    entries: NDArray[np.bool_]
+    rows: NDArray[np.bool_]
+
+
+def _present(X: ComplexArray, V: ComplexArray, G: ComplexArray, T: ComplexArray) -> Present:
+    """What is present in the arrays of `sample`."""
+    n, m = V.shape[2:]
+    entries = np.zeros((max(2, X.shape[2], T.shape[2]), n + m, n), dtype=np.bool_)
+    entries[: X.shape[2], :n] = X.any(axis=(0, 1))
+    entries[: T.shape[2], n:] = T.any(axis=(0, 1))
+    return Present(entries, np.asarray(V.any(axis=(0, 1, 3))))
+
+
+def sample(
+    h: ComplexArray, X: ComplexArray, V: ComplexArray, G: ComplexArray, T: ComplexArray, present: Present | None = None
+) -> ReducedSystem:
+    """The reduced system at the abscissae of N steps of lengths h, in the form that the kernels take; with what is present in it, or more.
 
     X (N, 12, ·, n, n), V (N, 12, n, m), G (N, 12, ·, m, m), T (N, 12, ·, m, n): of X, G and T as many powers of σ as they have.
     """
     n, m = V.shape[2:]
+    held = _present(X, V, G, T) if present is None else present
     lengths = h[:, None, None, None]
-    stacked = np.zeros((len(h), STAGES, max(2, X.shape[2], T.shape[2]), n + m, n), dtype=np.complex128)
+    stacked = np.zeros((len(h), STAGES, len(held.entries), n + m, n), dtype=np.complex128)
     stacked[:, :, : X.shape[2], :n] = X * lengths[..., None]
     stacked[:, :, : T.shape[2], n:] = T
-    present = (stacked != 0.0).any(axis=(0, 1))
-    row, column = np.nonzero(present.any(axis=0))
+    row, column = np.nonzero(held.entries.any(axis=0))
     start = np.searchsorted(row, np.arange(n + m + 1))
-    linear = np.flatnonzero(present[1, row, column])
-    powers, higher = np.nonzero(present[2:, row, column])
-    carries = np.flatnonzero(V.any(axis=(0, 1, 3)))
+    linear = np.flatnonzero(held.entries[1, row, column])
+    powers, higher = np.nonzero(held.entries[2:, row, column])
+    carries = np.flatnonzero(held.rows)
     entries = stacked[:, :, :, row, column]
     P = np.concatenate((entries[:, :, 0], entries[:, :, 1, linear], entries[:, :, 2 + powers, higher]), axis=2)
     numbers = map(np.ascontiguousarray, (P, V[:, :, carries] * lengths, G))

@@ -31,6 +31,7 @@ class Shooting:
     """D(σ) = det[(W0 + σW1) Y(wall; σ)], Y (n, k) the decaying space, given by the far frame where the mesh begins.
 
     The mesh and what is chosen on it stay, so that D is analytic to rounding. What is kept changes how long an answer takes, and no answer.
+    noise is the local error of rounding, or of noise in the coefficients, that no shorter step takes away: less is not asked of the mesh.
     """
 
     def __init__(
@@ -39,8 +40,9 @@ class Shooting:
         propagator: Propagator,
         sampled: SampledSystem,
         start: Callable[[FarFrame], FarFrame] = lambda far: far,
+        noise: float = 0.0,
     ) -> None:
-        self.problem, self.propagator, self.sampled, self._start = problem, propagator, sampled, start
+        self.problem, self.propagator, self.sampled, self._start, self.noise = problem, propagator, sampled, start, noise
         self.evaluations = 0
         self._rows = problem.wall_rows()
         self._known: OrderedDict[tuple[complex, bool], tuple[Propagation, float]] = OrderedDict()
@@ -56,9 +58,18 @@ class Shooting:
         """D(σ) with the local errors of its steps."""
         return self._evaluated(sigma, tangent)[0]
 
+    @property
+    def asked(self) -> float:
+        """What local errors are held to: the tolerance of the method, or the noise where that is larger."""
+        return max(self.propagator.rtol, self.noise)
+
+    def allowing(self, noise: float) -> Shooting:
+        """The same on the same mesh, of which no less than this noise is asked."""
+        return self if noise <= self.noise else Shooting(self.problem, self.propagator, self.sampled, self._start, noise)
+
     def serves(self, sigma: complex, tangent: bool = True) -> bool:
         propagation, far_error = self._evaluated(complex(sigma), tangent)
-        holds = bool((propagation.errors <= MESH_SLACK * self.propagator.rtol).all())
+        holds = bool((propagation.errors <= MESH_SLACK * self.asked).all())
         return propagation.sound and holds and self._far_serves(sigma, far_error)
 
     def _far_serves(self, sigma: complex, error: float) -> bool:
@@ -115,7 +126,7 @@ class Shooting:
 
     def _variant(self, start: Callable[[FarFrame], FarFrame], sampled: SampledSystem, problem: Problem) -> Shooting:
         """The same on a given mesh, from a far frame changed on the way."""
-        return Shooting(problem, self.propagator, sampled, start)
+        return Shooting(problem, self.propagator, sampled, start, self.noise)
 
     def _system(self, problem: Problem, halve: bool, seed: int | None) -> SampledSystem:
         """A problem sampled on the mesh, or on the halved one: made once."""

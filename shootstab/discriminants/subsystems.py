@@ -21,7 +21,7 @@ from shootstab.problems.capabilities import GENERIC, INTERIOR, RECORDED, Continu
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil, Problem
 from shootstab.problems.recorded_pencil import I_POWERS, RecordedPencil, Selection
 
-PATTERN_SAMPLES = 9  # chosen: points at which the pencil is asked which entries it has
+PATTERN_SAMPLES = 9  # chosen: points, beside those of the first mesh, at which the pencil is asked which entries it has
 
 
 class Coupled(InputError):  # noqa: N818 - it is a finding, not a fault
@@ -198,7 +198,7 @@ def _entries(problem: Problem) -> tuple[ComplexArray, ComplexArray, ComplexArray
     sigma = GENERIC.of(problem)
     start = problem.start(sigma, 1e-14)
     mesh = problem.mesh(start)
-    z = mesh[0] + (mesh[-1] - mesh[0]) * np.linspace(0.0, 1.0, PATTERN_SAMPLES)
+    z = np.concatenate((mesh[0] + (mesh[-1] - mesh[0]) * np.linspace(0.0, 1.0, PATTERN_SAMPLES), mesh))
     pencil = problem.pencil(z.astype(np.complex128))
     far = problem.far_frame(start, sigma)
     frame = np.stack((far.frame, far.tangent)).transpose(0, 2, 1)

@@ -37,8 +37,8 @@ def from_table(table: Mapping[str, Any]) -> EquationProblem:
     for key in NEEDED:
         if key not in table:
             raise InputError(f"[problem] lacks the key {key}: needed are {', '.join(NEEDED)}")
-    fold, reference = table.get("fold", 0.0), table.get("reference")
-    if not _is_number(fold):
+    fold, reference = table.get("fold"), table.get("reference")
+    if fold is not None and not _is_number(fold):
         raise InputError(f"[problem] fold = {shortened(fold)}: allowed is a finite number")
     if reference is not None and not (isinstance(reference, list) and len(reference) == 2 and all(map(_is_number, reference))):
         raise InputError(f"[problem] reference = {shortened(reference)}: allowed is [re, im]")
@@ -52,7 +52,7 @@ def from_table(table: Mapping[str, Any]) -> EquationProblem:
         where=_table(table, "where"),
         eigenvalue=_text(table, "eigenvalue", "sigma"),
         variable=_text(table, "variable", "z"),
-        fold=float(fold),
+        fold=None if fold is None else float(fold),
         reference=None if reference is None else complex(*reference),
     )
 

@@ -168,7 +168,7 @@ def equations(
     eigenvalue: str = "sigma",
     variable: str = "z",
     given: Given | None = None,
-    fold: float = 0.0,
+    fold: float | None = None,
     reference: complex | None = None,
 ) -> EquationProblem:
     """The eigenvalue problem that equations linear in the unknowns and their derivatives pose, with conditions in the same language.
@@ -212,7 +212,7 @@ def remade(posed: Mapping[str, Any], values: Mapping[str, complex]) -> EquationP
 
 
 def assembled(
-    statement: Statement, fold: float = 0.0, reference: complex | None = None, posed: Mapping[str, Any] | None = None
+    statement: Statement, fold: float | None = None, reference: complex | None = None, posed: Mapping[str, Any] | None = None
 ) -> EquationProblem:
     """The reduction of a statement, and the problem that it makes."""
     domain = statement.domain

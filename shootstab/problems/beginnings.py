@@ -14,7 +14,7 @@ from shootstab.problems.kato_frame import KatoFrame
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.splitting import AsymptoticPencil
-from shootstab.problems.truncation import tails, truncation_distance
+from shootstab.problems.truncation import Approach, tails, truncation_distance
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +77,7 @@ def infinite_beginning(
     """Cut where the coefficients have come to their limit, or where the user says. Raises InputError where that is on the other side."""
     side = limit.direction
     if end.start is None:
-        distance = truncation_distance(pencil, limit, k, reference, origin, INFINITIES[side])
+        distance = truncation_distance(Approach(pencil, limit, k, reference, origin), INFINITIES[side])
     else:
         distance = end.start - side * origin
     if distance <= 0.0:

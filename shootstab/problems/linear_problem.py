@@ -16,6 +16,7 @@ from shootstab.core.regions import Rectangle
 from shootstab.problems.capabilities import ENCLOSABLE, MULTIPRECISION
 from shootstab.problems.decaying_space import AtInfinity, DecayingSpace
 from shootstab.problems.ends import Infinity, Interface, Wall
+from shootstab.problems.first_mesh import resolving
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
 from shootstab.problems.singular_curve import CURVE_PROBES, ContinuumOnLine, SingularCurve, singular_curves
@@ -40,7 +41,7 @@ def problem(
     *,
     interfaces: Sequence[Interface] = (),
     continuum: Callable[[Any], Any] | Literal[False] | None = None,
-    fold: float = 0.0,
+    fold: float | None = None,
     reference: complex | None = None,
     vectorized: bool = False,
     coarser: Callable[[float], LinearProblem] | None = None,
@@ -53,11 +54,16 @@ def problem(
     pencil(z) returns D0, D1 (C is the identity) or C0, C1, D0, D1, arrays (size, size), or C0, …, Cq, D0, …, Dq for powers of σ up to
     the q-th; compiled with numba it is fast; vectorized, it takes z (m,) and returns (m, size, size). An end is a
     `Wall` with rows or an `Infinity`, of whose limiting matrix the decaying space is found; both may be infinite: the two sides then
-    meet at z = fold. Interfaces couple ψ(z−) and ψ(z+). continuum(z) is σ_c(z), the σ
-    for which C is singular at z; by default it is found from the pencil, and led around where it is one curve and analytic; with
-    continuum=False it is not looked for. coarser(factor) is the problem on a base flow computed less accurately by this factor, if the
-    base flow is computed at all; written makes the same problem by `equations`, which gives it many digits and proofs;
-    growing_region(floor) is a rectangle that a theorem says to hold every σ with Re σ ≥ floor, and the name of the theorem.
+    meet at z = fold, by default at 0, or in the middle of where the coefficients vary if they are at their limits there. Interfaces
+    couple ψ(z−) and ψ(z+). continuum(z) is σ_c(z), the σ for which C is singular at z; by default it is found from the pencil, and led
+    around where it is one curve and analytic; with continuum=False it is not looked for. coarser(factor) is the problem on a base flow
+    computed less accurately by this factor, if the base flow is computed at all; written makes the same problem by `equations`, which
+    gives it many digits and proofs; growing_region(floor) is a rectangle that a theorem says to hold every σ with Re σ ≥ floor, and the
+    name of the theorem.
+
+    Coefficients are sampled at a few thousand points, so that what they do far from the origin is seen. A feature that is narrower than a
+    2000th of its subdomain, or than a 50th of its distance from a fold or a wall, may lie between samples: an interface at its place, or
+    the fold, shows where it is.
 
     reference is a σ at which the solutions that decay are as many as are wanted, in the part of the plane where modes are looked for; found
     on the axes if it is not given, which does where that part is not cut off from them by continuous spectra.
@@ -155,10 +161,9 @@ class LinearProblem:
         return frames([subdomain.frame(sigma) for subdomain in self.reduction.subdomains])
 
     def mesh(self, start: float) -> NDArray[np.float64]:
-        """Points (m,) from start to the end, denser there if another end is at infinity."""
-        end, x = self.reduction.end, np.linspace(1.0, 0.0, FIRST_MESH)
-        graded = np.sinh(GRADING * x) / math.sinh(GRADING) if self.at_infinity else x
-        return np.asarray(end + (start - end) * graded)
+        """Points (m,) from start, which is that of the problem, to the end: denser there if another end is at infinity, and where the
+        coefficients vary."""
+        return self._first_mesh
 
     def wall_rows(self) -> tuple[ComplexArray, ...]:
         return self.reduction.rows
@@ -231,6 +236,12 @@ class LinearProblem:
     @cached_property
     def _in_equations(self) -> Any:
         return None if self.written is None else self.written()
+
+    @cached_property
+    def _first_mesh(self) -> NDArray[np.float64]:
+        start, end, x = self.reduction.start, self.reduction.end, np.linspace(1.0, 0.0, FIRST_MESH)
+        graded = np.sinh(GRADING * x) / math.sinh(GRADING) if self.at_infinity else x
+        return resolving(self.function, self.reduction.subdomains, np.asarray(end + (start - end) * graded))
 
     @cached_property
     def _crude(self) -> dict[float, LinearProblem]:

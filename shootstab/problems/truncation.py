@@ -7,7 +7,8 @@ infinity,
     |V⁻¹| ∫_z^∞ |C⁻¹(ΔD − ΔC A)| ds |V|.
 
 The place is that from which on the integrand is negligible against the rates, at a σ of the problem's own size: what each matrix is for
-itself does not matter, as a D1 that vanishes at infinity shows.
+itself does not matter, as a D1 that vanishes at infinity shows. From which on: coefficients may be at their limit at first and leave it
+farther out, as sech²(z − 40) does. So they are sampled over all distances first, and the place lies beyond the last sample off the limit.
 
 Where they have no limit the matrix is frozen at z. Its space turns at the rate |ℓ2 A_z X|; of what it is wrong by, only that which
 the integration towards the wall has not damped by the gap between the rates after half the way is an error of the mode.
@@ -17,6 +18,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +34,9 @@ NEGLIGIBLE_RATE = 1e-20  # chosen: of the rates; so |σ| may be 1e4 times the pr
 NEAREST_TRIED, FARTHEST_TRIED = 2.0**-10, 2.0**20  # chosen: distances tried
 TAIL_SAMPLES = 64  # chosen: of the coefficients from a distance out to TAIL_LENGTH times it and 1 more
 TAIL_LENGTH = 2.0  # chosen: the tail is sampled out to so many times the distance, 1 more
+SURVEY_RATIO = 1.02  # chosen: of the distances of the survey; sech²(z − z0), 46 wide down to NEGLIGIBLE_RATE, is seen up to z0 = 2000
+SURVEY_BLOCKS = 30  # chosen: in which the survey is computed, of one octave each; what cannot be computed ends it
+LIMIT_ROUNDING = 4 * float(np.finfo(float).eps)  # chosen: of an entry's limit, some roundings: less does not say that the limit is left
 WAY = 9  # chosen: points at which the gap is sampled between a frozen end and half the way
 LARGEST_SIGMA = 1e6  # chosen: times the reference, the largest σ for which coefficients are to be at their limit
 
@@ -47,26 +53,55 @@ def limit_at(pencil: PencilFunction, direction: int, given: tuple[object, ...] |
         raise InputError(f"at {where}: {error}: {advice}") from error
 
 
-def truncation_distance(pencil: PencilFunction, limit: AsymptoticPencil, k: int, reference: complex, origin: float, where: str) -> float:
-    """How far from origin the coefficients have come to their limit, where k solutions decay at σ = reference, to rounding.
+@dataclass(frozen=True, eq=False)
+class Approach:
+    """How the coefficients come to their limit at one end, where k solutions decay at σ = reference; origin is where distances begin."""
+
+    pencil: PencilFunction
+    limit: AsymptoticPencil
+    k: int
+    reference: complex
+    origin: float
+
+    @cached_property
+    def _split(self) -> SpectralSplitting:
+        return self.limit.splitting(self.reference, self.k)
+
+    @cached_property
+    def _size(self) -> float:
+        """The |σ| for which the limit is to be reached: of the problem's own size, next to the origin."""
+        nearest = self.pencil.at(self.origin + self.limit.direction * NEAREST_TRIED)
+        own = polynomial.size_of_root([float(np.abs(M).max()) for M in nearest.D])
+        return min(max(abs(self.reference), own), LARGEST_SIGMA * abs(self.reference))
+
+    def _integrand(self, at: Pencil, rounding: float = 0.0) -> NDArray[np.float64]:
+        """The integrand (m,) at m points against the rates; an entry that is off by less than its rounding is at its limit."""
+        split, ends = self._split, self.limit.pencil.named.values()
+        off = [np.where(rounding * np.abs(end) < M, M, 0.0) for M, end in zip(_off(self.limit, at), ends, strict=True)]
+        to_basis = np.abs(np.concatenate((split.left, split.left2)))
+        from_basis = np.abs(np.concatenate((split.X, split.X2), axis=1))
+        rates = float((to_basis @ np.abs(split.A) @ from_basis).max()) or 1.0
+        moved = _moved(self.limit, off, split, self.reference, self._size)
+        return np.asarray((to_basis @ moved @ from_basis).max(axis=(1, 2)) / rates)
+
+    def settled(self, distance: float) -> bool:
+        """Whether the coefficients are at their limit from this distance on, out to TAIL_LENGTH times it and one more."""
+        z = self.origin + self.limit.direction * distance * np.geomspace(1.0, 1.0 + TAIL_LENGTH, TAIL_SAMPLES)
+        return bool(self._integrand(self.pencil(z.astype(np.complex128))).max() <= NEGLIGIBLE_RATE)
+
+    def off_the_limit(self, direction: int) -> NDArray[np.float64]:
+        """Of the distances from the origin that are surveyed in this direction, rising, those at which the limit is not reached."""
+        distances, at = _survey(self.pencil, direction, self.origin)
+        return distances if at is None else distances[self._integrand(at, LIMIT_ROUNDING) > NEGLIGIBLE_RATE]
+
+
+def truncation_distance(approach: Approach, where: str) -> float:
+    """How far from the origin the coefficients have come to their limit to rounding.
 
     Raises InputError where they come to it slower than exponentially.
     """
-    split = limit.splitting(reference, k)
-    nearest = pencil.at(origin + limit.direction * NEAREST_TRIED)
-    own = polynomial.size_of_root([float(np.abs(M).max()) for M in nearest.D])
-    size = min(max(abs(reference), own), LARGEST_SIGMA * abs(reference))
-    to_basis, from_basis = np.abs(np.concatenate((split.left, split.left2))), np.abs(np.concatenate((split.X, split.X2), axis=1))
-    rates = float((to_basis @ np.abs(split.A) @ from_basis).max()) or 1.0
-
-    def settled(distance: float) -> bool:
-        z = (origin + limit.direction * distance * np.geomspace(1.0, 1.0 + TAIL_LENGTH, TAIL_SAMPLES)).astype(np.complex128)
-        return bool(
-            (to_basis @ _moved(limit, _off(limit, pencil(z)), split, reference, size) @ from_basis).max() <= NEGLIGIBLE_RATE * rates
-        )
-
-    far = NEAREST_TRIED
-    while not settled(far):
+    far = float(max(approach.off_the_limit(approach.limit.direction), default=NEAREST_TRIED))
+    while not approach.settled(far):
         far *= 2.0
         if far > FARTHEST_TRIED:
             raise InputError(
@@ -78,8 +113,20 @@ def truncation_distance(pencil: PencilFunction, limit: AsymptoticPencil, k: int,
     low, high = far / 2, far
     for _ in range(5):
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if settled(middle) else (middle, high)
+        low, high = (low, middle) if approach.settled(middle) else (middle, high)
     return high
+
+
+def middle(left: Approach, right: Approach) -> float:
+    """The middle of where the coefficients are off their limits, seen from the origin of both; the origin if it lies there."""
+    edges = []
+    for approach in (left, right):
+        outwards = approach.limit.direction
+        outer = approach.off_the_limit(outwards)[-1:]
+        inner = approach.off_the_limit(-outwards)[:1]
+        edges.append(approach.origin + outwards * (outer[0] if outer.size else -inner[0] if inner.size else 0.0))
+    low, high = edges
+    return left.origin if low <= left.origin <= high or not low < high else float(0.5 * (low + high))
 
 
 def tails(pencil: PencilFunction, limit: AsymptoticPencil, origin: float, distance: float) -> tuple[NDArray[np.float64], ...]:
@@ -124,6 +171,38 @@ def _relative(split: SpectralSplitting, moved: NDArray[np.float64]) -> float:
     rows = np.linalg.norm(split.X, axis=1)
     change = (np.abs(np.concatenate((split.X, split.X2), axis=1)) @ moved).max(axis=1)
     return float((change / np.maximum(rows, 1e-8 * rows.max())).max())
+
+
+def _survey(pencil: PencilFunction, direction: int, origin: float) -> tuple[NDArray[np.float64], Pencil | None]:
+    """Distances (m,) over all that are tried, and the pencil there, up to where it cannot be computed; None if that is nowhere.
+
+    cosh overflows at 711, and exp(2z)/(1 + exp(2z))² is no number from z = 355 on: what lies beyond is not seen.
+    """
+    distances = np.exp(np.arange(math.log(NEAREST_TRIED), math.log(FARTHEST_TRIED), math.log(SURVEY_RATIO)))
+    z = (origin + direction * distances).astype(np.complex128)
+    seen: list[Pencil] = []
+    for block in np.array_split(z, SURVEY_BLOCKS):
+        try:
+            seen.append(pencil(block))
+        except InputError:
+            for point in block:
+                at = _at_point(pencil, point)
+                if at is None:
+                    break
+                seen.append(at)
+            break
+    if not seen:
+        return distances[:0], None
+    C, D = ([np.concatenate(power) for power in zip(*parts, strict=True)] for parts in ([p.C for p in seen], [p.D for p in seen]))
+    return distances[: len(C[0])], Pencil.of(C, D)
+
+
+def _at_point(pencil: PencilFunction, z: complex) -> Pencil | None:
+    """The matrices at one point, each (1, n, n); None where they cannot be computed."""
+    try:
+        return pencil(np.array([z], dtype=np.complex128))
+    except InputError:
+        return None
 
 
 def _off(limit: AsymptoticPencil, at: Pencil) -> list[NDArray[np.float64]]:

@@ -22,7 +22,7 @@ from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.splitting import AsymptoticPencil
 from shootstab.problems.subdomains import Subdomain
-from shootstab.problems.truncation import limit_at
+from shootstab.problems.truncation import Approach, limit_at, middle
 
 LINE = 2001  # chosen: points of a subdomain at which a continuous spectrum that no path leads around is sampled
 
@@ -61,10 +61,12 @@ def reduce_to_two_points(
     left: Wall | Infinity,
     right: Wall | Infinity,
     interfaces: tuple[Interface, ...],
-    fold: float,
+    fold: float | None,
     near: complex | None,
 ) -> TwoPointReduction:
-    """The reduction; near is a σ at which the solutions that decay are as many as are wanted, None if that is to be found.
+    """The reduction; without a fold both sides of the whole line meet where the coefficients vary.
+
+    near is a σ at which the solutions that decay are as many as are wanted, None if that is to be found.
 
     Raises InputError for a problem that does not fit together.
     """
@@ -75,7 +77,7 @@ def reduce_to_two_points(
     limits = {side: _limit(pencil, end, side) for side, end in infinities.items()}
     splitting = _splitting(n, walls, infinities, limits, near)
     if len(infinities) == 2 and not joints:
-        joints = (Interface(fold, np.eye(n), -np.eye(n)),)
+        joints = (Interface(_fold(pencil, infinities, limits, splitting) if fold is None else fold, np.eye(n), -np.eye(n)),)
     beginnings: Beginnings = dict(walls)
     for side, end in infinities.items():
         origin = (joints[0].z if side < 0 else joints[-1].z) if joints else walls[-side].z
@@ -102,6 +104,16 @@ def _limit(pencil: PencilFunction, end: Infinity, side: int) -> AsymptoticPencil
     if end.start is not None and end.limit is None:
         return AsymptoticPencil(pencil.at(side * end.start), side)
     return limit_at(pencil, side, end.limit, INFINITIES[side])
+
+
+def _fold(
+    pencil: PencilFunction, infinities: dict[int, Infinity], limits: dict[int, AsymptoticPencil], splitting: ConsistentSplitting
+) -> float:
+    """0, or where the coefficients are at their limits there, the middle of where they are not: no mode lives far from that."""
+    if any(end.start is not None for end in infinities.values()):
+        return 0.0
+    left, right = (Approach(pencil, limits[side], splitting.counts[side], splitting.reference, 0.0) for side in (-1, 1))
+    return middle(left, right)
 
 
 def _splitting(
@@ -137,8 +149,8 @@ def _many_subdomains(n: int, beginnings: Beginnings, joints: tuple[Interface, ..
 
     def outermost(side: int, joint: Interface) -> Subdomain:
         begun = beginnings[side]
-        rate = abs(begun.z - joint.z) / T if isinstance(begun, WallBeginning) else 1.0
-        return Subdomain(joint.z, side * rate, begun.space(T), begun.holds_sigma, (joint.z,))
+        length = abs(begun.z - joint.z)
+        return Subdomain(joint.z, side * length / T, begun.space(length), begun.holds_sigma, (joint.z,))
 
     free = ConstantSpace(np.eye(n, dtype=np.complex128))
     between = [Subdomain(b.z, -(b.z - a.z) / T, free, True, (a.z, b.z)) for a, b in itertools.pairwise(joints)]

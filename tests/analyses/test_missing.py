@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 import shootstab as st
-from shootstab.analyses.missing import require_missing
+from shootstab.analyses import verifier
+from shootstab.analyses.missing import require_missing, told_missing
+from shootstab.analyses.zeros import zeros_in
 from shootstab.core.division import distance_outside
 from shootstab.core.regions import Rectangle, convex_hull
 
@@ -98,3 +100,34 @@ def test_distance_outside_a_hull() -> None:
     assert distance_outside(square, 2 + 2j) == pytest.approx(math.sqrt(2))
     assert distance_outside(convex_hull((0j, 2 + 0j)), 1 + 0.25j) == pytest.approx(0.25)
     assert distance_outside(convex_hull((1j,)), 0j) == pytest.approx(1.0)
+
+
+def mode(sigma: complex, multiplicity: int = 1) -> st.Mode:
+    budget = st.Budget(1e-12, 0.0, 0.0, 0.0, 0.0)
+    return st.Mode(sigma, 1e-12, budget, "converged", "frame", 1, 0.0, multiplicity=multiplicity)
+
+
+@pytest.mark.parametrize(("verdict", "told"), [("unresolved", 1), ("continuum", 1), ("spurious", 2)])
+def test_a_mode_that_an_unsettled_claim_may_mean_is_not_called_missing(verdict: str, told: int) -> None:
+    absent, unsure = told_missing([mode(-9.87), mode(-39.5)], [st.Verdict(-9.8696, verdict, "")])
+    assert len(absent) == told
+    assert len(unsure) == 2 - told
+    assert all("claim 1" in sentence and "-9.87" in sentence for sentence in unsure)
+
+
+def test_one_unsettled_claim_means_one_mode_of_several() -> None:
+    absent, unsure = told_missing([mode(-9.87, multiplicity=2)], [st.Verdict(-9.8696, "unresolved", "")])
+    assert [m.multiplicity for m in absent] == [1]
+    assert len(unsure) == 1
+
+
+def test_a_claim_whose_mesh_needs_too_much_memory_loses_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    def zeros(continuation: object, disc: st.Disc, most: int | None = None) -> object:
+        if abs(disc.centre) > 20.0:
+            raise MemoryError("Unable to allocate 1 GiB")
+        return zeros_in(continuation, disc, most)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(verifier, "zeros_in", zeros)
+    report = st.verify(strings(), [-(math.pi**2), -4 * math.pi**2], missing="none")
+    assert [v.verdict for v in report.verdicts] == ["confirmed", "unresolved"]
+    assert "memory" in report.verdicts[1].why

@@ -133,3 +133,11 @@ def test_the_assignment_is_the_best_of_all(claims: list[float], modes: list[floa
     assert len(taken) == len(set(taken)) == min(len(claims), len(modes))
     if best is not None:
         assert worth(found) == pytest.approx(best)
+
+
+@pytest.mark.parametrize("gap", [1e-7, 1e-10, 1e-12, 0.0])
+def test_the_multiplicities_that_find_gives_add_up_to_the_count(gap: float) -> None:
+    found = st.find(strings(1.0, 1.0 + gap), st.Rectangle(-12 - 2j, -8 + 2.1j))
+    assert found.counted.count == sum(mode.multiplicity for mode in found.modes) == 2
+    for mode in found.modes:
+        assert min(abs(mode.sigma - t) for t in (-PI2, -PI2 * (1 + gap))) <= mode.error

@@ -8,6 +8,7 @@ from scipy.special import lambertw
 
 import shootstab as st
 from shootstab.core.errors import InputError
+from shootstab.discriminants import sampled_system
 from shootstab.discriminants.sampled_system import reduce_pencil, sample_system
 from shootstab.discriminants.subsystems import decouple
 from shootstab.kernels.reduced_system import ReducedSystem
@@ -160,3 +161,19 @@ def test_an_elimination_without_pivots_gives_way_to_one_with() -> None:
         got = assembled(sample_system(problem, nodes).system, 2, SIGMA)  # type: ignore[arg-type]
     p = problem.pencil(np.array([0j]))
     assert np.allclose(got[1, 0], -np.linalg.solve(p.C0[0], p.D0[0] + SIGMA * p.D1[0]), rtol=1e-13, atol=1e-15)
+
+
+@pytest.mark.parametrize("moving", [False, True])
+def test_a_system_sampled_in_chunks_is_the_same(moving: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    def pencil(z: float) -> tuple[np.ndarray, ...]:  # an entry, and sigma in C, are there on one half only
+        late = float(z > 0.5)
+        D0, D1 = np.array([[0, 1 + z], [late * z, 0]]), np.array([[0, 0], [1.0, 0]])
+        return np.eye(2), np.array([[0, 0], [0, late if moving else 0.0]]), D0, D1
+
+    problem = st.problem(2, pencil, st.Wall(0, [[1, 0]]), st.Wall(1, [[1, 0]]), continuum=False)
+    nodes = np.linspace(0.0, 1.0, 12)
+    whole = sample_system(problem, nodes)
+    monkeypatch.setattr(sampled_system, "STEPS_AT_A_TIME", 5)
+    chunked = sample_system(problem, nodes)
+    for a, b in zip(chunked.system, whole.system, strict=True):
+        assert np.array_equal(a, b)

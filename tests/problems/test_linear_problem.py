@@ -222,15 +222,22 @@ def channel(alpha: float, curve: bool) -> st.LinearProblem:
 
 
 def test_around_the_singular_point_of_ones_own_continuum() -> None:
-    """Both paths give the mode of α = 0.97; next to neutral, at a distance of 1e-4, only the one that leaves the real axis does."""
+    """Both paths give the mode of α = 0.97; next to neutral, at a distance of 1e-4, only the one that leaves the real axis does.
+
+    Neutral is α² = 0.97975, the largest eigenvalue of y″ + 2 sech² y with y(±3) = 0 (by Chebyshev collocation); beyond, σ = 0 has passed
+    through the continuous spectrum, and what is left of the mode is a resonance.
+    """
     bent, straight = (st.refine(channel(0.97, curve), 0.0117, rtol=1e-9) for curve in (True, False))
     assert bent.path != "real"
     assert straight.path == "real"
     assert abs(bent.sigma - straight.sigma) <= bent.error + straight.error
-    near = st.refine(channel(0.99, True), 0.004, rtol=1e-9)
+    near = st.refine(channel(0.9897, True), 0.004, rtol=1e-9)
     assert near.converged
     assert near.continuum_distance == pytest.approx(near.sigma.real, rel=1e-6)
     assert 0.0 < near.sigma.real < 2e-4
+    beyond = st.refine(channel(0.99, True), 0.004, rtol=1e-9)
+    assert not beyond.converged
+    assert "a resonance, not a mode" in beyond.status
 
 
 def test_with_a_fold_the_continuum_is_a_barrier() -> None:
