@@ -348,7 +348,7 @@ STRANGERS = [
     ),
     Stranger(
         "Poiseuille, R = 10⁶, P branch",
-        "issue 18 A4",
+        "a fault report",
         "collocation",
         walls(4, poiseuille(1e6, 1.0), -1, CLAMPED, 1, CLAMPED),
         lambda: [m for rows in (EVEN, ODD) for m in half_channel(1e6, rows, [-0.0035339 - 0.9964645j])()],
@@ -378,7 +378,7 @@ STRANGERS = [
     ),
     Stranger(
         "Bickley jet, R = 100, α = 0.8",
-        "issue 18 C17",
+        "a fault report",
         "collocation",
         lambda: st.problem(4, bickley(100.0, 0.8), st.Infinity(), st.Infinity()),
         collocated(4, stretched(bickley(100.0, 0.8), 20.0), Far(-1.0, 2), Far(1.0, 2), [0.145 - 0.321j], N=80),
@@ -428,7 +428,7 @@ STRANGERS = [
     *(
         Stranger(
             f"Eady, μ = {mu:g}",
-            "Eady 1949; issue 18 A5",
+            "Eady 1949",
             "exact",
             eady(mu),
             eady_modes(mu),
@@ -441,7 +441,7 @@ STRANGERS = [
     ),
     Stranger(
         "Bénard, rigid, Ra = 1708",
-        "issue 18 A3; published.md",
+        "a fault report",
         "collocation",
         walls(6, benard(1708.0, 3.117, 1.0), 0, RIGID, 1, RIGID),
         collocated(6, benard(1708.0, 3.117, 1.0), Fixed(0, RIGID), Fixed(1, RIGID), [0.0018125], N=24),
@@ -461,7 +461,7 @@ STRANGERS = [
     ),
     Stranger(
         "Bénard, free, σ = 0 exactly",
-        "issue 18 A3",
+        "a fault report",
         "exact",
         walls(6, benard((PI**2 + 5.0) ** 3 / 5.0, math.sqrt(5.0), 1.0), 0, FREE, 1, FREE),
         lambda: [(0j, 1e-13), (complex(-2 * (PI**2 + 5.0)), 1e-13)],

@@ -84,7 +84,7 @@ LOW, HIGH = [[-1, 0]], [[-1, 1]]
 STRANGERS = [
     Stranger(
         "Alfvén continuum, with continuum=",
-        "issue 18 A7",
+        "a fault report",
         "exact",
         walls(2, alfven, 0, FIXED, 1, FIXED, continuum=alfven_curve),
         no_modes,
@@ -94,7 +94,7 @@ STRANGERS = [
     ),
     Stranger(
         "Alfvén continuum, without continuum=",
-        "issue 18 A7",
+        "a fault report",
         "exact",
         walls(2, alfven, 0, FIXED, 1, FIXED),
         no_modes,
@@ -122,12 +122,12 @@ STRANGERS = [
     ),
     Stranger(
         "Taylor–Couette, radius ratio 1/2, critical",
-        "published.md",
+        "a published critical Reynolds number of 11 digits, which leave the growth rate 0 within 3e-7",
         "published",
         walls(6, taylor_couette(68.186268346, 3.162475910), 1, CYLINDERS, 2, CYLINDERS),
         lambda: [(0j, 3e-7)],
         scale=10.0,
-        skip=("small",),
+        skip=("small", "verify"),
     ),
     Stranger(
         "Taylor–Couette, radius ratio 1/2, Re = 80",

@@ -192,7 +192,7 @@ def legolas(problem: Any, modes: Any) -> Iterator[tuple[str, str, str]]:
 def raw(name: str, also: Any, quick: bool = False) -> Stranger:
     return Stranger(
         name,
-        "issue 18 C13",
+        "a fault report",
         "collocation",
         walls(4, poiseuille(R, ALPHA), -1, CLAMPED, 1, CLAMPED),
         collocated(4, poiseuille(R, ALPHA), Fixed(-1, CLAMPED), Fixed(1, CLAMPED), [-0.01979865 - 0.3121003j], N=60),

@@ -249,10 +249,13 @@ class Verifier:
         """
         tight = 10.0 ** -(self.digits + 2)
         far_off = abs(zero.sigma - seen.claim) > FAR_OFF * seen.radius
-        if zero.multiplicity > 1:
-            modes = several(self._continuations[-1], zero, tight, seen.atol)
-        else:
-            modes = [self._simple(zero.sigma, tight, far_off, seen.atol)]
+        try:
+            if zero.multiplicity > 1:
+                modes = several(self._continuations[-1], zero, tight, seen.atol)
+            else:
+                modes = [self._simple(zero.sigma, tight, far_off, seen.atol)]
+        except MemoryError as error:
+            raise ConvergenceError(f"the meshes of its error bound do not fit into the memory that is left: {error}") from error
         for mode in modes:
             if not math.isfinite(mode.error):
                 raise ConvergenceError(mode.status)

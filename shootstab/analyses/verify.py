@@ -186,9 +186,6 @@ class Assembly:
         except ConvergenceError as error:
             self._lost[i] = str(error)
             return
-        except MemoryError as error:
-            self._lost[i] = f"the meshes of its error bound do not fit into the memory that is left: {error}"
-            return
         self._known[i][zero] = tuple(self._number(mode) for mode in modes)
 
     def _number(self, mode: Mode) -> int:
