@@ -183,23 +183,26 @@ def _simple(continuation: Continuation, root: Root, rtol: float, atol: float | N
     if count > 1:
         several, evaluations = _among_several(continuation, sigma, radius, rtol, atol, apart=not alone)
         return several, fine.evaluations + evaluations
-    if not _is_a_mode(continuation, branch, sigma, radius):
-        told = f"the zero at {sigma:.{FIGURES}g} lies beyond the continuous spectrum, on D continued through it: a resonance, not a mode"
-        raise ConvergenceError(told)
+    _require_a_mode(continuation, branch, sigma, radius)
     distance = continuation.distance(sigma)
     status = _status(count, radius, sigma, parts.total, distance, max(rtol * abs(sigma), allowed))
     mode = Mode(sigma, parts.total, parts, status, continuation.method.name, 0, 0.0, distance, branch.path, scale=scale, atol=allowed)
     return mode, fine.evaluations
 
 
-def _is_a_mode(continuation: Continuation, branch: Branch, sigma: complex, radius: float) -> bool:
-    """Whether a zero of a branch lies on that branch's own side of the continuous spectrum, or is one of D itself within this radius.
+def _require_a_mode(continuation: Continuation, branch: Branch, sigma: complex, radius: float) -> None:
+    """Raise ConvergenceError where a zero of a branch is none of D itself: it lies beyond the continuous spectrum.
 
-    The latter is a zero of a subsystem that has no continuous spectrum.
+    A zero on the other side of a spectrum inside that is one of D too, within the radius, belongs to a subsystem that is not singular.
     """
+    told = f"the zero at {sigma:.{FIGURES}g} lies beyond the continuous spectrum"
+    if continuation.barrier is not None and continuation.barrier.beyond(sigma):
+        advice = "if modes of that part of the plane are wanted, reference = a sigma in it names them"
+        raise ConvergenceError(f"{told} of an end at infinity: a resonance, not a mode; {advice}")
     if continuation.own_side(branch, sigma):
-        return True
-    return abs(continuation.at(sigma).discriminant.with_derivative(sigma).newton_step) <= radius
+        return
+    if not abs(continuation.at(sigma).discriminant.with_derivative(sigma).newton_step) <= radius:
+        raise ConvergenceError(f"{told}, on D continued through it: a resonance, not a mode")
 
 
 def _among_several(
