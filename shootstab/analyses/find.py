@@ -76,9 +76,9 @@ def find_modes(continuation: Continuation, region: Region, known: Sequence[Zero]
 
 
 def without_repetition(zeros: Sequence[Zero], modes: Iterable[Sequence[Mode]]) -> tuple[Mode, ...]:
-    """The modes of each of the zeros, in their order, together: one that stands for several zeros comes once, and for so many only.
+    """The modes of each of the zeros, in their order, together: one that stands for several zeros comes once.
 
-    Zeros that one mesh tells apart may be one multiple mode to the bounds of another.
+    Zeros that one mesh tells apart may be one multiple mode to the bounds of another; that stands for so many zeros at least.
     """
     out: list[Mode] = []
     spent: list[int] = []  # of the zeros, how many each of the modes stands for
@@ -93,7 +93,7 @@ def without_repetition(zeros: Sequence[Zero], modes: Iterable[Sequence[Mode]]) -
             spent[known] += own
             if mode.multiplicity > out[known].multiplicity:
                 out[known] = mode
-    return tuple(replace(m, multiplicity=n) for m, n in zip(out, spent, strict=True))
+    return tuple(replace(m, multiplicity=max(n, m.multiplicity)) for m, n in zip(out, spent, strict=True))
 
 
 def _one_cluster(a: Mode, b: Mode) -> bool:

@@ -12,6 +12,7 @@ from shootstab.analyses import verifier
 from shootstab.analyses.missing import require_missing, told_missing
 from shootstab.analyses.zeros import zeros_in
 from shootstab.core.division import distance_outside
+from shootstab.core.records import Budget, Mode, Verdict
 from shootstab.core.regions import Rectangle, convex_hull
 
 WALLS = st.Wall(0, np.eye(4)[[0, 2]]), st.Wall(1, np.eye(4)[[0, 2]])
@@ -102,21 +103,21 @@ def test_distance_outside_a_hull() -> None:
     assert distance_outside(convex_hull((1j,)), 0j) == pytest.approx(1.0)
 
 
-def mode(sigma: complex, multiplicity: int = 1) -> st.Mode:
-    budget = st.Budget(1e-12, 0.0, 0.0, 0.0, 0.0)
-    return st.Mode(sigma, 1e-12, budget, "converged", "frame", 1, 0.0, multiplicity=multiplicity)
+def mode(sigma: complex, multiplicity: int = 1) -> Mode:
+    budget = Budget(1e-12, 0.0, 0.0, 0.0, 0.0)
+    return Mode(sigma, 1e-12, budget, "converged", "frame", 1, 0.0, multiplicity=multiplicity)
 
 
 @pytest.mark.parametrize(("verdict", "told"), [("unresolved", 1), ("continuum", 1), ("spurious", 2)])
 def test_a_mode_that_an_unsettled_claim_may_mean_is_not_called_missing(verdict: str, told: int) -> None:
-    absent, unsure = told_missing([mode(-9.87), mode(-39.5)], [st.Verdict(-9.8696, verdict, "")])
+    absent, unsure = told_missing([mode(-9.87), mode(-39.5)], [Verdict(-9.8696, verdict, "")])
     assert len(absent) == told
     assert len(unsure) == 2 - told
     assert all("claim 1" in sentence and "-9.87" in sentence for sentence in unsure)
 
 
 def test_one_unsettled_claim_means_one_mode_of_several() -> None:
-    absent, unsure = told_missing([mode(-9.87, multiplicity=2)], [st.Verdict(-9.8696, "unresolved", "")])
+    absent, unsure = told_missing([mode(-9.87, multiplicity=2)], [Verdict(-9.8696, "unresolved", "")])
     assert [m.multiplicity for m in absent] == [1]
     assert len(unsure) == 1
 
