@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from shootstab.problems import Infinity, Interface, LinearProblem, Wall
     from shootstab.problems.closed_form import ClosedProblem
     from shootstab.problems.linear_problem import problem
+    from shootstab.problems.profile import profile
 
 __version__ = "0.2.1"
 
@@ -80,6 +81,7 @@ _HOMES = {
     "eigenfunction": "shootstab.analyses.eigenfunction",
     "find": "shootstab.analyses.find",
     "gallery": "shootstab.models",
+    "profile": "shootstab.problems.profile",
     "prove": "shootstab.analyses.prove",
     "refine": "shootstab.analyses.refine",
     "sensitivities": "shootstab.analyses.sensitivity",
@@ -123,6 +125,7 @@ __all__ = [
     "find",
     "gallery",
     "problem",
+    "profile",
     "prove",
     "read",
     "refine",

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import cmath
 import itertools
+import math
 from collections import defaultdict
 from collections.abc import Iterator
 
 import mpmath
 import numpy as np
 from claims import Case, Claim, main
-from planted_faults import TRUNCATION, random_scenes
+from planted_faults import TRUNCATION
+from random_chutes import draw
 from scenes import GUESS, problem
 
 import shootstab as st
@@ -25,12 +28,44 @@ FLOOR = 1e-16  # of |σ|: a true error below it is counted as this
 
 
 def scenes(quick: bool) -> Iterator[tuple[str, Problem, complex]]:
-    """The built-in scenes, plane Poiseuille flow, and scenes drawn at random, each with the guess of a mode."""
+    """Problems each with the guess of a mode: built-in scenes, plane Poiseuille flow, ill-conditioned modes, scenes drawn at random."""
     for name in ("high", "low") if quick else ("high", "mid", "low", "fig2"):
         yield name, problem(name), GUESS[name]
     yield "poiseuille", PlanePoiseuille(), 0.0037 - 0.2375j
-    for name, p in random_scenes(0 if quick else 20):
-        yield name, p, complex(claims(p, 9, TRUNCATION)[0])
+    yield from ill_conditioned(quick)
+    yield from random_chutes(0 if quick else 20)
+
+
+def ill_conditioned(quick: bool) -> Iterator[tuple[str, Problem, complex]]:
+    """Modes next to which rounding counts thousands of times and more, and such next to which it looks as if it did."""
+    for n in (9,) if quick else (0, 3, 6, 9, 12):  # Davies 1999: −σ = e^{iπ/4}(2n + 1), of a condition of e^{1.3 n}
+        yield f"Davies {n}", second_order("i*x**2", -8, 8), -cmath.exp(0.25j * math.pi) * (2 * n + 1)
+    for K, guess in ((100, -44.06 - 23.71j),) if quick else ((100, -44.06 - 23.71j), (1000, -397.2 - 312j)):
+        yield f"complex Airy {K}", second_order(f"{K}*i*x", -1, 1), guess
+    for P in (100,) if quick else (10, 40, 100):
+        yield f"advection {P}", second_order(f"{P}", 0, 1, of="d(y)"), -(P**2) / 4 - math.pi**2
+
+
+def second_order(coefficient: str, left: int, right: int, of: str = "y") -> Problem:
+    """y″ = σ y + coefficient · y, or · y′; y = 0 at both ends."""
+    walls = st.Conditions(left, ["y"]), st.Conditions(right, ["y"])
+    return st.equations(["y"], [f"d(y, 2) - sigma*y - ({coefficient})*{of}"], *walls, variable="x")
+
+
+def random_chutes(count: int) -> Iterator[tuple[str, Problem, complex]]:
+    """Scenes drawn as widely as validation/random_chutes.py does, each with the mode of the reference that grows most."""
+    rng = np.random.default_rng(2010)
+    made = 0
+    while made < count:
+        chute, temperature, kx, ky = draw(rng)
+        try:
+            p = st.chute.problem(st.chute.steady(far_temperature=temperature, **chute), kx=kx, ky=ky)
+        except st.NoFlowError:
+            continue
+        modes = claims(p, 9, TRUNCATION)
+        if len(modes):  # else the reference has no mode to begin with
+            made += 1
+            yield f"random {made}", p, complex(max(modes, key=lambda s: s.real))
 
 
 def cases(quick: bool) -> Iterator[Case]:

@@ -20,6 +20,9 @@ SAFETY = 3.0  # chosen: on what a random sample of the far frame shows, and on a
 # root mean square of four samples, and 6 times the larger of two, in less than 1 of 100 cases, with σ complex much less often.
 NOISE = 5.0  # chosen: on samples of the rounding of the transport; validation/calibration.py measures that no error passes its bound
 FLOW_NOISE = 6.0  # chosen: on two flows computed anew, with every rounding on the way from the inputs over the flow to the system
+SYSTEM_PROBE = 1e-11  # chosen: relative change of the system's entries by which their rounding is measured: far above it, and small
+# chosen: on two samples of what one rounding of every entry does; the step rounds its sums too (measured by validation/calibration.py)
+SYSTEM_NOISE = 4.0
 NEGLIGIBLE_SHARE = 0.1  # chosen: part of the integration error that another part may have without being measured further
 
 
@@ -75,14 +78,16 @@ def _rounding(
 ) -> float:
     """From other bases of the far frame on the coarse mesh and, where that matters, on the fine one.
 
-    A problem without a flow of its own has its system computed anew at other points.
+    A problem without a flow of its own has its system computed anew at other points. Beside them what a rounding of every entry does all
+    along the path: ε Σ |ψ†| |P| |ψ| h over |⟨ψ†, ∂P/∂σ ψ⟩|, were it added up, is that of the worst signs; two draws of them are taken.
     """
     seen = [displacement(coarse.with_rotated_basis(seed), coarse_value) for seed in (1, 2)]
     if NOISE * _rms(seen) > NEGLIGIBLE_SHARE * integration:
         seen += [displacement(fine.with_rotated_basis(seed), fine_value) for seed in (1, 2)]
         if problem.with_base_flow_error(FLOWS[0]) is problem:
             seen.append(displacement(coarse.refined(seed=1), fine_value))
-    return NOISE * _rms(seen) + 8 * EPSILON * abs(fine_value.sigma)
+    entries = [displacement(coarse.with_perturbed_system(seed, SYSTEM_PROBE), coarse_value) / SYSTEM_PROBE for seed in (1, 2)]
+    return NOISE * _rms(seen) + SYSTEM_NOISE * EPSILON * _rms(entries) + 8 * EPSILON * abs(fine_value.sigma)
 
 
 def _rms(samples: list[float]) -> float:

@@ -37,7 +37,7 @@ class OnTheLine:
             states = part.at(t)
             return part.problem.of_whole(states) if isinstance(part.problem, Subsystem) else states
 
-        return self._gathered(z, whole, lambda placement: 1.0)
+        return self._gathered(z, lambda placement, part, t: placement.right(whole(part, t), t))
 
     def left(self, z: NDArray[np.float64]) -> ComplexArray:
         """y (m, n), for integrals over rising z. Raises InputError for z outside the domain."""
@@ -46,14 +46,18 @@ class OnTheLine:
             rows = part.left_at(t)
             return part.problem.left_of_whole(rows) if isinstance(part.problem, Subsystem) else rows
 
-        return self._gathered(z, whole, lambda placement: -1.0 if self.solution.falling == (placement.scale > 0.0) else 1.0)
+        def along_z(placement: Placement, part: Solution, t: ComplexArray) -> ComplexArray:
+            turn = -1.0 if self.solution.falling == (placement.scale > 0.0) else 1.0
+            return turn * placement.left(whole(part, t), t)
+
+        return self._gathered(z, along_z)
 
     def at_nodes(self, every: int = 1) -> tuple[NDArray[np.float64], ComplexArray]:
         """z (m,) and φ (m, n) at every so many nodes, subdomain after subdomain."""
         own, states = self.solution.problem, self.solution.phi[::every]
         whole = own.of_whole(states) if isinstance(own, Subsystem) else states
         z = [placement.z(self.solution.nodes[::every]).real for placement in self.placements]
-        return np.concatenate(z), np.concatenate([placement.of(whole) for placement in self.placements])
+        return np.concatenate(z), np.concatenate([placement.right(whole, self.solution.nodes[::every]) for placement in self.placements])
 
     @cached_property
     def ends(self) -> tuple[float, float]:
@@ -84,13 +88,11 @@ class OnTheLine:
             return low, high
         return (low, np.inf) if self.placements[0].z(start).real == high else (-np.inf, high)
 
-    def _gathered(
-        self, z: NDArray[np.float64], whole: Callable[[Solution, ComplexArray], ComplexArray], factor: Callable[[Placement], float]
-    ) -> ComplexArray:
+    def _gathered(self, z: NDArray[np.float64], of: Callable[[Placement, Solution, ComplexArray], ComplexArray]) -> ComplexArray:
         out = np.zeros((len(z), self.placements[0].size), dtype=np.complex128)
         for placement, inside in self._by_placement(z):
             t = placement.t(z[inside].astype(np.complex128))
-            out[inside] = factor(placement) * placement.of(whole(self._reaching(t.real), t))
+            out[inside] = of(placement, self._reaching(t.real), t)
         return out
 
     def _by_placement(self, z: NDArray[np.float64]) -> Iterator[tuple[Placement, NDArray[np.bool_]]]:

@@ -12,24 +12,26 @@ from shootstab.kernels.step_control import factor
 
 OFF_MIDDLE = 0.02  # chosen: of a step, by how much a cut misses its middle: other roundings, and an error of the same size
 LONGER, STEP_CUTS = 4.0, 6  # chosen: by what a step grows at most, and into how many it falls, as the law of errors holds near only
+KNOT_STEP = 1e-14  # chosen: of the largest |z|, what a step may be long that leads over a knot; tens of roundings
 
 
 def redistribute(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolerance: float) -> NDArray[np.complex128]:
     """A mesh on the same polygon on which the local errors, which go with a power of the step, are alike and meet the tolerance.
 
-    From nodes (N + 1,) and the errors (N,) of their steps to nodes (M + 1,). The corners of the polygon stay nodes.
+    From nodes (N + 1,) and the errors (N,) of their steps to nodes (M + 1,). The corners of the polygon stay nodes, and so do those on
+    either side of a knot.
     """
     h = np.diff(nodes)
-    lengths = np.abs(h)
+    lengths, knots = np.abs(h), across_knots(nodes)
     with np.errstate(divide="ignore"):
         shrink = 1.0 / factor(np.where(np.isfinite(errors), errors, np.inf) / tolerance)
     shrink = np.clip(shrink, 1.0 / LONGER, STEP_CUTS)
-    density = shrink / lengths
+    density = np.where(knots, 0.0, shrink / lengths)
     # a step cannot know what happens in its neighbour
     near = np.maximum(np.append(density[1:], 0.0), np.insert(density[:-1], 0, 0.0))
     density = np.maximum(density, 0.5 * near)
     pieces = [nodes[:1]]
-    for first, last in _legs(h):
+    for first, last in _legs(h, knots):
         pieces.append(_equidistribute(nodes[first : last + 1], density[first:last]))
     return np.concatenate(pieces)
 
@@ -58,13 +60,18 @@ def halved(nodes: NDArray[np.complex128], seed: int | None = None) -> NDArray[np
     out = np.empty(2 * len(nodes) - 1, dtype=np.complex128)
     out[::2] = nodes
     out[1::2] = nodes[:-1] + cuts * (nodes[1:] - nodes[:-1])
-    return out
+    return np.asarray(out[np.append(True, out[1:] != out[:-1])])  # between neighbouring numbers there is no other
 
 
-def _legs(h: NDArray[np.complex128]) -> list[tuple[int, int]]:
-    """Ranges of steps that run in one direction."""
+def across_knots(nodes: NDArray[np.complex128]) -> NDArray[np.bool_]:
+    """Which steps (N,) have no length but roundings: they lead over a knot of the coefficients, and no stage of another step does."""
+    return np.asarray(np.abs(np.diff(nodes)) <= KNOT_STEP * np.abs(nodes).max())
+
+
+def _legs(h: NDArray[np.complex128], knots: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Ranges of steps that run in one direction and over no knot, or over one only."""
     direction = h / np.abs(h)
-    turns = np.flatnonzero(np.abs(np.diff(direction)) > 1e-9) + 1
+    turns = np.flatnonzero((np.abs(np.diff(direction)) > 1e-9) | knots[1:] | knots[:-1]) + 1
     bounds = [0, *turns.tolist(), len(h)]
     return list(itertools.pairwise(bounds))
 

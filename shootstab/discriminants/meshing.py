@@ -11,10 +11,12 @@ from shootstab.core import polynomial
 from shootstab.core.errors import ConvergenceError
 from shootstab.discriminants.analyticity import require_analytic
 from shootstab.discriminants.deformed_path import DeformedPath
-from shootstab.discriminants.mesh import redistribute, subdivide
+from shootstab.discriminants.mesh import across_knots, redistribute, subdivide
 from shootstab.discriminants.method import Propagator
 from shootstab.discriminants.sampled_system import SampledSystem, resample, sample_system
 from shootstab.discriminants.shooting import MESH_SLACK, Shooting, far_tolerance
+from shootstab.problems.capabilities import KNOTS
+from shootstab.problems.knots import find_knots, pair, with_pairs
 from shootstab.problems.protocol import ComplexArray, Problem
 
 # derived: bytes of a sampled system; with the halved mesh (2), its other cuts (2) and another base flow (1) 1 GiB in all
@@ -26,6 +28,8 @@ SHORTEST_STEP = 1e-12  # chosen: of the length of the path: shorter steps mean t
 SMALL_DETERMINANT = 1e-5  # chosen: least of the largest singular value of C below which a place is called singular
 RESOLVED_ERROR = 1e-3  # chosen: local errors below this fall with the step, unless the coefficients are not smooth
 NOISY_ORDER = 3  # chosen: errors of parts of a step that fall with a lower power of it all over the step tell of noise
+KNOT_ORDER = 4  # chosen: errors of a part of a step that fall with a lower power of it tell of a knot in it; half the order of the pair
+CLOSER_LOOKS = 4  # chosen: steps that are looked at before the mesh is cut again
 NOISY_STEPS = 16  # chosen: so many such steps are no accident
 NOISE_SAFETY = 4.0  # chosen: times the largest error seen that does not fall, what noise is taken to be: others are larger by chance
 LOUDEST_NOISE = 1e-6  # chosen: a noise below which D is still worth computing; the bounds on zeros measure what it does to them
@@ -53,6 +57,7 @@ def made_for(
         begin = coarser.sampled if isinstance(coarser, Shooting) else coarser
         sampled, regrids = _begun_at(problem, begin, start), ()
     before: Shooting | None = None
+    knots: NDArray[np.float64] = np.zeros(0)
     for turn in range(MESH_ATTEMPTS):
         shooting = Shooting(problem, propagator, sampled, noise=noise)
         errors = shooting.propagated(sigma, False).errors
@@ -62,8 +67,12 @@ def made_for(
                 shooting = shooting.allowing(noise)
             if (errors <= shooting.asked).all():
                 return _settled(shooting, sigma)
+            if before is not None:
+                knots = _overlooked(before, shooting, sigma)
             before = shooting
         sampled = _regridded(shooting, errors, regrids[turn] if turn < len(regrids) else subdivide, sigma)
+        if len(knots):
+            sampled = resample(problem, _with_knots(sampled.nodes, knots), sampled)
     raise ConvergenceError(
         f"no mesh holds local errors of {propagator.rtol:.1e} at sigma = {sigma:.6g}: {_trouble(shooting, errors, sigma)}"
     )
@@ -110,8 +119,8 @@ def _regridded(shooting: Shooting, errors: NDArray[np.float64], regrid: Regrid, 
     if len(nodes) > most:
         why = _trouble(shooting, errors, sigma)
         raise ConvergenceError(f"the mesh for sigma = {sigma:.6g} would need more than the {most} steps that memory allows: {why}")
-    lengths = np.abs(np.diff(nodes))
-    if lengths.min() < SHORTEST_STEP * lengths.sum():
+    lengths = np.abs(np.diff(nodes))[~across_knots(nodes)]
+    if lengths.min() < SHORTEST_STEP * lengths.sum() or across_knots(nodes).sum() > across_knots(known.nodes).sum():
         raise ConvergenceError(f"no step is short enough at sigma = {sigma:.6g}: {_trouble(shooting, errors, sigma)}")
     return resample(shooting.problem, nodes, known)
 
@@ -139,6 +148,37 @@ def _noise(before: Shooting, after: Shooting, sigma: complex) -> float:
             "they are rounding, or noise in the coefficients"
         )
     return noise
+
+
+def _overlooked(before: Shooting, after: Shooting, sigma: complex) -> NDArray[np.float64]:
+    """Knots in the steps whose errors did not fall with the order of the method when they were cut: narrow features, say.
+
+    The steps with the largest errors are looked at, in a problem that may have knots.
+    """
+    problem, nodes = after.problem, after.sampled.nodes
+    first = np.flatnonzero(np.isin(nodes[:-1], before.sampled.nodes[:-1]))
+    old = before.propagated(sigma, False).errors
+    if len(first) != len(old) or KNOTS.of(problem) is None or nodes.imag.any():
+        return np.zeros(0)
+    parts = np.diff(np.append(first, after.steps))
+    errors = after.propagated(sigma, False).errors
+    expected = np.repeat(np.where((parts > 1) & (old < RESOLVED_ERROR), old / parts.astype(float) ** KNOT_ORDER, np.inf), parts)
+    suspect = np.flatnonzero((errors > expected) & (errors > after.asked))
+    worst = suspect[np.argsort(-errors[suspect])[:CLOSER_LOOKS]]
+
+    def coefficients(t: NDArray[np.float64]) -> ComplexArray:
+        at = problem.pencil(t.astype(np.complex128))
+        return np.concatenate([M.reshape(len(t), -1) for M in (*at.C, *at.D)], axis=1)
+
+    steps = [sorted(nodes[i : i + 2].real.tolist()) for i in worst.tolist()]
+    return np.concatenate([np.zeros(0), *(find_knots(coefficients, low, high, np.zeros(0)) for low, high in steps)])
+
+
+def _with_knots(nodes: ComplexArray, knots: NDArray[np.float64]) -> ComplexArray:
+    """Real nodes with two on either side of each knot."""
+    real = nodes.real
+    span, largest = abs(float(real[-1] - real[0])), float(np.abs(real).max())
+    return with_pairs(real, np.array([pair(knot, span, largest) for knot in knots.tolist()])).astype(np.complex128)
 
 
 def _trouble(shooting: Shooting, errors: NDArray[np.float64], sigma: complex) -> str:

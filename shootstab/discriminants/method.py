@@ -90,6 +90,10 @@ class MeshedDiscriminant(Discriminant, Protocol):
         """On the same mesh, from a far frame with every component changed by a random relative amount of this size."""
         ...
 
+    def with_perturbed_system(self, seed: int, size: float) -> MeshedDiscriminant:
+        """On the same mesh, with every entry of the system changed by random relative amounts of this size."""
+        ...
+
     def on_same_mesh(self, problem: Problem) -> MeshedDiscriminant:
         """D(σ) of another problem, on the same mesh."""
         ...

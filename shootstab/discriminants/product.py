@@ -66,6 +66,9 @@ class Product:
     def with_perturbed_start(self, seed: int, size: float) -> Product:
         return self._each(lambda member: member.with_perturbed_start(seed, size))
 
+    def with_perturbed_system(self, seed: int, size: float) -> Product:
+        return self._each(lambda member: member.with_perturbed_system(seed, size))
+
     def on_same_mesh(self, problem: Problem) -> Product:
         others = self._decoupling.applied_to(problem)
         members = tuple(member.on_same_mesh(other) for member, other in zip(self.members, others, strict=True))

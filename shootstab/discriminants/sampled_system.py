@@ -19,6 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
+from shootstab.core.scaled import EPSILON
+from shootstab.discriminants.mesh import across_knots
 from shootstab.kernels.elimination import solve_each
 from shootstab.kernels.recorded_programs import evaluate
 from shootstab.kernels.reduced_system import ReducedSystem
@@ -59,6 +61,25 @@ class SampledSystem:
         if sigma.imag == 0.0 and not any(a.imag.any() for a in arrays) and self.real is not None:
             return self.real, sigma.real, *(a.real.copy() for a in arrays)
         return self.system, sigma, *(a.astype(np.complex128, order="C") for a in arrays)
+
+    def perturbed(self, seed: int, size: float) -> SampledSystem:
+        """Every entry changed by random relative amounts of this size, real and imaginary parts apart, so that what is real stays so.
+
+        One along all of the path, as a constant that it is made of rounds, and one at every abscissa, as the entry itself and the step do.
+        A step over a knot is longer or shorter by as many of its lengths as size holds roundings: no place is known better than to one.
+        """
+        random = np.random.default_rng(seed)
+        knots = across_knots(self.nodes)
+
+        def part(a: NDArray[np.float64]) -> NDArray[np.float64]:
+            along = random.uniform(-1.0, 1.0, a.shape[2:])
+            changed = a * (1.0 + size * (along + random.uniform(-1.0, 1.0, a.shape)))
+            changed[knots] += a[knots] * random.uniform(-1.0, 1.0, (knots.sum(), *(1,) * (a.ndim - 1))) * size / EPSILON
+            return np.asarray(changed)
+
+        numbers = (part(a.real) + 1j * part(a.imag) if np.iscomplexobj(a) else part(a.real) for a in self.made.numbers)
+        P, V, G = numbers
+        return SampledSystem(self.nodes, self.made._replace(P=P, V=V, G=G))
 
 
 def sample_system(problem: Problem, nodes: NDArray[np.complexfloating]) -> SampledSystem:

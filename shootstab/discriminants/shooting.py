@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from shootstab.core.discriminant import Value
-from shootstab.core.scaled import Scaled
+from shootstab.core.scaled import EPSILON, Scaled
 from shootstab.discriminants.mesh import halved
 from shootstab.discriminants.method import Propagation, Propagator
 from shootstab.discriminants.sampled_system import SampledSystem, sample_system
@@ -90,9 +90,12 @@ class Shooting:
     def with_rotated_basis(self, seed: int) -> Shooting:
         """The same from the far frame with its columns in another order and with other phases, of product 1, at random.
 
-        They are not mixed: columns of very different size would be spoilt by that, and not by the method.
+        They are not mixed: columns of very different size would be spoilt by that, and not by the method. One column has no other basis:
+        its components are changed by a rounding.
         """
         k = self.problem.decaying
+        if k == 1:
+            return self.with_perturbed_start(seed, EPSILON)
         order = np.random.default_rng(seed).permutation(k)
         basis = np.eye(k)[order] * _random(seed, k)
         basis[:, 0] /= np.linalg.det(basis)
@@ -102,6 +105,10 @@ class Shooting:
         """The same from a far frame with every component changed by a random relative amount of this size."""
         noise = 1 + size * _random(seed, self.problem.size, self.problem.decaying)
         return self._variant(lambda far: replace(far, frame=far.frame * noise), self.sampled, self.problem)
+
+    def with_perturbed_system(self, seed: int, size: float) -> Shooting:
+        """The same with every entry of the sampled system changed by random relative amounts of this size."""
+        return self._variant(self._start, self.sampled.perturbed(seed, size), self.problem)
 
     def on_same_mesh(self, problem: Problem) -> Shooting:
         """D(σ) of another problem, on the same mesh."""

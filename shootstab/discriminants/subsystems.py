@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError, ShootstabError
-from shootstab.problems.capabilities import GENERIC, INTERIOR, RECORDED, Continuum
+from shootstab.problems.capabilities import GENERIC, INTERIOR, KNOTS, RECORDED, Continuum
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil, Problem
 from shootstab.problems.recorded_pencil import I_POWERS, RecordedPencil, Selection
 
@@ -103,6 +103,11 @@ class Subsystem:
         for W in self.whole.wall_rows():
             _require_apart("wall rows", W[None], self.rows, self.states)
         return tuple(W[self.rows[:, None], self.states] * turn for W in self.whole.wall_rows())
+
+    @property
+    def knots(self) -> NDArray[np.float64] | None:
+        known: NDArray[np.float64] | None = KNOTS.of(self.whole)
+        return known
 
     def with_base_flow_error(self, factor: float) -> Problem:
         crude = self.whole.with_base_flow_error(factor)

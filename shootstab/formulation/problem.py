@@ -100,6 +100,11 @@ class EquationProblem(LinearProblem):
         """The equations as they stand, by collocation. None with an end at infinity, or in layers."""
         return collocation(self.statement)
 
+    @cached_property
+    def knots(self) -> NDArray[np.float64]:
+        """Those of functions that no formula defines, and interfaces; what formulas define is analytic."""
+        return super().knots if self.statement.domain.given else np.sort(self.reduction.jumps)
+
     @property
     def multiprecision(self) -> Callable[[], EquationDigits]:
         """The same expressions on power series. What it returns raises InputError, with the reason, where there is no such way."""
@@ -177,7 +182,8 @@ def equations(
     natural power. parameters are numbers, where holds definitions by name. An end is Conditions(at, [...]), Infinity(), or Axis(at), a
     regular singular point of the equations at which solutions are regular; or both ends are Periodic(at). interfaces divide the domain
     into layers, in which parameters and definitions that are lists have one value each: see joints.py. given are
-    functions of the coordinate that no formula defines, as name: f(z, order) ↦ the derivative of that order, for arrays z. fold and
+    functions of the coordinate that no formula defines, as name: f(z, order) ↦ the derivative of that order, for arrays z; one with
+    knots, as a `profile` has them, has a jump in one of its derivatives there. fold and
     reference are those of `problem`.
 
     Raises InputError, which names the equation or condition and the place: an unknown name, a term that is not linear, as many equations
@@ -261,6 +267,7 @@ def assembled(
         conditions=(conditions[0], conditions[1]),
         states=system,
         posed=posed,
+        given=tuple(np.concatenate([[], *(getattr(f, "knots", ()) for f in domain.given.values())]).tolist()),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.linalg
@@ -15,6 +15,8 @@ from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.splitting import AsymptoticPencil
 from shootstab.problems.truncation import Approach, tails, truncation_distance
+
+BEYOND_INTERFACE = 1.01  # chosen: of the way to the last interface, where an infinite end begins at the nearest
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +62,17 @@ class InfiniteBeginning:
     def z(self) -> float:
         """Where it is cut."""
         return self.origin + self.limit.direction * self.distance
+
+    def beyond(self, places: list[float]) -> InfiniteBeginning:
+        """Begun beyond all of these points, if it is not. Raises InputError where the user says that it begins before."""
+        side = self.limit.direction
+        farthest = max((side * (z - self.origin) for z in places), default=0.0)
+        if farthest < self.distance:
+            return self
+        if self.given.start is not None:
+            told = f"at {INFINITIES[side]} start = {self.given.start:g}, and an interface lies {farthest:g} from z = {self.origin:g}"
+            raise InputError(f"{told}: allowed is a start beyond all interfaces")
+        return replace(self, distance=BEYOND_INTERFACE * farthest)
 
     def space(self, distance: float) -> DecayingSpace:
         """The decaying space, begun at this distance from the origin: of the limit, or of the pencil frozen there."""

@@ -121,6 +121,8 @@ ASYMPTOTICS = Capability("asymptotics", (), "this problem has no end at infinity
 INTERIOR = Capability("continuum", None, "this problem has no continuous spectrum that a path could lead around")
 # pairs (z, σ_c(z)) of continuous spectra inside that no deformed path leads around
 CROSSINGS = Capability("crossings", (), "this problem has no continuous spectrum between interfaces")
+# points at which coefficients are not smooth; None where they are smooth by construction
+KNOTS = Capability("knots", None, "this problem's coefficients are smooth by construction")
 # the same problem, on the same line, with every wall that approximates a singular point twice as far from it
 FARTHER_WALLS = Capability("farther_walls", None, "this problem has no wall that approximates a singular point")
 PSEUDOSPECTRAL = Capability("pseudospectral", None, "this problem has no bundled pseudospectral reference: give a file of eigenvalues")

@@ -17,6 +17,7 @@ from shootstab.problems.capabilities import ENCLOSABLE, MULTIPRECISION
 from shootstab.problems.decaying_space import AtInfinity, DecayingSpace
 from shootstab.problems.ends import Infinity, Interface, Wall
 from shootstab.problems.first_mesh import resolving
+from shootstab.problems.knots import Coefficients, find_knots, with_pairs
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
 from shootstab.problems.singular_curve import CURVE_PROBES, ContinuumOnLine, SingularCurve, singular_curves
@@ -30,6 +31,8 @@ Crossings = tuple[tuple[NDArray[np.float64], ComplexArray], ...]
 MOST_STATES = 64  # chosen: n of a problem; the minors of more states are not to be held
 FIRST_MESH = 33  # chosen: points of it
 BESIDE = 1.0371  # chosen: times the reference, a σ where the decaying spaces are known to exist, of no property of its own
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)  # derived: multiples of it less integers are spread evenly, and on no regular points
+KNOT_PROBES = 64  # chosen: points at which an entry is asked whether it varies
 GRADING = 3.0  # chosen: of the first mesh towards the wall, where the other end is at infinity; redistribution undoes it
 
 
@@ -48,6 +51,7 @@ def problem(
     written: Callable[[], Any] | None = None,
     growing_region: Callable[[float], tuple[Rectangle, str]] | None = None,
     unknowns: Mapping[str, ArrayLike] | Sequence[str] = (),
+    knots: ArrayLike = (),
 ) -> LinearProblem:
     """The eigenvalue problem (C0 + σ C1) ψ′ = (D0 + σ D1) ψ, or one of higher degree in σ, ψ of this size, between a left and a right end.
 
@@ -64,6 +68,9 @@ def problem(
     Coefficients are sampled at a few thousand points, so that what they do far from the origin is seen. A feature that is narrower than a
     2000th of its subdomain, or than a 50th of its distance from a fold or a wall, may lie between samples: an interface at its place, or
     the fold, shows where it is.
+
+    knots are points at which coefficients jump or have kinks, in any of their derivatives; to them are added those that their values tell
+    of (see knots.py). Every knot is made a node of the mesh, and the coefficients are taken on either side of it.
 
     reference is a σ at which the solutions that decay are as many as are wanted, in the part of the plane where modes are looked for; found
     on the axes if it is not given, which does where that part is not cut off from them by continuous spectra.
@@ -90,6 +97,7 @@ def problem(
         mapped = isinstance(unknowns, Mapping)
         shown = Unknowns.combinations(unknowns, size) if mapped else Unknowns.components(unknowns, size)  # type: ignore[arg-type]
     function = PencilFunction(size, pencil, vectorized)
+    given = _as_knots(knots, left, right)
     reduction = reduce_to_two_points(function, left, right, tuple(interfaces), fold, reference)
     farther = None
     if any(isinstance(end, Wall) and end.approximates is not None for end in (left, right)):
@@ -99,9 +107,22 @@ def problem(
         except InputError as error:
             raise InputError(f"with walls twice as far from the points that they approximate, {error}") from error
         moved = moved.over(reduction.start, reduction.end)
-        farther = LinearProblem(function, moved, *_curves(function, moved, continuum))
+        farther = LinearProblem(function, moved, *_curves(function, moved, continuum), given=given)
     curve, fixed = _curves(function, reduction, continuum)
-    return LinearProblem(function, reduction, curve, fixed, coarser, farther, written, growing_region, shown)
+    return LinearProblem(function, reduction, curve, fixed, coarser, farther, written, growing_region, shown, given)
+
+
+def _as_knots(knots: ArrayLike, left: Wall | Infinity, right: Wall | Infinity) -> tuple[float, ...]:
+    """Points between the ends, rising, each once. Raises InputError for what is none."""
+    low, high = (end.z if isinstance(end, Wall) else math.copysign(math.inf, side) for end, side in ((left, -1), (right, 1)))
+    try:
+        at = np.unique(np.asarray(knots, dtype=np.float64).ravel())
+    except (ValueError, TypeError) as error:
+        raise InputError(f"knots = {knots!r} are no numbers ({error}): allowed are points of the line") from None
+    outside = at[~(np.isfinite(at) & (at > low) & (at < high))]
+    if len(outside):
+        raise InputError(f"a knot lies at z = {outside[0]:g}: allowed are points between the ends, {low:g} and {high:g}")
+    return tuple(at.tolist())
 
 
 def _curves(
@@ -113,7 +134,7 @@ def _curves(
     curves: list[tuple[NDArray[np.float64], ComplexArray]] = []
     for z in reduction.lines:
         found = singular_curves(function, z[:: len(z) // CURVE_PROBES])
-        if isinstance(found, SingularCurve) and len(reduction.subdomains) == 1:
+        if isinstance(found, SingularCurve) and len(reduction.lines) == 1:
             return found, ()
         if found:
             found = singular_curves(function, z)
@@ -127,7 +148,8 @@ class LinearProblem:
 
     curve is σ_c(z), fixed are continuous spectra that no path leads around. coarser is the problem on a base flow that is less accurate by
     a factor, farther_walls that with its approximate walls twice as far from the points that they approximate, written the same in
-    equations; growing_region is that of problems.capabilities. unknowns: what eigenfunctions are shown in.
+    equations; growing_region is that of problems.capabilities. unknowns: what eigenfunctions are shown in; given are the knots that the
+    user knows of.
     """
 
     function: PencilFunction
@@ -139,6 +161,7 @@ class LinearProblem:
     written: Callable[[], Any] | None = None
     growing_region: Callable[[float], tuple[Rectangle, str]] | None = None
     unknowns: Unknowns | None = None
+    given: tuple[float, ...] = ()
 
     @property
     def size(self) -> int:
@@ -162,8 +185,29 @@ class LinearProblem:
 
     def mesh(self, start: float) -> NDArray[np.float64]:
         """Points (m,) from start, which is that of the problem, to the end: denser there if another end is at infinity, and where the
-        coefficients vary."""
-        return self._first_mesh
+        coefficients vary; two at every knot."""
+        points = self._first_mesh
+        return points if len(self.knots) == 0 else with_pairs(points, self.reduction.pairs(self.knots))
+
+    @cached_property
+    def knots(self) -> NDArray[np.float64]:
+        """The points z at which coefficients are not smooth: those given, those that interfaces leave, and those found."""
+        known = np.unique(np.concatenate((self.given, self.reduction.jumps)))
+        return np.unique(np.concatenate([find_knots(self._varying, *line, known) for line in self.reduction.intervals]))
+
+    @cached_property
+    def _varying(self) -> Coefficients:
+        """The entries of the pencil that are not the same everywhere, as a function of real z."""
+        (low, high) = np.array(self.reduction.intervals).T
+        x = np.modf(GOLDEN * np.arange(1, KNOT_PROBES + 1))[0]
+        probes = self._entries((low[:, None] + (high - low)[:, None] * x).ravel())
+        entries = np.flatnonzero((probes != probes[0]).any(axis=0))
+        return lambda z: self._entries(z)[:, entries]
+
+    def _entries(self, z: NDArray[np.float64]) -> ComplexArray:
+        """All entries of all matrices at real z, (m, entries)."""
+        at = self.function(z.astype(np.complex128))
+        return np.concatenate([M.reshape(len(z), -1) for M in (*at.C, *at.D)], axis=1)
 
     def wall_rows(self) -> tuple[ComplexArray, ...]:
         return self.reduction.rows
@@ -178,8 +222,8 @@ class LinearProblem:
 
     @property
     def continuum(self) -> ContinuumOnLine | None:
-        """σ_c(z); None where the problem has none, or more than one subdomain, whose curves are crossings."""
-        return self._on_line if len(self.reduction.subdomains) == 1 else None
+        """σ_c(z); None where the problem has none, or is not analytic in z: then its curves are crossings."""
+        return self._on_line if len(self.reduction.subdomains) == 1 and (self.curve is None or len(self.knots) == 0) else None
 
     @property
     def asymptotics(self) -> tuple[tuple[AsymptoticPencil, int], ...]:
@@ -229,7 +273,7 @@ class LinearProblem:
         n, first, out = self.function.size, 0, []
         for subdomain in self.reduction.subdomains:
             first += n * subdomain.augmented
-            out.append(Placement(subdomain.offset, subdomain.scale, first, n))
+            out.append(Placement(subdomain.offset, subdomain.scale, first, n, subdomain.crossed))
             first += n
         return tuple(out)
 

@@ -7,7 +7,18 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from shootstab.problems.capabilities import ASYMPTOTICS, CROSSINGS, FARTHER_WALLS, GENERIC, INTERIOR, MODE_SHAPE, UNKNOWNS, Continuum, Shape
+from shootstab.problems.capabilities import (
+    ASYMPTOTICS,
+    CROSSINGS,
+    FARTHER_WALLS,
+    GENERIC,
+    INTERIOR,
+    KNOTS,
+    MODE_SHAPE,
+    UNKNOWNS,
+    Continuum,
+    Shape,
+)
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil, Problem
 from shootstab.problems.splitting import AsymptoticPencil
 from shootstab.problems.unknowns import Placement, Unknowns, placements
@@ -92,6 +103,11 @@ class Rescaled:
     def crossings(self) -> tuple[tuple[NDArray[np.float64], ComplexArray], ...]:
         """(z, σ_c(z)/unit), each (m,)."""
         return tuple((z, sigma / self.unit) for z, sigma in CROSSINGS.of(self.problem))
+
+    @property
+    def knots(self) -> NDArray[np.float64] | None:
+        known: NDArray[np.float64] | None = KNOTS.of(self.problem)
+        return known
 
     @property
     def farther_walls(self) -> Rescaled | None:

@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from shootstab.problems.crossed import Crossed
 from shootstab.problems.decaying_space import StartingSpace
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
@@ -29,13 +30,14 @@ INSIDE_INTERFACE = 4 * np.finfo(float).eps
 
 @dataclass(frozen=True, eq=False)
 class Subdomain:
-    """One subdomain; ends are the z at which its coefficients belong to it, taken from inside."""
+    """One subdomain; ends are the z at which its coefficients belong to it, taken from inside; crossed are interfaces inside."""
 
     offset: float
     scale: float
     far: StartingSpace
     augmented: bool = False
     ends: tuple[float, ...] = ()
+    crossed: Crossed | None = None
 
     def on(self, shift: float, stretch: float) -> Subdomain:
         """The same over another t, of which t = shift + stretch·(new t)."""
@@ -52,13 +54,18 @@ class Subdomain:
 
     def pencil(self, function: PencilFunction, t: ComplexArray) -> Pencil:
         """The matrices (m, N, N) of ψ, and of a before it if the subdomain is augmented."""
-        p = function(self.points(t))
+        z = self.points(t)
+        p = function(z) if self.crossed is None else self.crossed.changed(function(z), z)
         own = p if self.scale == 1.0 else p.stretched(self.scale)
         if not self.augmented:
             return own
         n = function.size
         still = np.zeros((len(t), n, n), dtype=np.complex128)
         return blocks([Pencil.of([still + np.eye(n), *[still for _ in own.C[1:]]], [still for _ in own.D]), own])
+
+    def arriving(self, rows: ComplexArray) -> ComplexArray:
+        """Rows (m, n) for ψ where the subdomain ends, as rows for what is integrated there."""
+        return rows if self.crossed is None else rows @ self.crossed.arrival
 
     def frame(self, sigma: complex) -> FarFrame:
         """The frame where the subdomain begins; [I; I] times it where it is augmented."""

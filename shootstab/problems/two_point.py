@@ -1,7 +1,8 @@
 """From ends and interfaces to subdomains on one line, with the rows that hold where all of them arrive.
 
-Without an interface there is one subdomain and t is z itself. With interfaces, or on the whole line with its fold, t = 0 is where a
-subdomain meets the next, and all begin at the same t: see subdomains.py.
+Without an interface there is one subdomain and t is z itself. On the whole line with its fold, or with interfaces whose conditions hold σ
+or cannot be solved, t = 0 is where a subdomain meets the next, and all begin at the same t: see subdomains.py. Other interfaces a
+subdomain runs across: see crossed.py.
 """
 
 from __future__ import annotations
@@ -12,12 +13,15 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
+from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
 from shootstab.problems.beginnings import InfiniteBeginning, WallBeginning, infinite_beginning
 from shootstab.problems.consistent_splitting import ConsistentSplitting, EndConditions, consistent_splitting
+from shootstab.problems.crossed import Crossed, can_be_crossed
 from shootstab.problems.decaying_space import ConstantSpace
 from shootstab.problems.ends import INFINITIES, WALLS, Infinity, Interface, Wall
+from shootstab.problems.knots import hair, pair
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.splitting import AsymptoticPencil
@@ -50,10 +54,36 @@ class TwoPointReduction:
         return TwoPointReduction(tuple(subdomain.on(shift, stretch) for subdomain in self.subdomains), start, end, self.rows)
 
     @property
+    def intervals(self) -> tuple[tuple[float, float], ...]:
+        """The z that each subdomain covers, rising."""
+        ends = [sorted(subdomain.offset + subdomain.scale * t for t in (self.start, self.end)) for subdomain in self.subdomains]
+        return tuple((low, high) for low, high in ends)
+
+    def pairs(self, knots: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The t (M, 2) on either side of each knot z, in every subdomain that it lies inside."""
+        found = []
+        for subdomain, (low, high) in zip(self.subdomains, self.intervals, strict=True):
+            for knot in knots[(knots > low) & (knots < high)].tolist():
+                found.append([(z - subdomain.offset) / subdomain.scale for z in pair(knot, high - low, subdomain.offset)])
+        return np.array(found).reshape(-1, 2)
+
+    @property
+    def jumps(self) -> NDArray[np.float64]:
+        """The z of the interfaces that a subdomain runs across."""
+        return np.concatenate([[], *(subdomain.crossed.places for subdomain in self.subdomains if subdomain.crossed is not None)])
+
+    @property
     def lines(self) -> tuple[ComplexArray, ...]:
-        """Real points z (m,) of each subdomain."""
-        t = np.linspace(self.start, self.end, LINE)
-        return tuple((subdomain.offset + subdomain.scale * t).astype(np.complex128) for subdomain in self.subdomains)
+        """Real points z (m,) of each subdomain, in the order of t, on every stretch between interfaces that it runs across."""
+        found = []
+        for subdomain in self.subdomains:
+            way = subdomain.crossed.places.tolist() if subdomain.crossed is not None else []
+            ends = [subdomain.offset + subdomain.scale * t for t in (self.start, self.end)]
+            for a, b in itertools.pairwise([ends[0], *way, ends[1]]):
+                z = np.linspace(a, b, LINE)
+                off = float(hair(max(abs(a), abs(b)), abs(b - a)))
+                found.append(np.clip(z, min(a, b) + off * (a in way), max(a, b) - off * (b in way)).astype(np.complex128))
+        return tuple(found)
 
 
 def reduce_to_two_points(
@@ -71,18 +101,34 @@ def reduce_to_two_points(
     Raises InputError for a problem that does not fit together.
     """
     n = pencil.size
-    joints = _ordered(left, right, interfaces)
+    ordered = _ordered(left, right, interfaces)
     walls = {side: WallBeginning.of(end, side, n) for side, end in ((-1, left), (1, right)) if isinstance(end, Wall)}
     infinities = {side: end for side, end in ((-1, left), (1, right)) if isinstance(end, Infinity)}
     limits = {side: _limit(pencil, end, side) for side, end in infinities.items()}
     splitting = _splitting(n, walls, infinities, limits, near)
-    if len(infinities) == 2 and not joints:
-        joints = (Interface(_fold(pencil, infinities, limits, splitting) if fold is None else fold, np.eye(n), -np.eye(n)),)
+    whole_line = len(infinities) == 2
+    if fold is None:
+        fold = _fold(pencil, infinities, limits, splitting) if whole_line and not ordered else 0.0
+    joints, crossed = _divided(ordered, n, whole_line, fold)
     beginnings: Beginnings = dict(walls)
     for side, end in infinities.items():
         origin = (joints[0].z if side < 0 else joints[-1].z) if joints else walls[-side].z
-        beginnings[side] = infinite_beginning(pencil, end, limits[side], splitting.counts[side], splitting.reference, origin)
-    return _many_subdomains(n, beginnings, joints) if joints else _one_subdomain(beginnings)
+        begun = infinite_beginning(pencil, end, limits[side], splitting.counts[side], splitting.reference, origin)
+        beginnings[side] = begun.beyond([joint.z for joint in crossed])
+    return _many_subdomains(n, beginnings, joints, crossed) if joints else _one_subdomain(n, beginnings, crossed)
+
+
+def _divided(ordered: tuple[Interface, ...], n: int, whole_line: bool, fold: float) -> tuple[tuple[Interface, ...], tuple[Interface, ...]]:
+    """The interfaces at which subdomains meet, and those that they run across. On the whole line one is the fold, made where none is."""
+    crossed = [joint for joint in ordered if can_be_crossed(joint, n)]
+    way = Crossed.on_the_way(crossed, -np.inf, np.inf, 1.0, n)
+    if way is not None and not way.well_conditioned:
+        crossed = []
+    if whole_line and len(crossed) == len(ordered):
+        if not ordered:
+            return (Interface(fold, np.eye(n), -np.eye(n)),), ()
+        crossed.remove(min(crossed, key=lambda joint: abs(joint.z - fold)))
+    return tuple(joint for joint in ordered if joint not in crossed), tuple(crossed)
 
 
 def _ordered(left: Wall | Infinity, right: Wall | Infinity, interfaces: tuple[Interface, ...]) -> tuple[Interface, ...]:
@@ -131,29 +177,37 @@ def _splitting(
     return consistent_splitting(EndConditions(n, free, limits, given), near)
 
 
-def _one_subdomain(beginnings: Beginnings) -> TwoPointReduction:
+def _one_subdomain(n: int, beginnings: Beginnings, crossed: tuple[Interface, ...]) -> TwoPointReduction:
     """From infinity to the wall, or from a wall whose rows do not hold σ to the other; where both hold it, augmented."""
     for side, far in sorted(beginnings.items(), key=lambda item: isinstance(item[1], WallBeginning)):
         other = beginnings[-side]
         if isinstance(other, WallBeginning) and not far.holds_sigma:
-            return TwoPointReduction((Subdomain(0.0, 1.0, far.space(far.distance)),), far.z, other.z, other.rows)
+            way = Crossed.on_the_way(crossed, -np.inf, np.inf, float(-side), n)
+            subdomain = Subdomain(0.0, 1.0, far.space(far.distance), crossed=way)
+            return TwoPointReduction((subdomain,), far.z, other.z, tuple(map(subdomain.arriving, other.rows)))
     left, right = beginnings[-1], beginnings[1]
     assert isinstance(left, WallBeginning) and isinstance(right, WallBeginning)
-    rows = tuple(scipy.linalg.block_diag(a, b) for a, b in zip(*_to_one_degree([left.rows, right.rows]), strict=True))
-    return TwoPointReduction((Subdomain(0.0, 1.0, left.space(0.0), augmented=True),), left.z, right.z, rows)
+    subdomain = Subdomain(0.0, 1.0, left.space(0.0), augmented=True, crossed=Crossed.on_the_way(crossed, -np.inf, np.inf, 1.0, n))
+    arriving = tuple(map(subdomain.arriving, right.rows))
+    rows = tuple(scipy.linalg.block_diag(a, b) for a, b in zip(*_to_one_degree([left.rows, arriving]), strict=True))
+    return TwoPointReduction((subdomain,), left.z, right.z, rows)
 
 
-def _many_subdomains(n: int, beginnings: Beginnings, joints: tuple[Interface, ...]) -> TwoPointReduction:
+def _many_subdomains(n: int, beginnings: Beginnings, joints: tuple[Interface, ...], crossed: tuple[Interface, ...]) -> TwoPointReduction:
     """One subdomain to the left of the first joint, one to the right of the last, and augmented ones between them, over t from T to 0."""
     T = max((b.distance for b in beginnings.values() if isinstance(b, InfiniteBeginning)), default=1.0)
 
     def outermost(side: int, joint: Interface) -> Subdomain:
         begun = beginnings[side]
         length = abs(begun.z - joint.z)
-        return Subdomain(joint.z, side * length / T, begun.space(length), begun.holds_sigma, (joint.z,))
+        way = Crossed.on_the_way(crossed, *((-np.inf, joint.z) if side < 0 else (joint.z, np.inf)), float(-side), n)
+        return Subdomain(joint.z, side * length / T, begun.space(length), begun.holds_sigma, (joint.z,), way)
 
     free = ConstantSpace(np.eye(n, dtype=np.complex128))
-    between = [Subdomain(b.z, -(b.z - a.z) / T, free, True, (a.z, b.z)) for a, b in itertools.pairwise(joints)]
+    between = [
+        Subdomain(b.z, -(b.z - a.z) / T, free, True, (a.z, b.z), Crossed.on_the_way(crossed, a.z, b.z, 1.0, n))
+        for a, b in itertools.pairwise(joints)
+    ]
     subdomains = (outermost(-1, joints[0]), *between, outermost(1, joints[-1]))
     # of each subdomain the first component of its beginning, a or ψ, and that of ψ where it arrives
     widths = [n * (1 + subdomain.augmented) for subdomain in subdomains]
@@ -166,8 +220,13 @@ def _many_subdomains(n: int, beginnings: Beginnings, joints: tuple[Interface, ..
             parts.append(tuple(_placed(W, begins[at], sum(widths)) for W in begun.rows))
     for j, joint in enumerate(joints):
         # the solution of the last subdomain arrives at its joint; of one in between it is a, its value where it begins
-        behind = arrives[j + 1] if j + 1 == len(joints) else begins[j + 1]
-        parts.append(tuple(_placed(M[:, :n], arrives[j], sum(widths)) + _placed(M[:, n:], behind, sum(widths)) for M in joint.matrices(n)))
+        last = j + 1 == len(joints)
+        behind = arrives[j + 1] if last else begins[j + 1]
+        powers = []
+        for M in joint.matrices(n):
+            after = subdomains[j + 1].arriving(M[:, n:]) if last else M[:, n:]
+            powers.append(_placed(subdomains[j].arriving(M[:, :n]), arrives[j], sum(widths)) + _placed(after, behind, sum(widths)))
+        parts.append(tuple(powers))
     rows = tuple(np.concatenate(power) for power in zip(*_to_one_degree(parts), strict=True))
     return TwoPointReduction(subdomains, T, 0.0, rows)
 

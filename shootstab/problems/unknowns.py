@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from shootstab.core.errors import InputError
 from shootstab.problems.capabilities import LAYOUT, UNKNOWNS
+from shootstab.problems.crossed import Crossed
 from shootstab.problems.protocol import ComplexArray, Problem
 
 
@@ -49,12 +50,13 @@ class Unknowns:
 
 @dataclass(frozen=True)
 class Placement:
-    """ψ on z = offset + scale·t, as the components first … first + size of what is integrated over t."""
+    """ψ on z = offset + scale·t, as the components first … first + size of what is integrated over t; T of it across interfaces."""
 
     offset: float
     scale: float
     first: int
     size: int
+    crossed: Crossed | None = None
 
     def z(self, t: ComplexArray) -> ComplexArray:
         """Points (m,) of the user's line, of t (m,)."""
@@ -64,9 +66,15 @@ class Placement:
         """Points (m,) of the line of integration, of z (m,)."""
         return (z - self.offset) / self.scale
 
-    def of(self, states: ComplexArray) -> ComplexArray:
-        """The components (…, n) of states (…, N) of the whole."""
-        return states[..., self.first : self.first + self.size]
+    def right(self, states: ComplexArray, t: ComplexArray) -> ComplexArray:
+        """ψ (m, n) of states (m, N) of the whole at t (m,): T φ behind interfaces."""
+        own = states[..., self.first : self.first + self.size]
+        return own if self.crossed is None else self.crossed.solution(own, self.z(t))
+
+    def left(self, rows: ComplexArray, t: ComplexArray) -> ComplexArray:
+        """The left solution (m, n) of that (m, N) of the whole at t (m,): y T⁻¹ behind interfaces."""
+        own = rows[..., self.first : self.first + self.size]
+        return own if self.crossed is None else self.crossed.left_solution(own, self.z(t))
 
 
 def placements(problem: Problem) -> tuple[Placement, ...]:

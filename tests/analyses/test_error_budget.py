@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from shootstab.analyses.error_budget import FAR_PROBE, FLOW_NOISE, NOISE, SAFETY, budget
+from shootstab.analyses.error_budget import FAR_PROBE, FLOW_NOISE, NOISE, SAFETY, SYSTEM_NOISE, SYSTEM_PROBE, budget
 from shootstab.core.discriminant import Value
 from shootstab.core.scaled import Scaled
 
@@ -40,6 +40,7 @@ class Linear:
     start: float = 0.0
     rotated: dict[int, float] = field(default_factory=dict)
     recut: complex = 0j
+    entries: dict[int, float] = field(default_factory=dict)
 
     def __call__(self, sigma: complex) -> Scaled:
         return Scaled(self.slope * (sigma - self.zero), self.log_scale)
@@ -58,6 +59,10 @@ class Linear:
 
     def with_rotated_basis(self, seed: int) -> Linear:
         return self.moved(self.rotated[seed])
+
+    def with_perturbed_system(self, seed: int, size: float) -> Linear:
+        assert size == SYSTEM_PROBE
+        return self.moved(self.entries.get(seed, 0.0))
 
     def refined(self, seed: int | None = None) -> Linear:
         return Linear(self.recut, self.slope * math.exp(-1.5), self.log_scale + 1.5)
@@ -93,6 +98,15 @@ def test_rounding_is_sampled_on_the_fine_mesh_where_it_matters() -> None:
     quiet = of(Flow({4.0: 0.0, 2.0: 0.0}), Linear(ZERO + 3e-9, rotated={1: 3e-13, 2: 4e-13}), fine, 0.25)
     rms = math.sqrt((3e-13**2 + 4e-13**2) / 2)
     assert quiet.rounding == pytest.approx(NOISE * rms + 8 * EPSILON * abs(SIGMA), rel=1e-3, abs=0.0)
+
+
+def test_the_rounding_of_the_system_is_what_its_entries_move_the_zero_by() -> None:
+    """Two draws of entries that are changed by the probe; of D alone, whose other variants do not move, nothing else is seen."""
+    coarse = Linear(ZERO + 3e-9, rotated={1: 0.0, 2: 0.0}, entries={1: 3e-9, 2: 4e-9})
+    found = of(Flow({4.0: 0.0, 2.0: 0.0}), coarse, Linear(ZERO), 0.25)
+    rms = math.sqrt((3e-9**2 + 4e-9**2) / 2)
+    expected = SYSTEM_NOISE * EPSILON * rms / SYSTEM_PROBE + 8 * EPSILON * abs(SIGMA)
+    assert found.rounding == pytest.approx(expected, rel=1e-3, abs=0.0)
 
 
 def test_farther_walls_and_the_total() -> None:
