@@ -14,7 +14,7 @@ from shootstab.io.notation import claimed_digits, held_complex
 if TYPE_CHECKING:
     from shootstab.io.scenes import Scene
 
-POWER = re.compile(r"(\d)e([+-]?)0*(\d+)")
+POWER_OF_TEN = re.compile(r"(\d)e([+-]?)0*(\d+)")
 SPECIAL = {"\\": r"\textbackslash{}", **{c: f"\\{c}" for c in "&%$#_{}"}, "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
 INK = {"confirmed": "#00704f", "inaccurate": "#8a5a00", "spurious": "#b34700", "continuum": "#005a8c", "missing": "#a0005a"}
 
@@ -76,6 +76,6 @@ def _tex_number(text: str) -> str:
     """A number as mathematics: 1.2e-05 is 1.2 times ten to the -5, and i is upright."""
     if text == ABSENT:
         return "--"
-    powers = POWER.sub(lambda m: rf"{m[1]}\times10^{{{'-' if m[2] == '-' else ''}{m[3]}}}", text)
+    powers = POWER_OF_TEN.sub(lambda m: rf"{m[1]}\times10^{{{'-' if m[2] == '-' else ''}{m[3]}}}", text)
     unit = r"\mathrm{i}" if powers.endswith("i") else ""
     return f"${powers.removesuffix('i')}{unit}$"

@@ -106,6 +106,7 @@ class Subsystem:
 
     @property
     def knots(self) -> NDArray[np.float64] | None:
+        """The knots (k,) of the whole problem, which are its own."""
         known: NDArray[np.float64] | None = KNOTS.of(self.whole)
         return known
 

@@ -102,7 +102,7 @@ class EquationProblem(LinearProblem):
 
     @cached_property
     def knots(self) -> NDArray[np.float64]:
-        """Those of functions that no formula defines, and interfaces; what formulas define is analytic."""
+        """The knots (k,) of functions that no formula defines, and interfaces; what formulas define is analytic."""
         return super().knots if self.statement.domain.given else np.sort(self.reduction.jumps)
 
     @property

@@ -48,7 +48,7 @@ class Crossed:
 
     @property
     def arrival(self) -> ComplexArray:
-        """T where the way ends."""
+        """T (n, n) where the way ends."""
         return np.asarray(self.factors[-1])
 
     def changed(self, pencil: Pencil, z: ComplexArray) -> Pencil:

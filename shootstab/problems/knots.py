@@ -43,7 +43,7 @@ ARGUMENT_ROUNDINGS = 8.0  # chosen: roundings of z that a coefficient feels wher
 NARROW_PIECE = 256  # chosen: such hairs in a piece that is too narrow to be cut into pieces
 MOST_KNOTS = 512  # chosen: knots that are looked for; each costs a thousand values, and all of them a few seconds
 KNOT_GENERATIONS = 8  # chosen: after so many cuts steep coefficients tell themselves from those with many knots
-MOST_PIECES = 8192  # chosen: pieces of one generation; the coefficients have been computed 200,000 times by then
+MOST_STRETCHES = 8192  # chosen: stretches of one generation; the coefficients have been computed 200,000 times by then
 NEAR_ORIGIN = 1e-3  # chosen: of the length of the line, the least |z| whose rounding counts
 MOST_GENERATIONS = 80  # chosen: generations of pieces; 64 cuts make a hair next to z = 0 of the whole line
 PAIR_SPACE = 1e-6  # chosen: of the length of the line, the least distance of another node to a knot
@@ -99,12 +99,12 @@ def find_knots(coefficients: Coefficients, low: float, high: float, given: Reals
         active = children.where(unresolved.ravel())
         if generation % NOISE_GENERATIONS == NOISE_GENERATIONS - 1:
             active = _without_noise(active)
-        if np.count_nonzero(active.slow) > MOST_KNOTS and (generation >= KNOT_GENERATIONS or len(active.low) > MOST_PIECES):
+        if np.count_nonzero(active.slow) > MOST_KNOTS and (generation >= KNOT_GENERATIONS or len(active.low) > MOST_STRETCHES):
             raise InputError(
                 f"the coefficients are not smooth at more than {MOST_KNOTS} points, from z = {active.low[active.slow].min():.6g} on: "
                 "allowed are jumps and kinks at fewer, or at points that are given as knots=, as those of st.profile(z, values) are"
             )
-        if len(active.low) > MOST_PIECES:  # smooth, but many periods of them
+        if len(active.low) > MOST_STRETCHES:  # smooth, but many periods of them
             break
     return _apart(np.sort(np.concatenate(found)), low, high)
 

@@ -191,7 +191,7 @@ class LinearProblem:
 
     @cached_property
     def knots(self) -> NDArray[np.float64]:
-        """The points z at which coefficients are not smooth: those given, those that interfaces leave, and those found."""
+        """The points z (k,) at which coefficients are not smooth: those given, those that interfaces leave, and those found."""
         known = np.unique(np.concatenate((self.given, self.reduction.jumps)))
         return np.unique(np.concatenate([find_knots(self._varying, *line, known) for line in self.reduction.intervals]))
 

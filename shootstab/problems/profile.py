@@ -26,7 +26,7 @@ class Profile:
 
     @property
     def knots(self) -> NDArray[np.float64]:
-        """Where it is not smooth, rising: for `knots=` of a problem."""
+        """The points (k,) at which it is not smooth, rising: for `knots=` of a problem."""
         k = self.spline.k
         return np.unique(self.spline.t[k + 1 : -k - 1])
 

@@ -106,6 +106,7 @@ class Rescaled:
 
     @property
     def knots(self) -> NDArray[np.float64] | None:
+        """The knots (k,) of the problem, which a unit of σ does not move."""
         known: NDArray[np.float64] | None = KNOTS.of(self.problem)
         return known
 

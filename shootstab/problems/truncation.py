@@ -90,7 +90,7 @@ class Approach:
         return bool(self._integrand(self.pencil(z.astype(np.complex128))).max() <= NEGLIGIBLE_RATE)
 
     def off_the_limit(self, direction: int) -> NDArray[np.float64]:
-        """Of the distances from the origin that are surveyed in this direction, rising, those at which the limit is not reached."""
+        """The distances (k,) from the origin, of those surveyed in this direction, rising, at which the limit is not reached."""
         distances, at = _survey(self.pencil, direction, self.origin)
         return distances if at is None else distances[self._integrand(at, LIMIT_ROUNDING) > NEGLIGIBLE_RATE]
 

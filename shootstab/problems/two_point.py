@@ -69,7 +69,7 @@ class TwoPointReduction:
 
     @property
     def jumps(self) -> NDArray[np.float64]:
-        """The z of the interfaces that a subdomain runs across."""
+        """The z (k,) of the interfaces that a subdomain runs across."""
         return np.concatenate([[], *(subdomain.crossed.places for subdomain in self.subdomains if subdomain.crossed is not None)])
 
     @property

@@ -111,7 +111,8 @@ def test_table_json_and_picture(
     file = tmp_path / "a.png"
     assert cli.main(["trade", "poiseuille", "--json", "-", "--plot", str(file)]) == 0
     said = json.loads(capsys.readouterr().out)
-    assert set(said) == {"truth", "bound", "guess", "rungs", "recommendation"}
+    own = {"truth", "bound", "guess", "rungs", "recommendation"}
+    assert set(said) == own | {"scene", "version", "seconds", "compilation_seconds"}
     keys = {"method", "parameter", "resolution", "sigma", "error", "relative_error", "by_bound", "seconds", "memory", "work"}
     assert all(set(r) == keys for r in said["rungs"])
     assert said["truth"]["re"].startswith("0.00373967062297940993")

@@ -49,7 +49,8 @@ def test_the_command_and_its_files(tmp_path: Path, capsys: pytest.CaptureFixture
     pictures = ["--plot", str(tmp_path / "a.png"), "--export", str(tmp_path / "a.csv")]
     assert cli.main([*words, *pictures, "--json", "-"]) == 0
     said = json.loads(capsys.readouterr().out)
-    assert set(said) == {"axes", "digits", "every", "floor", "summary", "fastest", "points", "scene"}
+    own = {"axes", "digits", "every", "floor", "summary", "fastest", "points"}
+    assert set(said) == own | {"scene", "version", "seconds", "compilation_seconds"}
     assert said["axes"] == {"kx": [0.0], "ky": [-0.01, 0.0, 0.01]}
     assert [p["status"] for p in said["points"]] == ["proved", "no wave", "proved"]
     assert set(said["points"][0]) == {"kx", "ky", "sigma", "error", "status", "proved", "floor", "evaluations"}
