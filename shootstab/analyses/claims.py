@@ -6,9 +6,11 @@ The circle that N digits mean is the one around the square of numbers that round
 
 from __future__ import annotations
 
+import cmath
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from shootstab.core.errors import InputError
 from shootstab.core.records import CONFIRMED, INACCURATE, SPURIOUS, UNRESOLVED, Mode, Verdict, digits_between
@@ -22,6 +24,22 @@ def radius_of(claim: complex, digits: int) -> float:
     if size == 0.0:
         raise InputError("0 has no significant digits: allowed is a claim other than 0, or an absolute accuracy")
     return float(10.0 ** (math.floor(math.log10(size)) + 1 - digits) / math.sqrt(2))
+
+
+def finite_claims(eigenvalues: Any) -> list[complex]:
+    """The claims as complex numbers. Raises InputError where there are none, or one is not a finite number."""
+    given = eigenvalues if isinstance(eigenvalues, Iterable) and not isinstance(eigenvalues, str) else [eigenvalues]
+    claims = []
+    for i, value in enumerate(given, 1):
+        try:
+            claims.append(complex(value))
+        except (TypeError, ValueError):
+            raise InputError(f"eigenvalue {i} is {value!r}: allowed is a finite number") from None
+        if not cmath.isfinite(claims[-1]):
+            raise InputError(f"eigenvalue {i} is {claims[-1]}: allowed is a finite number")
+    if not claims:
+        raise InputError("no eigenvalues to verify: at least one is needed")
+    return claims
 
 
 @dataclass(frozen=True)

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.analyses.assignment import Candidate, assign, shared
-from shootstab.analyses.claims import Circle, spurious, verdict_on
+from shootstab.analyses.claims import Circle, finite_claims, spurious, verdict_on
 from shootstab.analyses.find import find_modes
 from shootstab.analyses.missing import (
     NONE,
@@ -70,7 +69,7 @@ def verify(
 
     Raises InputError for claims that are not finite numbers, for digits outside 1 to 12, and for a wish that does not go with the region.
     """
-    claims = _finite(eigenvalues)
+    claims = finite_claims(eigenvalues)
     if not 1 <= digits <= 12:
         raise InputError(f"digits = {digits}: allowed is 1 to 12")
     wish = require_missing(missing, region)
@@ -109,22 +108,6 @@ def verify(
         claims_inside=lacking.claims_inside,
         rests_on=verifier.rests_on,
     )
-
-
-def _finite(eigenvalues: Any) -> list[complex]:
-    """The claims as complex numbers. Raises InputError where there are none, or one is not a finite number."""
-    given = eigenvalues if isinstance(eigenvalues, Iterable) and not isinstance(eigenvalues, str) else [eigenvalues]
-    claims = []
-    for i, value in enumerate(given, 1):
-        try:
-            claims.append(complex(value))
-        except (TypeError, ValueError):
-            raise InputError(f"eigenvalue {i} is {value!r}: allowed is a finite number") from None
-        if not cmath.isfinite(claims[-1]):
-            raise InputError(f"eigenvalue {i} is {claims[-1]}: allowed is a finite number")
-    if not claims:
-        raise InputError("no eigenvalues to verify: at least one is needed")
-    return claims
 
 
 class Assembly:
@@ -172,10 +155,10 @@ class Assembly:
         while left:
             near = [z for z in left if abs(z.sigma - left[0].sigma) <= CONFUSED_WITHIN * self._seen[i].radius + z.radius + left[0].radius]
             left = [z for z in left if z not in near]
-            count = sum(z.multiplicity for z in near)
-            mean = sum(z.multiplicity * z.sigma for z in near) / count
-            spread = max(abs(z.sigma - mean) + z.radius for z in near)
-            self._learn(i, near[0] if len(near) == 1 else Zero(mean, count, WIDER_THAN_CONFUSED * spread))
+            self._learn(i, _together(near))
+        numbers = {j for some in self._known[i].values() for j in some}
+        if i not in self._lost and sum(self._modes[j].multiplicity for j in numbers) < sum(z.multiplicity for z in zeros):
+            self._learn(i, _together(zeros))  # iterations from several of them came to one mode
 
     def _learn(self, i: int, zero: Zero) -> None:
         """The modes that a zero is, as numbers in the list of all."""
@@ -248,6 +231,15 @@ class Assembly:
 
     def _said(self, verdict: Verdict, seen: Sighting) -> Verdict:
         return replace(verdict, continuum_distance=seen.distance, atol=seen.atol)
+
+
+def _together(zeros: Sequence[Zero]) -> Zero:
+    """Several zeros as one multiple zero about their mean."""
+    if len(zeros) == 1:
+        return zeros[0]
+    count = sum(z.multiplicity for z in zeros)
+    mean = sum(z.multiplicity * z.sigma for z in zeros) / count
+    return Zero(mean, count, WIDER_THAN_CONFUSED * max(abs(z.sigma - mean) + z.radius for z in zeros))
 
 
 def _unanswered(missing: Sequence[Mode], verdicts: Sequence[Verdict]) -> tuple[Mode, ...]:
