@@ -66,7 +66,7 @@ def misprinted(p: Perturbations, printed: frozenset[str], guess: complex) -> Any
     """The problem with these misprints left in, of the right wall and with the decaying space of its own limit."""
 
     def pencil(z: float) -> tuple[Any, ...]:
-        log_nu, T, u, Q = p.flow.at(z)[:4]
+        log_nu, T, u, Q = p.flow.states_at(z)[:4]
         bg = background(p.flow.chute, np.exp(log_nu), T, u, Q, math.pi)
         jets = [value(bg, name, order) for _, name, order in symbols()]
         return tuple(np.array(A, dtype=complex) for A in matrices(printed)(p.kx, p.ky, p.flow.chute.tan_theta, *jets))

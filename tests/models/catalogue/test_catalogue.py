@@ -40,7 +40,7 @@ def test_every_entry_reads_its_own_scenes() -> None:
 def test_the_order_of_a_plate_is_told_before_it_is_made() -> None:
     describe = entries()["plate"].describe
     assert describe({"alpha": 0.1}).order == plate.PLATE_SIZE
-    assert describe({"omega": 0.1}).order == plate.PLATE_SIZE + len(plate.SQUARED)
+    assert describe({"omega": 0.1}).order == plate.PLATE_SIZE
 
 
 def test_poiseuille_is_the_whole_channel_and_half_of_it_where_that_is_asked_for(tmp_path: Any) -> None:

@@ -227,7 +227,7 @@ def nonlinear_wall(value, gradient, chute):
 @pytest.mark.parametrize("chute", CHUTES[:2], ids=name_of)
 @pytest.mark.parametrize("far_temperature", [0.2, 2.54, 7.34])
 def test_wall_rows_against_complex_step_of_the_nonlinear_conditions(chute, far_temperature):
-    y = descend(chute, far_temperature).at(0.0).real
+    y = descend(chute, far_temperature).states_at(0.0).real
     bg = background(chute, math.exp(y[0]), y[1], y[2], y[3], math.pi)
     nu, ell, h = bg.nu[0], bg.decay[0], 1e-40
     base = np.array([nu, bg.u[0], 0, 0, bg.T[0]])
