@@ -8,7 +8,8 @@ from collections.abc import Sequence
 
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
 from shootstab.formulation.expression import Expression
-from shootstab.formulation.layers import ReducedLayer
+from shootstab.formulation.joint_conditions import rows_over_states
+from shootstab.formulation.reduced_layers import ReducedLayer
 from shootstab.formulation.state_pencil import Condition, StatePencil
 from shootstab.formulation.statement import Statement
 from shootstab.formulation.system import Row, shown
@@ -66,7 +67,7 @@ def explanation(
             curve = many if found is None else f"{names.eigenvalue} = {text(found)}, {names.variable} along the domain"
         lines.append((f"continuous spectrum inside{of_layer}", curve))
     for joint, pair in zip(statement.joints, itertools.pairwise(layers), strict=True):
-        rows_there = joint.conditions((pair[0].first_order, pair[1].first_order))
+        rows_there = rows_over_states(joint, (pair[0].first_order, pair[1].first_order))
         lines += [(f"interface, {names.variable} = {joint.at:g}", row_text(row) + " = 0") for row in rows_there]
     for side, end, rows in zip(("left", "right"), (statement.left, statement.right), conditions, strict=True):
         if isinstance(end, Conditions):

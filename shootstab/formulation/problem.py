@@ -23,9 +23,9 @@ from shootstab.formulation.evaluation import Given, filled, on_arrays
 from shootstab.formulation.explanation import Lines, explanation
 from shootstab.formulation.first_order import FirstOrder
 from shootstab.formulation.gaussian import Gaussian
-from shootstab.formulation.joints import between
-from shootstab.formulation.layers import ReducedLayer, pencil_of, reduced_layers
+from shootstab.formulation.joint_conditions import between
 from shootstab.formulation.limits import with_limit
+from shootstab.formulation.reduced_layers import ReducedLayer, pencil_of, reduced_layers
 from shootstab.formulation.regular_digits import RegularStart
 from shootstab.formulation.singular_ends import between_periodic_ends, between_singular_ends, singular_end
 from shootstab.formulation.state_pencil import Condition, Powers, StatePencil, in_states, state_pencil

@@ -290,8 +290,9 @@ ALLOWED = {
     "shootstab.models.chute.parameters",
     "shootstab.models.chute.family",
     "shootstab.models.chute.registry",
-    "shootstab.kernels.tableau",
-    "shootstab.kernels.step_control",
+    # the steady flow's own integration, of formulas that are recorded: programs of numbers, whatever they stand for
+    "shootstab.kernels.taylor_pieces",
+    "shootstab.kernels.recorded_programs",
 }
 OUTSIDE = {"numpy", "scipy", "__future__", "ast", "collections", "dataclasses", "functools", "itertools", "math", "pathlib", "typing"}
 
