@@ -16,7 +16,7 @@ PAGE = (Path(shootstab.__file__).parent / "guide" / "json.md").read_text()
 DOCUMENTED = set(re.findall(r"`([\w-]+)`", PAGE))
 COMMANDS: dict[str, list[str]] = {
     "refine": ["benard", "--guess", "3.4"],
-    "verify": ["benard", "FILE", "--missing", "none"],
+    "verify": ["benard", "FILE", "--missing", "none", "--prove"],
     "count": ["benard", "--region", "disc", "--centre=3.4,0", "--radius=1"],
     "find": ["benard", "--region", "disc", "--centre=3.4,0", "--radius=1"],
     "mode": ["benard", "--guess", "3.4", "--points", "3"],

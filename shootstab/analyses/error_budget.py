@@ -21,8 +21,8 @@ SAFETY = 3.0  # chosen: on what a random sample of the far frame shows, and on a
 NOISE = 5.0  # chosen: on samples of the rounding of the transport; validation/calibration.py measures that no error passes its bound
 FLOW_NOISE = 6.0  # chosen: on two flows computed anew, with every rounding on the way from the inputs over the flow to the system
 SYSTEM_PROBE = 1e-11  # chosen: relative change of the system's entries by which their rounding is measured: far above it, and small
-# chosen: on two samples of what one rounding of every entry does; the step rounds its sums too (measured by validation/calibration.py)
-SYSTEM_NOISE = 4.0
+# on two samples of what one rounding of every entry does: the step rounds its sums too; validation/calibration.py tries it
+SYSTEM_NOISE = 4.0  # chosen, as said above
 NEGLIGIBLE_SHARE = 0.1  # chosen: part of the integration error that another part may have without being measured further
 
 

@@ -22,8 +22,8 @@ from shootstab.problems.protocol import Problem
 TRIED = 4  # claims on which a hypothesis is tested: chosen, as each costs a verdict, and four do not agree by chance
 LEAST = 2  # derived: one claim agrees with some mode under some factor
 AGREE = 3.0  # chosen: digits of a claim that must agree with a mode under the hypothesis: a thousand times less than by chance
-# chosen: factors between conventions of sign and of time, exp(σt) and exp(∓iωt), before any scale is looked for
-UNITS = (1.0, -1.0, 1j, -1j)
+# factors between conventions of sign and of time, exp(σt) and exp(∓iωt), before any scale is looked for
+UNITS = (1.0, -1.0, 1j, -1j)  # exact: the fourth roots of 1
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ from shootstab.problems.protocol import Problem
 from shootstab.roots.search import Zero
 
 NONE, WITHIN, REGION = "none", "within", "region"
-MISSING = (NONE, WITHIN, REGION)
+MISSING = (NONE, WITHIN, REGION)  # chosen: the words of --missing
 NOT_SEARCHED = "missing modes were not looked for"
 HULL_MARGIN = 0.05  # chosen: of the hull's extent, how far around it the contour runs, clear of the claims at its corners
 THINNEST_HULL = 0.1  # chosen: of the largest |claim|, what the extent of claims counts as at least

@@ -160,6 +160,9 @@ def _simple(continuation: Continuation, root: Root, rtol: float, atol: float | N
     scale = separation(coarse, coarse_value)
     fine = coarse.refined()
     fine_value = fine.with_derivative(coarse_value.sigma)
+    if not cmath.isfinite(fine_value.D.mantissa):
+        halved = f"{continuation.method.name} has no value of D on the mesh with every step halved"
+        raise ConvergenceError(f"{halved}, at sigma = {coarse_value.sigma:.6g}: nothing tells how exactly the zero is known")
     if abs(fine_value.newton_step) ** 2 > LEFT * rtol * abs(coarse_value.sigma) * scale:  # one step leaves too much
         better = newton(fine, coarse_value.sigma, LEFT * rtol)
         coarse_value, fine_value = coarse.with_derivative(better.sigma), fine.with_derivative(better.sigma)

@@ -52,7 +52,7 @@ def require(path: Path, look: Look = PLAIN) -> None:
 
         try:
             with matplotlib.style.context(look.style):
-                pass
+                pass  # it is read when it is entered
         except (OSError, ValueError) as error:
             raise InputError(f"--style {look.style}: no such style: allowed is a name or a file of matplotlib's") from error
 

@@ -40,12 +40,16 @@ CONFIGURATION = {"responsive": True, "displaylogo": False, "scrollZoom": True}
 
 @dataclass(frozen=True, eq=False)
 class Page:
-    """What the page shows; modes are refined ones with their budgets, and eigenfunctions those of some of them."""
+    """What the page shows; modes are refined ones with their budgets, and eigenfunctions those of some of them.
+
+    left_out says of the other modes, in sentences, why they have none.
+    """
 
     report: Report
     scene: Scene
     modes: Sequence[Mode]
     eigenfunctions: Sequence[Eigenfunction]
+    left_out: Sequence[str]
     command: str
 
 
@@ -69,10 +73,7 @@ def made(page: Page) -> str:
         ("Verdicts", _verdicts(page)),
         ("Complex plane", _figure(_plane(page), "plane") + f"<p>{html.escape(_searched(page.report))}</p>"),
         ("Error budgets", _budgets(page.modes)),
-        (
-            "Eigenfunctions",
-            "".join(_figure(_shape(f), f"mode{i}") for i, f in enumerate(page.eigenfunctions)) or "<p>None were computed.</p>",
-        ),
+        ("Eigenfunctions", _eigenfunctions(page)),
         ("Where this comes from", _provenance(page)),
     ]
     body = "\n".join(f"<section><h2>{title}</h2>{content}</section>" for title, content in sections)
@@ -163,6 +164,12 @@ def _plane(page: Page) -> dict[str, Any]:
 def _line(name: str, points: Any, style: Mapping[str, Any]) -> dict[str, Any]:
     x, y = points.real.tolist(), points.imag.tolist()
     return {"type": "scatter", "mode": "lines", "name": name, "x": x, "y": y, "line": dict(style), "hoverinfo": "name"}
+
+
+def _eigenfunctions(page: Page) -> str:
+    """Their figures, and why other modes have none."""
+    figures = "".join(_figure(_shape(f), f"mode{i}") for i, f in enumerate(page.eigenfunctions))
+    return figures + "".join(f"<p>{html.escape(why)}</p>" for why in page.left_out) or "<p>No mode was found.</p>"
 
 
 def _shape(found: Eigenfunction) -> dict[str, Any]:

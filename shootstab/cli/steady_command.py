@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
 PROFILE_HEIGHTS = 101  # chosen: of the profiles in a file
-# what is drawn: the field, its axis, and a second line in the same panel
+# chosen: what is drawn, the field and the label of its axis
 FLOW_PANELS = (
     ("nu", r"volume fraction $\nu_0$"),
     ("u", r"velocity $u_0$ / $\sqrt{d\,g\cosθ}$"),

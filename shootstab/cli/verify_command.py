@@ -161,11 +161,15 @@ def _page(report: Report, scene: scene_files.Scene) -> Page:
 
     sigmas = [complex(v.sigma) for v in report.verdicts if v.sigma is not None] + [complex(m.sigma) for m in report.missing]
     sigmas = sorted(dict.fromkeys(sigmas), key=lambda s: -(plane.unit(scene) * s).real)
-    modes = [mode for sigma in sigmas if (mode := refine(scene.problem, sigma)).converged]
+    refined = [refine(scene.problem, sigma) for sigma in sigmas]
+    modes = [mode for mode in refined if mode.converged]
     shapes = []
+    left_out = [f"No error budget of the mode at {complex(mode.sigma):.6g}: {mode.status}." for mode in refined if not mode.converged]
     for mode in modes[:SHAPES]:
         try:
             shapes.append(eigenfunction(scene.problem, mode))
-        except (InputError, ConvergenceError):
-            continue  # several modes that are not told apart, or beside the continuous spectrum: the page has the others
-    return page.Page(report, scene, modes, shapes, shlex.join(["shootstab", *sys.argv[1:]]))
+        except (InputError, ConvergenceError) as error:
+            left_out.append(f"No eigenfunction of the mode at {complex(mode.sigma):.6g}: {error}.")
+    if len(modes) > SHAPES:
+        left_out.append(f"Eigenfunctions are shown of the {SHAPES} fastest growing of {len(modes)} modes: `shootstab mode` shows any.")
+    return page.Page(report, scene, modes, shapes, left_out, shlex.join(["shootstab", *sys.argv[1:]]))

@@ -35,9 +35,8 @@ from shootstab.kernels.tableau import B as RK_B
 from shootstab.kernels.tableau import C as ABSCISSAE
 from shootstab.problems.protocol import ComplexArray, Problem
 
-ALIGNED = (
-    1e-6  # chosen: of a solution, what may lie outside the decaying space that is begun farther out; half the digits of a double less two
-)
+# of a solution, what may lie outside the decaying space that is begun farther out: half the digits of a double less two
+ALIGNED = 1e-6  # chosen, as said above
 FEWEST = 8  # chosen: steps on the way out that are tried first
 NEWTON_STEPS = 3  # derived: Newton's steps from a mode that is right to half its digits to one that is right to rounding, with one to spare
 

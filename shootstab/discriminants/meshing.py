@@ -19,8 +19,8 @@ from shootstab.problems.capabilities import KNOTS
 from shootstab.problems.knots import find_knots, pair, with_pairs
 from shootstab.problems.protocol import ComplexArray, Problem
 
-# derived: bytes of a sampled system; with the halved mesh (2), its other cuts (2) and another base flow (1) 1 GiB in all
-MOST_BYTES = 2**30 // 6
+# bytes of a sampled system: with the halved mesh (2), its other cuts (2) and another base flow (1) 1 GiB in all
+MOST_BYTES = 2**30 // 6  # derived, as said above
 MESH_ATTEMPTS = 30  # chosen: attempts at a mesh
 REDISTRIBUTIONS = 3  # chosen: of them, those that move every node
 SAME_PLACE = 1e-9  # chosen: of the length of the path: nodes nearer to each other than this are one

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,8 +16,8 @@ from shootstab.problems.protocol import FarFrame
 FARTHEST_START = 0.25  # chosen: of the length of the domain, how far out an integration begins at most
 NEAREST_START = 1e-6  # chosen: of that length, how near to the axis it begins at least
 START_ROUNDING = 4e-15  # chosen, some twenty units of rounding: relative error of the frame at the start, for these σ
-# chosen: σ of no property, at which the series is looked at
-AXIS_SIGMAS = (COMPLEX_GENERIC_SIGMA, -COMPLEX_GENERIC_SIGMA, 1j * COMPLEX_GENERIC_SIGMA)
+# σ of no property, at which the series is looked at
+AXIS_SIGMAS = (COMPLEX_GENERIC_SIGMA, -COMPLEX_GENERIC_SIGMA, 1j * COMPLEX_GENERIC_SIGMA)  # derived from the one
 WORST_START = 1e-11  # chosen: relative error of a frame beyond which nothing is begun; what is below counts in the budget
 LAST_TERM = 1e-19  # chosen: of the first terms: where the series ends
 TERM_ROUNDING = 4e-16  # chosen, two units of rounding: of one term of the series
@@ -117,10 +118,8 @@ def starting_distance(end: RegularSingularEnd, length: float, where: str) -> flo
     """How far from the end to begin: the largest of some distances at which the series holds to rounding for σ of the size 1."""
     x = FARTHEST_START * length
     while x > NEAREST_START * length:
-        try:
+        with suppress(ConvergenceError):  # too far for the series: nearer is tried
             if all(RegularSpace(end, x, where).frame(sigma).error <= START_ROUNDING for sigma in AXIS_SIGMAS):
                 return x
-        except ConvergenceError:
-            pass
         x *= 0.7
     raise ConvergenceError(f"at {where} the series of the regular solutions holds nowhere")

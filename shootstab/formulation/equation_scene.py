@@ -25,8 +25,9 @@ from shootstab.formulation.conditions import Axis, Conditions, End, Periodic
 from shootstab.formulation.problem import EquationProblem, equations
 from shootstab.problems.ends import Infinity
 
+# chosen: the keys of [problem], as the docstring says
 NEEDED = ("unknowns", "equations", "left", "right")
-OPTIONAL = ("interfaces", "parameters", "where", "eigenvalue", "variable", "fold", "reference")
+OPTIONAL = ("interfaces", "parameters", "where", "eigenvalue", "variable", "fold", "reference")  # chosen likewise
 
 
 def from_table(table: Mapping[str, Any]) -> EquationProblem:

@@ -15,7 +15,7 @@ from shootstab.formulation.grammar import Reader, Scope
 from shootstab.formulation.names import Names
 from shootstab.formulation.system import Row, jet, row_of
 
-INTERFACE_SIDES = ("before", "behind")
+INTERFACE_SIDES = ("before", "behind")  # chosen: the words of the language for the sides of smaller and of larger coordinate
 
 
 @dataclass(frozen=True, eq=False)

@@ -81,21 +81,6 @@ def test_the_triple_of_coffey_and_evans(rtol: float) -> None:
     assert st.count(problem, Disc(231.66492931, 3e-8)) == 1
 
 
-@pytest.fixture(scope="module")
-def slow_wave() -> ChuteProblem:
-    """k_x = 1e−7: the continuous spectrum hugs the real axis, and D has nearly the same value on both sides of it."""
-    flow = st.chute.steady(
-        far_temperature=8.259092290598987,
-        e=0.7981727536605799,
-        e_w=0.9794039787584508,
-        r=0.7006985193967026,
-        tan_theta=0.21277605159925433,
-        nu_max=0.56407003093951,
-        radial="carnahan-starling",
-    )
-    return st.chute.problem(flow, kx=1.0785622190010972e-07, ky=0.0006610754896898808)
-
-
 GROWING, BEYOND = 0.00021990660491 + 3.4018169e-7j, -0.0019283715831 + 8.8394329e-6j
 
 

@@ -38,13 +38,16 @@ document.body.insertAdjacentHTML("beforeend", `<pre id=seen>${JSON.stringify(see
 </script></body></html>"""
 
 
+LEFT_OUT = "No eigenfunction of the mode at 1: it < 2."
+
+
 @pytest.fixture(scope="module")
 def made() -> str:
     report = st.verify("poiseuille", CLAIMS, digits=4, missing="none")
     scene = st.scene("poiseuille")
     mode = st.refine("poiseuille", CLAIMS[0])
     shape = st.eigenfunction(scene, mode)
-    return page.made(Page(report, scene, [mode], [shape], "shootstab verify poiseuille claims.csv --html <page>.html"))
+    return page.made(Page(report, scene, [mode], [shape], [LEFT_OUT], "shootstab verify poiseuille claims.csv --html <page>.html"))
 
 
 def test_the_page_is_whole_and_asks_for_nothing(made: str) -> None:
@@ -53,6 +56,7 @@ def test_the_page_is_whole_and_asks_for_nothing(made: str) -> None:
     assert "@import" not in own
     for words in ("Verdicts", "Complex plane", "Error budgets", "Eigenfunctions", "shootstab verify poiseuille claims.csv", "&lt;page&gt;"):
         assert words in own
+    assert LEFT_OUT.replace("<", "&lt;") in own
     assert own.count("data-verdict=") == len(CLAIMS)
     figures = [json.loads(text) for text in re.findall(r"data-figure=\w+>(.*?)</script>", own)]
     assert len(figures) == 2

@@ -12,7 +12,7 @@ FOLLOWED = "followed"
 NONE_GROWS = "no growing mode"
 NO_WAVE = "no wave"
 NO_FLOW = "no flow"
-OUTCOMES = (PROVED, FOLLOWED, NONE_GROWS, NO_WAVE, NO_FLOW, UNRESOLVED)
+OUTCOMES = (PROVED, FOLLOWED, NONE_GROWS, NO_WAVE, NO_FLOW, UNRESOLVED)  # exact: all that a point can come to
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from shootstab.core.errors import InputError
+from shootstab.core.errors import InputError, shortened
 
 RADIAL = ("lun-savage", "carnahan-starling")  # their order is the number by which compiled code knows them
 WALL_FORMS = ("printed", "isotropic")
@@ -62,9 +62,9 @@ class Parameter:
         """Raise InputError unless the value is allowed."""
         if self.choices:
             if value not in self.choices:
-                raise InputError(f"{self.name} = {value!r}: allowed is one of {', '.join(self.choices)}")
+                raise InputError(f"{self.name} = {shortened(value)}: allowed is one of {', '.join(self.choices)}")
         elif not self.holds(value):
-            raise InputError(f"{self.name} = {value!r}: allowed is {self.allowed}")
+            raise InputError(f"{self.name} = {shortened(value)}: allowed is {self.allowed}")
 
 
 def _positive(x: float) -> bool:

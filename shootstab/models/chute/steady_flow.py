@@ -91,7 +91,8 @@ class Flow:
         reached = kernel(lists, self.chute.numbers, self.nodes, self.pieces, self.radii, places[inside], self.tolerance, points, found)
         if reached < inside.size:
             z_lost = points[reached]
-            raise ConvergenceError(f"the steady flow cannot be continued to z = {z_lost:.6g}: a singularity of the flow lies there")
+            why = "a singularity of the flow lies there, or a root in its equations changes its branch"
+            raise ConvergenceError(f"the steady flow cannot be continued to z = {z_lost:.6g}: {why}")
         out[inside] = found
         return out[:, :6].reshape(*z.shape, 6)
 
