@@ -43,6 +43,7 @@ from mpmath import iv, mp
 
 KEYS = {"format", "problem", "count", "region", "outer", "weight", "points", "bits", "order", "steps"}
 MOST_CHECKING = 10**6  # chosen: points × steps × order, minutes; certificates of a thousand digits take 10⁵
+MOST_BOUNDARY_STEPS = 4000  # chosen: along the boundary of all that grows; a step takes some 20 ms with 300 points
 DECIMAL = re.compile(r"-?\d{1,2000}(\.\d{1,2000})?(e-?\d{1,4})?")
 BEGIN = {"even": ((0, 2), 1), "odd": ((1, 3), 3)}  # the free states, and the power of k in the weight of their minor
 
@@ -119,8 +120,7 @@ class Checker:
         values: Any = [self.value(self.plus(centre, self.times(radius, w))) for w in roots]
         if any(v is None for v in values):
             return "the tail of a Taylor step is not bounded: the order is too low for the steps"
-        M, q = self.bound(self.centre, self.outer), iv.mpf(self.radius.numerator) / self.radius.denominator
-        q = q * self.outer.denominator / self.outer.numerator
+        M, q = self.bound(self.centre, self.outer), iv.mpf((x := self.radius / self.outer).numerator) / x.denominator
         coefficients = []
         for m in range(self.K):
             total = Ball(0, 0, 0)
@@ -143,10 +143,12 @@ class Checker:
             for j in range(self.K - 2, i - 1, -1):
                 off[j] += off[j + 1] + 2
         (left, low), (right, high) = self.low, self.high
-        corners, turns = [(left, low), (right, low), (right, high), (left, high)], 0.0
+        corners, turns, walked = [(left, low), (right, low), (right, high), (left, high)], 0.0, 0
         for begin, end in zip(corners, [*corners[1:], corners[0]], strict=True):
             here, step = Fraction(0), Fraction(1, 64)
             while here < 1:
+                if (walked := walked + 1) > MOST_BOUNDARY_STEPS:
+                    return f"the boundary asks for more than {MOST_BOUNDARY_STEPS} steps"
                 ahead = min(Fraction(1), here + step)
                 at = [[b + (e - b) * t for b, e in zip(begin, end, strict=True)] for t in (here, (here + ahead) / 2, ahead)]
                 s = (ahead - here) / 2 * (abs(end[0] - begin[0]) + abs(end[1] - begin[1])) / self.radius
@@ -188,8 +190,7 @@ class Checker:
     def value(self, sigma: Ball) -> Ball | None:
         """D(σ), None where a tail is not bounded."""
         states = [[self.exact(Fraction(int(i == j))) for i in range(4)] for j in self.free]
-        y, N, one = Fraction(0), self.N, 1 << self.P
-        R, a = self.R, self.alpha
+        y, N, one, R, a = Fraction(0), self.N, 1 << self.P, self.R, self.alpha
         for h in self.steps:
             s = (
                 self.plus(sigma, self.exact(Fraction(0), a * (1 - y * y))),
@@ -214,8 +215,7 @@ class Checker:
         """(φ, φ′, φ″, φ‴) at the end of a step."""
         f = [self.times(x, self.exact(h**i / math.factorial(i))) for i, x in enumerate(state)]
         size = [length(x) for x in f]
-        pq = [(x.x, x.y, x.r, length(x) - x.r) for x in (*p, *q)]
-        P = self.P
+        pq, P = [(x.x, x.y, x.r, length(x) - x.r) for x in (*p, *q)], self.P
         for m in range(self.N - 4):
             x = y = r = 0
             for j in range(6):

@@ -32,8 +32,8 @@ def options(parser: argparse.ArgumentParser, guess: Callable[[str], complex], nu
 def prove(options: Namespace) -> int:
     """A theorem on one eigenvalue or on all in a region."""
     if options.certificate is not None:
-        if options.guess is None and options.disc is None:
-            raise InputError("--certificate: allowed with --guess and --disc")
+        if options.region is not None:
+            raise InputError("--certificate: allowed with --guess, --disc and --growing")
         require_writable(options.certificate)
     scene = scenes.load(options.scene)
     from shootstab.analyses import prove as proofs

@@ -141,6 +141,26 @@ def test_a_certificate_is_accepted_and_tampered_ones_are_not() -> None:
     assert check({**certificate, "region": {**certificate["region"], "radius": "__import__('os')"}}) is not None
 
 
+def test_a_certificate_of_all_that_grows() -> None:
+    """R = 50: no mode of the channel has Re σ ≥ −0.1, and one even mode has Re σ ≥ −0.3, near −0.228 − 0.510i."""
+    channel = st.gallery.PlanePoiseuille(50.0, 1.0, half=False)
+    proof = prove_growing(channel, -0.1, spare_bits=24)
+    certificate = certify(channel, proof, 24)
+    assert [part["count"] for part in certificate["parts"]] == [0, 0]
+    assert check(certificate) is None
+    for part in certificate["parts"]:
+        assert check({**part, "count": 1}) is not None
+        assert check({**part, "problem": {**part["problem"], "reynolds": "6000"}}) is not None
+    even = st.gallery.PlanePoiseuille(50.0, 1.0, half=True)
+    found = st.find(even, st.Rectangle(-0.3 - 1.1j, 0.5 + 0.1j)).modes
+    one = certify(even, prove_growing(even, -0.3, spare_bits=24), 24)
+    assert one["count"] == len(found) > 0
+    assert check(one) is None
+    assert check({**one, "count": one["count"] - 1}) is not None
+    # a lower floor takes in another mode, and the count is wrong there
+    assert check({**one, "region": {"floor": "-1.5"}}) is not None
+
+
 def test_the_checker_imports_neither_the_program_nor_flint() -> None:
     import ast
     from pathlib import Path

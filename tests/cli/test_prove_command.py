@@ -39,7 +39,16 @@ def test_what_is_no_certificate_is_bad_input(tmp_path: Path, capsys: pytest.Capt
     assert cli.main(["check", str(tmp_path / "none.json")]) == 2
     assert cli.main(["prove", "high", "--guess", "0.004"]) == 2
     assert "closed form" in capsys.readouterr().err
-    assert cli.main(["prove", "poiseuille", "--growing", "-0.001", "--certificate", str(tmp_path / "a.json")]) == 2
+    assert cli.main(["prove", "poiseuille", "--region=-0.1,-1,0.1,0", "--certificate", str(tmp_path / "a.json")]) == 2
+    assert "allowed with --guess, --disc and --growing" in capsys.readouterr().err
+
+
+def test_a_certificate_of_all_that_grows(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    scene, file = tmp_path / "slow.toml", tmp_path / "none.json"
+    scene.write_text('[problem]\nname = "poiseuille"\nreynolds = 50.0\nalpha = 1.0\n')
+    assert cli.main(["prove", str(scene), "--growing=-0.1", "--certificate", str(file)]) == 0
+    assert "Proved: no eigenvalue has Re σ ≥ -0.1." in capsys.readouterr().out
+    assert cli.main(["check", str(file)]) == 0
 
 
 def test_verdicts_become_theorems(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
