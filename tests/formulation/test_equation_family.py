@@ -8,24 +8,11 @@ import pickle
 from pathlib import Path
 
 import pytest
+from equations import FREE
 
 import shootstab as st
 from shootstab.cli.main import main
 from shootstab.core.errors import InputError
-
-FREE = """
-[problem]
-unknowns = ["u", "w", "p", "T"]
-parameters = { a = 2.5, Pr = 0.71, Ra = 1000 }
-equations = [
-  "sigma*u/Pr + i*a*p = d(u,2) - a**2*u",
-  "sigma*w/Pr + d(p) = d(w,2) - a**2*w + Ra*T",
-  "i*a*u + d(w) = 0",
-  "sigma*T = d(T,2) - a**2*T + w",
-]
-left = { at = 0, conditions = ["d(u)", "w", "T"] }
-right = { at = 1, conditions = ["d(u)", "w", "T"] }
-"""
 
 
 def exact(Ra: float, a: float = 2.5, Pr: float = 0.71) -> float:
