@@ -462,7 +462,7 @@ def test_singularity_of_the_flow_is_reported():
     for far_temperature, height in ((7.338568375902416, 18.35j), (0.2, 5.3j)):
         flow = flow_of(PAPER, far_temperature)
         with pytest.raises(
-            ConvergenceError, match=r"^the steady flow cannot be continued to z = .*: a singularity of the flow lies there$"
+            ConvergenceError, match=r"^the steady flow cannot be continued to z = .*: a singularity of the flow lies there, or a root"
         ):
             flow.states_at(np.array([0.0, height]), order="path")
         with pytest.raises(ConvergenceError, match=r"^the steady flow cannot be continued to z = "):
