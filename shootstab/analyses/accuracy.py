@@ -2,7 +2,8 @@
 
 On a contour, let D̃ be the D that was computed. Where |D/D̃ − 1| < 1 all along it, Rouché's theorem says that both have as many zeros
 inside. The true D is not at hand; one that was computed in every respect otherwise is: on a mesh with every step halved, a little off its
-middle, so that everything rounds otherwise; from a far frame changed by as much as it may be wrong; on a base flow of another error.
+middle, so that everything rounds otherwise; from a far frame changed by as much as it may be wrong; on a base flow of another error. Walls
+next to singular points are set twice as far from them.
 """
 
 from __future__ import annotations
@@ -10,9 +11,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
-from shootstab.analyses.error_budget import FLOWS, SAFETY
+from shootstab.analyses.error_budget import FLOWS, SAFETY, change_by_walls
 from shootstab.analyses.refine_double import tightened
 from shootstab.core.discriminant import Discriminant, Value
+from shootstab.core.errors import ConvergenceError
 from shootstab.core.errors import Inaccurate as Inaccurate
 from shootstab.core.scaled import EPSILON
 from shootstab.discriminants.continuation import Continuation
@@ -35,6 +37,11 @@ def require_accurate(problem: Problem, samples: Sequence[Sample]) -> None:
     One draw of the errors may be small by accident: where it is not LUCKY_DRAW of the limit, there are several.
     """
     probes = _probes(samples)
+    if not (by_walls := change_by_walls(problem, probes)) < TOLERATED_CHANGE:
+        raise ConvergenceError(
+            f"walls next to singular points do not determine the count: twice as far from their points they change D'/D by {by_walls:.1e} "
+            "of itself on the contour"
+        )
     for seed in range(1, DRAWS + 1):
         worst, sigma = _largest_change(problem, probes, seed)
         if not worst < TOLERATED_CHANGE:

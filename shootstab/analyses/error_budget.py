@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from shootstab.core.discriminant import Discriminant, Value
 from shootstab.core.records import Budget
@@ -59,6 +60,22 @@ def _approximate_walls(problem: Problem, coarse: MeshedDiscriminant, value: Valu
     if farther is None:
         return 0.0
     return abs(coarse.on_same_mesh(farther).with_derivative(value.sigma).newton_step - value.newton_step)
+
+
+def change_by_walls(problem: Problem, samples: Sequence[tuple[MeshedDiscriminant, Value]]) -> float:
+    """max |D̃D′/(D̃′D) − 1| over samples of a contour, D̃ with approximate walls twice as far from their points; 0 without such walls.
+
+    At a distance r from a zero that other walls move by d it is d/r. Other walls give D another factor too, which hardly depends on σ and
+    cancels; the ratio D̃/D would tell nothing on a contour that is small against d.
+    """
+    farther = FARTHER_WALLS.of(problem)
+    if farther is None:
+        return 0.0
+    changes = []
+    for discriminant, value in samples:
+        here, there = (v.logarithmic_derivative for v in (value, discriminant.on_same_mesh(farther).with_derivative(value.sigma)))
+        changes.append(0.0 if here == there else abs(here - there) / abs(there) if there != 0.0 else math.inf)
+    return max(changes)
 
 
 def _flow(problem: Problem, coarse: MeshedDiscriminant, value: Value, integration: float) -> float:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from shootstab.analyses.error_budget import FAR_PROBE, FLOW_NOISE, FLOWS, NOISE, SAFETY
+from shootstab.analyses.error_budget import FAR_PROBE, FLOW_NOISE, FLOWS, NOISE, SAFETY, change_by_walls
 from shootstab.core.discriminant import Discriminant
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.records import CONVERGED, Budget, Mode
@@ -132,14 +132,18 @@ def multiple(continuation: Continuation, found: Cluster, rtol: float, atol: floa
 
 
 def _inaccuracy(problem: Problem, D: MeshedDiscriminant, winding: Winding) -> float:
-    """The largest sum of the relative errors of D at some samples: of the mesh, of rounding, the far field and the steady flow."""
+    """The largest sum of the relative errors of D at some samples: of the mesh, of rounding, the far field and the steady flow.
+
+    To that is added how much walls change D that stand next to singular points.
+    """
     crude = problem.with_base_flow_error(FLOWS[0])
     worst = 0.0
-    for value in winding.samples[:: max(1, len(winding.samples) // CIRCLE_PROBES)]:
+    probes = winding.samples[:: max(1, len(winding.samples) // CIRCLE_PROBES)]
+    for value in probes:
         off = abs(D.refined()(value.sigma).over(value.D) - 1)
         off += NOISE * abs(D.with_rotated_basis(1)(value.sigma).over(value.D) - 1)
         off += SAFETY * abs(D.with_perturbed_start(1, FAR_PROBE)(value.sigma).over(value.D) - 1) / FAR_PROBE * D.far_error(value.sigma)
         if crude is not problem:
             off += FLOW_NOISE * abs(D.on_same_mesh(crude)(value.sigma).over(value.D) - 1)
         worst = max(worst, off)
-    return worst
+    return worst + change_by_walls(problem, [(D, value) for value in probes])

@@ -94,3 +94,29 @@ def test_a_point_that_is_not_beyond_the_wall(z: float, point: float) -> None:
 def test_a_wall_nearer_to_the_other_end_than_to_its_point() -> None:
     with pytest.raises(InputError, match="twice as far"):
         st.problem(2, bessel(0), st.Wall(0.6, [[0, 1]], approximates=0.0), st.Wall(1, [[1, 0]]))
+
+
+def test_a_double_mode_knows_of_it() -> None:
+    """Two drums: the bound of the double mode is no circle of rounding, and holds the exact value."""
+    for epsilon in (1e-1, 1e-3):
+        _, exact = drum(0, epsilon)
+        single = bessel(0)
+        zero = np.zeros((2, 2))
+
+        def pencil(r: complex, single: Any = single, zero: Any = zero) -> tuple[Any, Any]:
+            D0, D1 = single(r)
+            return np.block([[D0, zero], [zero, D0]]), np.block([[D1, zero], [zero, D1]])
+
+        inner = st.Wall(epsilon, [[0, 1, 0, 0], [0, 0, 0, 1]], approximates=0.0)
+        mode = st.refine(st.problem(4, pencil, inner, st.Wall(1, [[1, 0, 0, 0], [0, 0, 1, 0]])), 1.001 * exact, rtol=1e-6)
+        assert mode.multiplicity == 2
+        assert abs(mode.sigma - exact) <= mode.error
+
+
+def test_a_count_knows_of_it() -> None:
+    """A circle whose count other walls would change is refused; one that is wide enough is counted."""
+    problem, exact = drum(0, 1e-2)
+    assert st.count(problem, st.Disc(exact, 0.5)) == 1
+    assert st.count(problem, st.Disc(exact + 2.0, 0.5)) == 0
+    with pytest.raises(st.ConvergenceError, match="singular points"):
+        st.count(problem, st.Disc(exact, 1e-4))
