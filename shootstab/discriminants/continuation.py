@@ -144,7 +144,8 @@ class Continuation:
         centre = min(max(low + spacing * round((z - low) / spacing), low), high)
         path = DeformedPath(centre, HALF_WIDTH * scale, -side * HEIGHT * scale)
         if path not in self._deformed:
-            self._deformed[path] = self.method.on(self.problem, path, self.continuum.at(centre))
+            inside = min(max(centre, low + 0.5 * spacing), high - 0.5 * spacing)  # at an end no path leads around the singular point
+            self._deformed[path] = self.method.on(self.problem, path, self.continuum.at(inside))
         return self._deformed[path], str(path)
 
 

@@ -58,6 +58,7 @@ def made_for(
         sampled, regrids = _begun_at(problem, begin, start), ()
     before: Shooting | None = None
     knots: NDArray[np.float64] = np.zeros(0)
+    failed: ComplexArray | None = None
     for turn in range(MESH_ATTEMPTS):
         shooting = Shooting(problem, propagator, sampled, noise=noise)
         errors = shooting.propagated(sigma, False).errors
@@ -70,12 +71,29 @@ def made_for(
             if before is not None:
                 knots = _overlooked(before, shooting, sigma)
             before = shooting
+        errors, failed = _told(sampled.nodes, errors, failed)
         sampled = _regridded(shooting, errors, regrids[turn] if turn < len(regrids) else subdivide, sigma)
         if len(knots):
             sampled = resample(problem, _with_knots(sampled.nodes, knots), sampled)
     raise ConvergenceError(
         f"no mesh holds local errors of {propagator.rtol:.1e} at sigma = {sigma:.6g}: {_trouble(shooting, errors, sigma)}"
     )
+
+
+def _told(nodes: ComplexArray, errors: NDArray[np.float64], failed: ComplexArray | None) -> tuple[NDArray[np.float64], ComplexArray | None]:
+    """The errors (N,) that the next mesh is cut by, and the ends (2,) of the first step that failed; failed are those of the mesh before.
+
+    Behind a step that fails no error is a number. Where it is a part of one that failed before, what is behind tells nothing of its own and
+    is not cut: next to a singular point the mesh would grow without bound in vain.
+    """
+    bad = np.flatnonzero(~np.isfinite(errors))
+    if not len(bad):
+        return errors, None
+    step = nodes[bad[0] : bad[0] + 2]
+    if failed is not None and (np.abs(step.mean() - failed) <= abs(failed[1] - failed[0])).all():
+        errors = errors.copy()
+        errors[bad[1:]] = 0.0
+    return errors, step
 
 
 def cut_for(shooting: Shooting, sigmas: list[complex]) -> Shooting:

@@ -31,7 +31,7 @@ class PencilFunction:
         """The matrices at the points z (m,). Raises InputError for what is no pencil, with the point at which it is none."""
         points = z.real.copy() if not z.imag.any() else z
         if self.vectorized:
-            return self._pencil([np.broadcast_to(np.asarray(part), (len(z), *np.shape(part)[-2:])) for part in self._parts(points)], z)
+            return self._pencil([self._at_all_points(part, len(z)) for part in self._parts(points)], z)
         if len(points) > 1 and hasattr(self.function, "py_func"):
             self.at(points[0])  # what is wrong with it is told in words before anything is compiled
             return self._filled(points)
@@ -56,6 +56,15 @@ class PencilFunction:
             count = len(parts) if isinstance(parts, tuple | list) else type(parts).__name__
             raise InputError(f"the pencil gives {count}: allowed are {ALLOWED}")
         return tuple(parts)
+
+    def _at_all_points(self, part: Any, m: int) -> Any:
+        """What a vectorized function returned for one matrix at m points, as (m, n, n)."""
+        try:
+            return np.broadcast_to(np.asarray(part), (m, *np.shape(part)[-2:]))
+        except ValueError:
+            n, shape = self.size, np.shape(part)
+            told = f"the vectorized pencil gives a matrix of shape {shape} at {m} points"
+            raise InputError(f"{told}: allowed is ({m}, {n}, {n}) or ({n}, {n})") from None
 
     def _pencil(self, stacked: list[Any], z: ComplexArray) -> Pencil:
         n = self.size

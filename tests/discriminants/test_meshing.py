@@ -1,10 +1,11 @@
-"""discriminants/meshing.py: local errors that are rounding do not fall with the step, and are no reason to refuse."""
+"""discriminants/meshing.py: local errors that are rounding are no reason to refuse, and a singular point is none for meshes without end."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
+import pytest
 
 import shootstab as st
 from shootstab.discriminants.frame import Frame
@@ -36,3 +37,38 @@ def test_rounding_of_a_coefficient_is_in_the_bound() -> None:
     mode = st.refine(problem, -10.85)
     assert mode.converged
     assert abs(mode.sigma + 1 + np.pi**2) <= mode.error < 1e-9
+
+
+def alfven(x: Any) -> tuple[Any, Any, Any, Any]:
+    """((σ − a)ξ′)′ = 4(σ − a)ξ with a = 1 + x + x²/2, singular at σ = a(x), in (ξ, (σ − a)ξ′); no mode, by energy."""
+    a = 1 + x + x * x / 2
+    return np.array([[-a, 0], [0, 1]]), np.array([[1.0, 0], [0, 0]]), np.array([[0, 1], [-4 * a, 0]]), np.array([[0, 0], [4.0, 0]])
+
+
+def test_next_to_a_singular_wall_the_mesh_does_not_grow_in_vain() -> None:
+    """Behind a step that is no number no step is, and cutting them all leads to meshes of a hundred thousand steps."""
+    asked: list[float] = []
+
+    def counted(x: Any) -> tuple[Any, Any, Any, Any]:
+        asked.append(x)
+        return alfven(x)
+
+    problem = st.problem(2, counted, st.Wall(0, [[1, 0]]), st.Wall(1, [[1, 0]]), continuum=False)
+    before = len(asked)
+    with pytest.raises(st.ConvergenceError, match="C is singular next to z = "):
+        Frame(rtol=1e-5).on(problem).at(1.0)
+    assert len(asked) - before < 50_000
+
+
+def test_claims_on_the_continuum_next_to_its_end_at_the_wall() -> None:
+    """The mesh of a path is made for a σ whose singular point the path leads around: not for that of the wall."""
+    asked: list[Any] = []
+
+    def counted(x: Any) -> tuple[Any, Any, Any, Any]:
+        asked.append(x)
+        return alfven(x)
+
+    problem = st.problem(2, counted, st.Wall(0, [[1, 0]]), st.Wall(1, [[1, 0]]), continuum=lambda x: 1 + x + x * x / 2)
+    verdicts = st.verify(problem, [1 + x + x * x / 2 for x in (0.02, 0.98)], missing="none").verdicts
+    assert [v.verdict for v in verdicts] == ["spurious"] * 2
+    assert len(asked) < 100_000

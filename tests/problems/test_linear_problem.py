@@ -432,6 +432,12 @@ def test_a_compiled_function_that_is_wrong_is_told_in_the_same_words() -> None:
         st.refine(st.problem(2, pencil, *WALLS), -9.0)
 
 
+def test_a_vectorized_pencil_of_another_number_of_points_is_named() -> None:
+    with pytest.raises(InputError, match=r"shape \(\d+, 2, 2\) at \d+ points: allowed is"):
+        st.problem(2, lambda z: (np.zeros((len(z) + 1, 2, 2)), np.eye(2)), *WALLS, vectorized=True)
+
+
+
 @pytest.mark.parametrize("compiled", [False, True])
 @pytest.mark.parametrize("walls", [(0, 1), (-1, 0)])
 def test_a_wall_at_a_singular_point_is_named(walls: tuple[float, float], compiled: bool) -> None:
