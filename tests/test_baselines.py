@@ -38,11 +38,40 @@ def test_each_number_is_used_once_and_drift_is_named() -> None:
     assert "moved by 2.0e-06, allowed is 1.0e-06" in drifted.line
 
 
-@pytest.mark.parametrize("text", ["", "digits = 3", 'scene = "x"\ndigits = 99\n[[mode]]\nre = "1"\nim = "0"\nerror = 0.0', "a = ["])
-def test_what_is_no_baseline_is_refused(tmp_path: Path, text: str) -> None:
+def test_numbers_are_given_as_a_whole_and_not_to_the_first_that_asks() -> None:
+    """The first mode has drifted beyond its neighbour: the neighbour, there to the last digit, is not said to have moved."""
+    baseline = Baseline.of("x", [(1.0 + 0j, 0.0), (0.999 + 0j, 0.0)], 6)
+    assert [d.holds for d in baseline.differences([1.002, 0.999])] == [False, True]
+    assert [d.found for d in baseline.differences([1.0012, 1.0])] == [1.0, 1.0012]
+    assert [d.found for d in baseline.differences([])] == [None, None]
+
+
+MODE = '[[mode]]\nre = "1"\nim = "0"\nerror = 0.0\n'
+BROKEN = {
+    "": r"digits = None: allowed is an integer from 1 to 12",
+    "digits = 3": r"no \[\[mode\]\]: allowed are 1 to 1000",
+    f'scene = "x"\ndigits = 99\n{MODE}': "digits = 99: allowed",
+    f'scene = "x"\ndigits = true\n{MODE}': "digits = True: allowed",
+    f"scene = 3\ndigits = 8\n{MODE}": "allowed are texts",
+    f"digits = 8\n{MODE}": "scene is needed",
+    f'scene = "x"\ndigits = 8\n{MODE.replace("0.0", "-1.0")}': r"mode 1: error = -1.0: allowed is a number from 0 to 1e15",
+    f'scene = "x"\ndigits = 8\n{MODE.replace("1", "nan")}': r"mode 1: re = 'nan': allowed is a number below 1e15",
+    f'scene = "x"\ndigits = 8\n{MODE.replace("0.0", "1" + "0" * 400)}': r"mode 1: error = ",
+    'scene = "x"\ndigits = 8\nmode = [1]': r"mode 1: re = None: allowed is a number",
+    "a = [": "broken TOML",
+    "a = " + "[" * 5000: "nested too deep",
+    "#" * 2**18: "larger than 0.125 MB",
+}
+
+
+@pytest.mark.parametrize("number", range(len(BROKEN)))
+def test_what_is_no_baseline_is_refused(tmp_path: Path, number: int) -> None:
+    text, says = list(BROKEN.items())[number]
     (tmp_path / "bad.toml").write_text(text)
-    with pytest.raises(InputError, match=r"bad\.toml"):
+    with pytest.raises(InputError, match=rf"bad\.toml: .*{says}") as refusal:
         baselines.load(tmp_path / "bad.toml")
+    assert "\n" not in str(refusal.value)
+    assert len(str(refusal.value)) < 400
 
 
 def test_record_and_check_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,10 +1,10 @@
 """Files that anybody may have written: every reader against mutants of valid files and files built to be odd.
 
 `python validation/fuzz_files.py --minutes 10` records; `--number N` of each kind; `--kind spectrum` one kind; `--keep DIR` stores what is
-found. Kinds: spectrum (csv, text, json, npy, npz, MATLAB, HDF5, Legolas), scene, certificate, store. A file must be read, or refused by
-an error that the program raises on purpose, in one line that speaks of the file and not of a library's types; within 2 s of processor time
-and 256 MiB, without a warning, whatever its bytes. A certificate that is read may take longer to be checked: that is its proof and not
-its reading. Mutants run in forked children, which a crash or a limit ends. Exit status 1 if a rule is broken.
+found. Kinds: spectrum (csv, text, json, npy, npz, MATLAB, HDF5, Legolas), scene, certificate, baseline, store. A file must be read, or
+refused by an error that the program raises on purpose, in one line that speaks of the file and not of a library's types; within 2 s of
+processor time and 256 MiB, without a warning, whatever its bytes. A certificate that is read may take longer to be checked: that is its
+proof and not its reading. Mutants run in forked children, which a crash or a limit ends. Exit status 1 if a rule is broken.
 """
 
 from __future__ import annotations
@@ -208,6 +208,13 @@ def certificates() -> list[bytes]:
     return [json.dumps(c).encode() for c in (whole, growing, {"format": 2, "parts": [whole, growing]})]
 
 
+def baselines() -> list[bytes]:
+    """Two modes of a scene."""
+    from shootstab.io.baselines import Baseline
+
+    return [Baseline.of("poiseuille", [(complex(sigma), 1e-13) for sigma in Z[:2]], 8).text.encode()]
+
+
 AXES, DEFINITION = {"kx": (0.0, 1.0), "ky": (0.5,)}, {"format": 2, "axes": {"kx": [0.0, 1.0], "ky": [0.5]}}
 
 
@@ -259,6 +266,13 @@ def read_certificate(path: Path) -> None:
         raise AssertionError(f"a library's words: {reason}")
 
 
+def read_baseline(path: Path) -> None:
+    from shootstab.io import baselines
+
+    found = baselines.load(path)
+    assert found.modes and all(difference.holds for difference in found.differences([sigma for sigma, _ in found.modes]))
+
+
 def read_store(path: Path) -> None:
     from shootstab.analyses.sweep.grid import Axis, Grid
     from shootstab.analyses.sweep.store import Store
@@ -273,12 +287,14 @@ WORDS = {
     "scene": """= [ ] { } " ' [flow] [wave] [problem] d( ** * / ( ) sigma u z i exp( cosh( 9**9**9**9 inf nan true 1979-05-27 infinity at
         conditions axis periodic parameters where""",
     "certificate": """" [ ] { } , : null NaN - e . true 0 1""",
+    "baseline": """[[mode]] re im error digits scene = " nan inf 1e999 true [ ] { } -1""",
     "store": "points sweep proved NULL CREATE TABLE kx",
 }
 KINDS = {
     "spectrum": Kind(spectra, WORDS["spectrum"].split(), ".dat", read_spectrum),
     "scene": Kind(scenes, WORDS["scene"].split(), ".toml", read_scene),
     "certificate": Kind(certificates, WORDS["certificate"].split(), ".json", read_certificate),
+    "baseline": Kind(baselines, WORDS["baseline"].split(), ".toml", read_baseline),
     "store": Kind(stores, WORDS["store"].split(), ".sqlite", read_store),
 }
 

@@ -1,14 +1,19 @@
-"""What a file says that anybody may have written: its bytes, its text and its JSON, or a refusal in words of the file."""
+"""What a file says that anybody may have written: its bytes, its text, its JSON or TOML, or a refusal in words of the file."""
 
 from __future__ import annotations
 
 import json
 import os
+import re
 import stat
+import tomllib
 from pathlib import Path
 from typing import Any
 
 from shootstab.core.errors import InputError, shortened
+
+MOST_KEY_PARTS = 100  # chosen: dots between the parts of a key, in one line
+_PARTS = re.compile(r"\.(?!\d)|\.\d+(?=\.)")  # dots that are not the point of a number
 
 
 def bytes_of(path: Path, largest: int, what: str) -> bytes:
@@ -54,6 +59,25 @@ def json_of(text: str, allowed: str) -> Any:
         raise ValueError(f"nested too deep: {allowed}") from None
     except ValueError:  # Python reads integers of up to 4300 digits
         raise ValueError(f"an integer of thousands of digits: {allowed}") from None
+
+
+def toml_of(path: Path, largest: int, what: str) -> dict[str, Any]:
+    """The tables of a TOML file of at most `largest` bytes. Raises InputError, which says that allowed is `what`."""
+    data = bytes_of(path, largest, what)
+    try:
+        text = text_of(data)
+        for number, line in enumerate(text.splitlines(), 1):
+            if len(_PARTS.findall(line)) > MOST_KEY_PARTS:  # tomllib takes the square of them
+                raise InputError(f"{path}: line {number}: a key of more than {MOST_KEY_PARTS} parts: allowed is {what}")
+        return tomllib.loads(text)
+    except RecursionError:
+        raise InputError(f"{path}: broken TOML: nested too deep: allowed is {what}") from None
+    except InputError:
+        raise
+    except ValueError as error:
+        # Python reads integers of up to 4300 digits, and says so in words of its own
+        digits = not isinstance(error, tomllib.TOMLDecodeError) and "digits" in str(error)
+        raise InputError(f"{path}: broken TOML: {'an integer of thousands of digits' if digits else error}") from None
 
 
 def _at_once(name: str, flags: int) -> int:

@@ -38,7 +38,7 @@ class SeriesFunctions:
     def power(self, a: Numbers, exponent: Fraction) -> Numbers:
         """a^e; a_0 may not be zero."""
         if exponent.denominator == 1 and exponent < 0:
-            return self._reciprocal(self._natural(a, -int(exponent)))
+            return self._reciprocal(natural_power(a, -int(exponent), self.product))
         c = [self.root(a[0], exponent)]
         p, q = exponent.numerator, exponent.denominator
         weighted = _slopes(a)
@@ -47,12 +47,6 @@ class SeriesFunctions:
             total = (p + q) * self.dot(weighted[1 : m + 1], back) - q * m * self.dot(a[1 : m + 1], back)
             c.append(total / (q * m * a[0]))
         return c
-
-    def _natural(self, a: Numbers, n: int) -> Numbers:
-        result = a
-        for _ in range(n - 1):
-            result = self.product(result, a)
-        return result
 
     def _reciprocal(self, a: Numbers) -> Numbers:
         c = [1 / a[0]]
@@ -108,6 +102,15 @@ class SeriesFunctions:
         factor = 2 / self.root(self.seed("pi", a[0]), Fraction(1, 2))
         slopes = _slopes(a)
         return [self.seed("erf", a[0])] + [factor * self.dot(slopes[1 : m + 1], bell[m - 1 :: -1]) / m for m in range(1, len(a))]
+
+
+def natural_power(x: Any, n: int, product: Callable[[Any, Any], Any]) -> Any:
+    """xⁿ, n ≥ 1, by at most 2 log₂ n products: x may be a series that begins with zero, and n as large as a file says."""
+    result = x
+    for bit in bin(n)[3:]:
+        result = product(result, result)
+        result = product(result, x) if bit == "1" else result
+    return result
 
 
 def _slopes(a: Numbers) -> Numbers:

@@ -10,11 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from shootstab.core.errors import InputError
 from shootstab.formulation.atoms import Atom, Exponent
 from shootstab.formulation.expression import Expression
 from shootstab.formulation.gaussian import Gaussian
 from shootstab.problems.protocol import ComplexArray
 
+LARGEST_ARGUMENT = 4096  # chosen: binary digits before the point of a function's argument; doubles end at 1024
 Given = Mapping[str, Callable[[Any, int], Any]]  # by name, (z, order) ↦ a function's derivative of that order at z
 
 
@@ -97,7 +99,7 @@ def filled(entries: Mapping[tuple[int, int], Expression], shape: tuple[int, int]
 
 
 def _double(c: Gaussian) -> complex | float:
-    return complex(c) if c.im else float(c.re)
+    return complex(c) if c.im else complex(c).real
 
 
 def apply_numpy(name: str, x: Any) -> Any:
@@ -136,6 +138,8 @@ def _multiprecise(c: Gaussian) -> Any:
 def _apply_mpmath(name: str, x: Any) -> Any:
     import mpmath
 
+    if mpmath.isfinite(x) and mpmath.mag(x) > LARGEST_ARGUMENT:
+        raise InputError(f"{name} of a number beyond 2**{LARGEST_ARGUMENT} in a coefficient: allowed are numbers that doubles hold")
     return getattr(mpmath, name)(x)
 
 

@@ -65,7 +65,11 @@ class Gaussian:
         return result
 
     def __complex__(self) -> complex:
-        return complex(self.re, self.im)
+        """In doubles. Raises InputError beyond their range."""
+        try:
+            return complex(self.re, self.im)
+        except OverflowError:
+            raise InputError("a coefficient comes to a number beyond 1e308: allowed are numbers that doubles hold") from None
 
     def __str__(self) -> str:
         if not self.im:

@@ -276,7 +276,9 @@ def _require_finite(matrices: PencilFunction, statement: Statement) -> None:
     for side, end in (("left", statement.left), ("right", statement.right)):
         if isinstance(end, Conditions) and not all(np.isfinite(part).all() for part in matrices.function(np.array([complex(end.at)]))):
             place = f"{statement.names.variable} = {end.at:g}"
-            raise InputError(f"at the {side} end, {place}, the equations are singular: allowed is st.Axis({end.at:g}), or another end")
+            raise InputError(
+                f"at the {side} end, {place}, the equations are singular, or beyond 1e308: allowed is st.Axis({end.at:g}), or another end"
+            )
 
 
 def _wall(z: float, rows: Powers, count: int, size: int, given: Given) -> Wall:

@@ -90,8 +90,17 @@ class RegularSingularEnd:
 def regular_singular_end(system: StatePencil, z0: Fraction, direction: int, bounded: Sequence[int], where: str) -> RegularSingularEnd:
     """The end at z0, from which the domain goes in this direction; bounded are the states that are unknowns.
 
-    Raises InputError for an irregular point, exponents that depend on σ, and solutions that no basis polynomial in σ is found for.
+    Raises InputError for an irregular point, exponents that depend on σ, solutions that no basis polynomial in σ is found for, and
+    coefficients whose series leave the range of doubles.
     """
+    with np.errstate(all="ignore"):  # what is not finite is refused
+        try:
+            return _end(system, z0, direction, bounded, where)
+        except np.linalg.LinAlgError:
+            raise InputError(f"at {where} the series of the coefficients leave the range of doubles: that is not offered") from None
+
+
+def _end(system: StatePencil, z0: Fraction, direction: int, bounded: Sequence[int], where: str) -> RegularSingularEnd:
     parts, shifts = _scaled(system, z0, direction, where)
     length = _length(parts, system.size)
     exponents = _exponents(parts, shifts, COMPLEX_GENERIC_SIGMA, where)
@@ -125,7 +134,10 @@ def coefficient_arrays(parts: Scaled, n: int, terms: int, length: float = 1.0) -
     def array(entries: Entries) -> NDArray[np.complex128]:
         out = np.zeros((terms, n, n), dtype=np.complex128)
         for (i, j), entry in entries.items():
-            value = at(entry)
+            try:
+                value = at(entry)
+            except ArithmeticError:  # a division by zero or an overflow of Python's own numbers
+                value = float("nan")
             out[:, i, j] = powers * (value.coefficients if isinstance(value, Series) else [value, *[0.0] * (terms - 1)])
         if not np.isfinite(out).all():
             raise InputError("at a regular singular end a coefficient is no power series with a pole: allowed are powers of the coordinate")
@@ -250,7 +262,7 @@ def _is_polynomial(matrix: object, rows: list[int], free: list[int]) -> bool:
         for sigma in sigmas.tolist():
             M = matrix(sigma)[rows]  # type: ignore[operator]
             dependent = [i for i in range(M.shape[1]) if i not in free]
-            if np.linalg.cond(M[:, dependent]) > 1 / RANK_TOLERANCE:
+            if dependent and np.linalg.cond(M[:, dependent]) > 1 / RANK_TOLERANCE:
                 return False
             values.append(np.linalg.solve(M[:, dependent], -M[:, free]))
         waves = np.fft.fft(np.array(values), axis=0)

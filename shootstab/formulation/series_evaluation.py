@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from shootstab.core.series import Series
-from shootstab.formulation.analytic_series import SeriesFunctions
+from shootstab.formulation.analytic_series import SeriesFunctions, natural_power
 from shootstab.formulation.evaluation import Evaluator, apply_numpy, power_numpy
 
 
@@ -38,12 +39,5 @@ def on_double_series(terms: int) -> Evaluator:
     def given(name: str, order: int) -> Any:
         return Series([complex("nan")] * terms)
 
-    def natural(x: Any, n: int) -> Any:
-        """By products: the series may begin with zero."""
-        result = x
-        for _ in range(n - 1):
-            result = result * x
-        return result
-
     z = Series([0j, 1 + 0j, *[0j] * (terms - 2)])
-    return Evaluator(complex, apply, power, {"z": z, "pi": np.pi}, given, natural)
+    return Evaluator(complex, apply, power, {"z": z, "pi": np.pi}, given, lambda x, n: natural_power(x, n, operator.mul))

@@ -18,16 +18,22 @@ from __future__ import annotations
 
 import json
 import math
-import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from shootstab import __version__
-from shootstab.core.errors import InputError
+from shootstab.core.errors import InputError, shortened
+from shootstab.core.reading import toml_of
 from shootstab.io.files import write_text
+from shootstab.io.readers import INFINITE
 
+WHAT = "a baseline as `shootstab baseline record` writes it"
+LARGEST_BASELINE = 2**17  # chosen: bytes of a file
+MOST_MODES = 1000  # chosen: in a file
+MOST_DIGITS = 12  # chosen: what double precision proves
+MOST_RIVALS = 10  # chosen: the nearest numbers that may be given to a mode; more modes than these do not contend for one number
 GUARD = 2  # chosen: digits written beyond those that are compared, so that rounding of the text decides nothing
 HEAD = "# shootstab baseline: the digits of these modes are proved; `shootstab baseline check` compares\n"
 
@@ -58,15 +64,22 @@ class Baseline:
         return "\n".join(lines) + "\n"
 
     def differences(self, found: Sequence[complex]) -> list[Difference]:
-        """Each mode of the baseline with the number nearest to it among those found, none of them used twice."""
-        left = list(found)
-        out = []
-        for sigma, error in self.modes:
-            nearest = min(left, key=lambda other, sigma=sigma: abs(other - sigma), default=None)  # type: ignore[misc]
-            if nearest is not None:
-                left.remove(nearest)
-            out.append(Difference(sigma, nearest, 10.0**-self.digits * abs(sigma) + error))
-        return out
+        """Each mode of the baseline with a number of those found, none of them used twice: as many hold as can, then the nearest."""
+        import numpy as np
+        from scipy.optimize import linear_sum_assignment
+
+        allowed = np.array([10.0**-self.digits * abs(sigma) + error for sigma, error in self.modes])
+        recorded = np.array([sigma for sigma, _ in self.modes])
+        given: list[complex | None] = [None] * len(recorded)
+        if len(found):
+            numbers = np.array(found, dtype=np.complex128)
+            order = [np.argsort(np.abs(numbers - sigma))[:MOST_RIVALS] for sigma in recorded]
+            numbers = numbers[np.unique(np.concatenate(order))]
+            off = np.abs(np.subtract.outer(recorded, numbers))
+            cost = (off > allowed[:, None]) * (len(recorded) + 1.0) + off / (off + off.max() + np.finfo(float).tiny)
+            for i, j in zip(*linear_sum_assignment(cost), strict=True):
+                given[i] = complex(numbers[j])
+        return [Difference(sigma, given[i], float(allowed[i])) for i, (sigma, _) in enumerate(self.modes)]
 
 
 @dataclass(frozen=True)
@@ -98,28 +111,32 @@ def save(baseline: Baseline, path: Path) -> None:
 
 def load(path: Path) -> Baseline:
     """Read a file. Raises InputError, which names what is wrong with it."""
-    try:
-        document = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror or error}: allowed is a baseline") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: broken TOML: {error}") from error
-    try:
-        modes = tuple((_number(mode), float(mode["error"])) for mode in document["mode"])
-        digits, scene = int(document["digits"]), str(document["scene"])
-        symbol, version = str(document.get("eigenvalue", "σ")), str(document.get("version", ""))
-    except (KeyError, TypeError, ValueError) as error:
-        raise InputError(f"{path}: is no baseline ({error}): allowed is what `shootstab baseline record` writes") from error
-    if not 1 <= digits <= 12 or not modes:
-        raise InputError(f"{path}: digits = {digits} with {len(modes)} modes: allowed are 1 to 12 digits, and a mode at least")
-    return Baseline(scene, modes, digits, symbol, version)
+    document = toml_of(path, LARGEST_BASELINE, WHAT)
+    digits, modes = document.get("digits"), document.get("mode")
+    if type(digits) is not int or not 1 <= digits <= MOST_DIGITS:
+        raise InputError(f"{path}: digits = {shortened(digits)}: allowed is an integer from 1 to {MOST_DIGITS}")
+    if not isinstance(modes, list) or not 1 <= len(modes) <= MOST_MODES:
+        raise InputError(f"{path}: no [[mode]]: allowed are 1 to {MOST_MODES}, each with re, im and error, as {WHAT} has them")
+    words = {key: document.get(key, "") for key in ("scene", "eigenvalue", "version")}
+    if not all(isinstance(word, str) for word in words.values()) or not words["scene"]:
+        raise InputError(f"{path}: scene, eigenvalue and version: allowed are texts, and scene is needed, as {WHAT} has them")
+    read = tuple(_mode(path, number, mode) for number, mode in enumerate(modes, 1))
+    return Baseline(words["scene"], read, digits, words["eigenvalue"] or "σ", words["version"])
 
 
-def _number(mode: Any) -> complex:
-    value = complex(float(mode["re"]), float(mode["im"]))
-    if not (math.isfinite(value.real) and math.isfinite(value.imag)):
-        raise ValueError("a mode is not finite")
-    return value
+def _mode(path: Path, number: int, table: Any) -> tuple[complex, float]:
+    found = []
+    for key in ("re", "im", "error"):
+        value = table.get(key) if isinstance(table, dict) else None
+        try:
+            x = float(value) if isinstance(value, str | int | float) and not isinstance(value, bool) else math.nan
+        except (ValueError, OverflowError):
+            x = math.nan
+        if not abs(x) < INFINITE or (key == "error" and x < 0.0):
+            allowed = f"a number {'from 0 to' if key == 'error' else 'below'} 1e15"
+            raise InputError(f"{path}: mode {number}: {key} = {shortened(value)}: allowed is {allowed}")
+        found.append(x)
+    return complex(found[0], found[1]), found[2]
 
 
 def _places(size: float, digits: int) -> int:

@@ -82,8 +82,8 @@ def _require_small(data: bytes, largest: int) -> None:
         if kind == COMPRESSED:
             try:
                 unpacked += len(zlib.decompressobj().decompress(data[at : at + size], largest + 1 - unpacked))
-            except zlib.error as error:
-                raise ValueError(f"broken MATLAB file: {error}") from None
+            except zlib.error:
+                raise ValueError("broken MATLAB file: what is compressed in it is damaged") from None
             if unpacked > largest:
                 raise ValueError("larger than 32 MB when unpacked: allowed is a smaller file")
         at += size

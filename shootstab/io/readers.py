@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from shootstab.core.errors import InputError
 from shootstab.core.reading import bytes_of
-from shootstab.io import hdf5, json_text, legolas, matlab, numpy_files, text
+from shootstab.io import hdf5, hdf5_process, json_text, legolas, matlab, numpy_files, text
 from shootstab.io.arrays import Wanted
 from shootstab.io.text import MOST_EIGENVALUES, Placed
 
@@ -125,7 +125,7 @@ def _placed(values: Callable[[bytes, Wanted], NDArray[np.complex128]]) -> Callab
 READERS = (
     Reader("npy", lambda data: data.startswith(numpy_files.NUMPY_MAGIC), _placed(numpy_files.from_npy)),
     Reader("npz", lambda data: data.startswith(numpy_files.MAGIC_ZIP), _placed(lambda d, w: numpy_files.from_npz(d, w, UNPACKED)), True),
-    Reader("HDF5", hdf5.is_hdf5, _placed(lambda data, wanted: hdf5.from_hdf5(data, wanted, UNPACKED)), True),
+    Reader("HDF5", hdf5.is_hdf5, _placed(lambda data, wanted: hdf5_process.from_hdf5(data, wanted, UNPACKED)), True),
     Reader("MATLAB", lambda data: data.startswith(matlab.MATLAB_MAGIC), _placed(lambda d, w: matlab.from_mat(d, w, UNPACKED)), True),
     Reader("Legolas", legolas.is_legolas, _placed(legolas.from_legolas)),
     Reader("json", json_text.is_json, json_text.from_json, True),

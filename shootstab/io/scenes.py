@@ -7,16 +7,14 @@ would hold, and go the same way.
 from __future__ import annotations
 
 import importlib
-import re
 import sys
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shootstab.core.errors import InputError, shortened
-from shootstab.core.reading import bytes_of, text_of
+from shootstab.core.reading import toml_of
 from shootstab.core.scene_keys import BuiltIn, Description, SceneModel
 from shootstab.io.conventions import Convention
 from shootstab.io.notation import nearest
@@ -26,8 +24,6 @@ if TYPE_CHECKING:
     from shootstab.problems.protocol import Problem
 
 LARGEST_SCENE = 2**17  # chosen: bytes of a scene file, six of the longest formulas; TOML of more may take minutes to be read
-MOST_KEY_PARTS = 100  # chosen: dots between the parts of a key, in one line
-_PARTS = re.compile(r"\.(?!\d)|\.\d+(?=\.)")  # dots that are not the point of a number
 MODELS = ("shootstab.models.chute.chute_scene", "shootstab.models.catalogue.gallery_scene")  # each has a SceneModel called MODEL
 
 
@@ -99,33 +95,12 @@ def load(name: str) -> Scene:
             scene = model.built_in[name]
             return _from_tables(name, scene.description, scene.tables)
     if name.endswith(".toml") or Path(name).is_file():
-        return _from_tables(name, f"scene file {Path(name).name}", _toml(Path(name)))
+        return _from_tables(name, f"scene file {Path(name).name}", toml_of(Path(name), LARGEST_SCENE, "a scene file"))
     if ":" in name:
         return _from_module(name)
     raise InputError(
         f"{name}: no such scene{nearest(name, built_in())}: allowed is one of {', '.join(built_in())}, a TOML file or module:object"
     )
-
-
-# TOML
-
-
-def _toml(path: Path) -> dict[str, Any]:
-    data = bytes_of(path, LARGEST_SCENE, "a scene file")
-    try:
-        text = text_of(data)
-        for number, line in enumerate(text.splitlines(), 1):
-            if len(_PARTS.findall(line)) > MOST_KEY_PARTS:  # tomllib takes the square of them
-                raise InputError(f"{path}: line {number}: a key of more than {MOST_KEY_PARTS} parts: allowed are the keys of a scene file")
-        return tomllib.loads(text)
-    except RecursionError:
-        raise InputError(f"{path}: broken TOML: nested too deep: allowed are the tables of a scene file") from None
-    except InputError:
-        raise
-    except ValueError as error:
-        # Python reads integers of up to 4300 digits, and says so in words of its own
-        digits = not isinstance(error, tomllib.TOMLDecodeError) and "digits" in str(error)
-        raise InputError(f"{path}: broken TOML: {'an integer of thousands of digits' if digits else error}") from None
 
 
 def _from_tables(name: str, description: str, tables: Mapping[str, Any]) -> Scene:

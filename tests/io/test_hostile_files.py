@@ -138,6 +138,20 @@ SCENES = {
         b'[problem]\nunknowns = ["u"]\nequations = ["sigma*u = d(u,2)"]\nleft = "infinity"\nright = "infinity"\nfold = 0x' + b"f" * 400,
         "fold = ",
     ),
+    **{
+        f"an axis and {what}": (
+            f"""[problem]\nunknowns = ["u"]\nequations = ["sigma*u = d(u,2) + d(u)/r + {term}"]\nvariable = "r"\nleft = {{ axis = {at} }}
+right = {{ at = 1, conditions = ["u"] }}""".encode(),
+            says,
+        )
+        for what, term, at, says in (
+            ("a power of a billion", "u*r**1e9", 0, "no power series with a pole"),
+            ("a power of two to a billion", "u/r**2**1e9", 0, r"exp of a number beyond 2\*\*4096"),
+            ("a number of 600 digits", "u*(1e200 + r)**3", 0, "a number beyond 1e308"),
+            ("a logarithm", "u*log(r)", 0, "no power series with a pole"),
+            ("an ordinary point there", "u", -1, "2 of 2 solutions are regular at r = -1"),
+        )
+    },
 }
 
 PLANE = {"name": "plane Poiseuille", "reynolds": "100.0", "alpha": "1.0", "modes": "even"}
