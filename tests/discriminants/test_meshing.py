@@ -57,7 +57,7 @@ def test_next_to_a_singular_wall_the_mesh_does_not_grow_in_vain() -> None:
     before = len(asked)
     with pytest.raises(st.ConvergenceError, match="C is singular next to z = "):
         Frame(rtol=1e-5).on(problem).at(1.0)
-    assert len(asked) - before < 50_000
+    assert len(asked) - before < 100_000  # of five meshes; one that grows takes a million
 
 
 def test_claims_on_the_continuum_next_to_its_end_at_the_wall() -> None:

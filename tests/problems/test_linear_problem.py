@@ -437,7 +437,6 @@ def test_a_vectorized_pencil_of_another_number_of_points_is_named() -> None:
         st.problem(2, lambda z: (np.zeros((len(z) + 1, 2, 2)), np.eye(2)), *WALLS, vectorized=True)
 
 
-
 @pytest.mark.parametrize("compiled", [False, True])
 @pytest.mark.parametrize("walls", [(0, 1), (-1, 0)])
 def test_a_wall_at_a_singular_point_is_named(walls: tuple[float, float], compiled: bool) -> None:
