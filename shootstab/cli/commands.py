@@ -178,9 +178,10 @@ def scenes(options: Namespace) -> int:
         says = [{"name": name, "description": one.scene.description, **vars(one.details)} for name, one in listed.items()]
         _write_json(options, {"scenes": says})
     if options.json != "-" and not options.quiet:
+        width = max(map(len, listed)) + 2
         for name, one in listed.items():
-            print(textwrap.fill(f"{name:<16}{one.scene.description}", 80, subsequent_indent=" " * 16))
-            print(textwrap.fill(str(one.details), 80, initial_indent=" " * 16, subsequent_indent=" " * 16))
+            print(textwrap.fill(f"{name:<{width}}{one.scene.description}", 80, subsequent_indent=" " * width))
+            print(textwrap.fill(str(one.details), 80, initial_indent=" " * width, subsequent_indent=" " * width))
     return DONE
 
 

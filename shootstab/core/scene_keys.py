@@ -33,9 +33,23 @@ class Description:
         return "; ".join(part for part in (self.symmetry, f"order {self.order}{unknowns}", self.scales, self.eigenvalue) if part)
 
 
+class NamedScene(Protocol):
+    """A scene with a name of its own: one line on it, and what a scene file would say."""
+
+    @property
+    def description(self) -> str:
+        """The line."""
+        ...
+
+    @property
+    def tables(self) -> Tables:
+        """Of the scene file, by name."""
+        ...
+
+
 @dataclass(frozen=True)
 class BuiltIn:
-    """A scene with a name of its own: one line on it, and what a scene file would say."""
+    """See NamedScene: one that is held in memory."""
 
     description: str
     tables: Tables
@@ -60,7 +74,7 @@ class SceneModel(Protocol):
         ...
 
     @property
-    def built_in(self) -> Mapping[str, BuiltIn]:
+    def built_in(self) -> Mapping[str, NamedScene]:
         """Its scenes by name."""
         ...
 
@@ -106,7 +120,7 @@ class Keys:
         if wanted is float and isinstance(value, int | float) and not isinstance(value, bool):
             if abs(value) < LARGEST_NUMBER:
                 return float(value)
-        elif wanted is not float and isinstance(value, wanted):
+        elif wanted is not float and isinstance(value, wanted) and (wanted is bool or not isinstance(value, bool)):
             return value
-        words = {float: "a finite number", str: "a string", bool: "true or false"}
+        words = {float: "a finite number", int: "an integer", str: "a string", bool: "true or false", list: "a list"}
         raise InputError(f"[{self.name}] {key} = {shortened(value)}: allowed is {words[wanted]}")

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 from shootstab.core.errors import InputError, shortened
 from shootstab.core.reading import toml_of
-from shootstab.core.scene_keys import BuiltIn, Description, SceneModel
+from shootstab.core.scene_keys import Description, NamedScene, SceneModel
+from shootstab.core.scene_notes import NOTES, about, described, known
 from shootstab.io.conventions import Convention
 from shootstab.io.notation import nearest
 
@@ -66,7 +67,7 @@ class Listed:
     """A built-in scene and the model that makes it."""
 
     model: SceneModel
-    scene: BuiltIn
+    scene: NamedScene
 
     @property
     def details(self) -> Description:
@@ -116,15 +117,19 @@ def _from_tables(name: str, description: str, tables: Mapping[str, Any]) -> Scen
 def _from_equations(name: str, description: str, tables: Mapping[str, Any]) -> Scene:
     """A problem that the scene file itself writes down, by its equations."""
     for table in tables:
-        if table != "problem":
-            raise InputError(f"unknown key {shortened(table)}: allowed is [problem] alone")
+        if table not in ("problem", *NOTES):
+            raise InputError(f"unknown key {shortened(table)}: allowed is [problem], and beside it {' and '.join(f'[{t}]' for t in NOTES)}")
+    notes = about(tables)
+    known(tables)
     from shootstab.formulation.equation_scene import from_table
 
     problem = from_table(tables["problem"])
+    order = problem.first_order.order
+    if notes.get("order", order) != order:
+        raise InputError(f"[about] order = {notes['order']}: the equations are found to be of order {order}")
     symbol = problem.statement.names.eigenvalue.replace("sigma", "σ")
-    unknowns = ", ".join(problem.statement.names.unknowns)
-    details = Description(problem.size, unknowns, eigenvalue=f"{symbol} of the equations")
-    return Scene(name, description, problem, details, symbol=symbol, parameters=tables)
+    details = described(tables["problem"], notes, order)
+    return Scene(name, notes.get("description", description), problem, details, symbol=symbol, parameters=tables)
 
 
 def _model_of(tables: Mapping[str, Any]) -> SceneModel:

@@ -65,7 +65,8 @@ def test_every_built_in_scene_says_what_it_is() -> None:
         assert scene.description == listed.scene.description
         assert scene.details == listed.details
         equations: Any = getattr(scene.problem, "function", scene.problem)  # of a whole line, before it is folded
-        assert scene.details.order == equations.size
+        written = getattr(scene.problem, "first_order", None)  # in equations
+        assert scene.details.order == (equations.size if written is None else written.order)
         assert all(vars(scene.details).values())
         assert scene.heading.startswith(f"{name}: {scene.description} (")
 
