@@ -9,7 +9,7 @@ from typing import Any
 from shootstab.core.errors import InputError, shortened
 from shootstab.core.scene_keys import LARGEST_NUMBER
 from shootstab.formulation.names import Names
-from shootstab.formulation.system import Row, row_of
+from shootstab.formulation.system import Denominators, Row, row_of
 from shootstab.problems.ends import Infinity
 
 
@@ -57,12 +57,14 @@ def end_of(given: Any, side: str) -> End:
     return given
 
 
-def rows_of(end: End, side: str, names: Names) -> list[tuple[str, Row]]:
-    """The conditions as the user means them, each with what errors call it."""
+def rows_of(end: End, side: str, names: Names) -> tuple[tuple[tuple[str, Row], ...], Denominators]:
+    """The conditions as the user means them, each with what errors call it, and the denominators that they were multiplied by."""
     if not isinstance(end, Conditions):
-        return []
-    out = []
+        return (), ()
+    rows, denominators = [], []
     for i, formula in enumerate(end.conditions, 1):
         where = f"{side} condition {i}"
-        out.append((where, row_of(names.expression(formula, where), where)))
-    return out
+        row, found = row_of(names.expression(formula, where), where)
+        rows.append((where, row))
+        denominators += found
+    return tuple(rows), tuple(denominators)

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
-from shootstab.formulation.expression import Expression
+from shootstab.formulation.expression import VARIABLE, Expression, number
 from shootstab.formulation.joint_conditions import rows_over_states
+from shootstab.formulation.names import Names
 from shootstab.formulation.reduced_layers import ReducedLayer
 from shootstab.formulation.state_pencil import Condition, StatePencil
 from shootstab.formulation.statement import Statement
-from shootstab.formulation.system import Row, shown
+from shootstab.formulation.system import Row, coefficients, shown
 
 Lines = list[tuple[str, str]]
 LONGEST_SHOWN = 400  # chosen: characters of a formula that are shown
@@ -51,6 +52,9 @@ def explanation(
         if name not in states and top == 0:
             others = {at: -c for at, c in row.items() if at != (name, 0)}
             lines.append(("removed", f"{name} = ({row_text(others) or '0'}) / ({text(row[name, 0])})"))
+    for denominator in dict.fromkeys(d for _, d in statement.denominators):
+        holders = ", ".join(dict.fromkeys(where for where, d in statement.denominators if d == denominator))
+        lines.append(("denominator", f"{holders} times {text(denominator)}; {_pole(denominator, names, text)}"))
     for factor, where in first.factors:
         lines.append(("multiplied", f"{where} by {text(factor)}, which may vanish"))
     highest = max(len(part) for part in (system.C, system.left, system.right)) - 1
@@ -79,6 +83,16 @@ def explanation(
         else:
             lines.append((f"{side}, infinity", "solutions decay"))
     return lines
+
+
+def _pole(denominator: Expression, names: Names, text: Callable[[Expression], str]) -> str:
+    """Where a denominator vanishes, and what that is."""
+    powers = coefficients(denominator)
+    along = f", {names.variable} along the domain," if VARIABLE in denominator.atoms() else ""
+    place = f"its zeros in {names.eigenvalue}"
+    if set(powers) <= {0, 1}:
+        place = f"{names.eigenvalue} = {text(-powers.get(0, number(0)) / powers[1])}"
+    return f"at {place}{along} what is written has no meaning, and a zero of D is no eigenvalue"
 
 
 def _renamed(text: str, ours: str, theirs: str) -> str:

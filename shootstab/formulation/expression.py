@@ -147,6 +147,11 @@ class Expression:
         return self.terms.get(()) if len(self.terms) == 1 else None
 
 
+def held_kinds(*expressions: Expression) -> set[str]:
+    """The kinds of all atoms in them, those of arguments included."""
+    return {atom.kind for expression in expressions for atom in expression.atoms()}
+
+
 def number(x: Any) -> Expression:
     """A number, exactly."""
     value = Gaussian.of(x)

@@ -17,7 +17,7 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 
 from shootstab.core.errors import InputError, shortened
-from shootstab.formulation.expression import FUNCTIONS, Expression, function, number
+from shootstab.formulation.expression import FUNCTIONS, Expression, function, held_kinds, number
 from shootstab.formulation.gaussian import ONE, I
 
 TOKEN = re.compile(
@@ -27,6 +27,7 @@ LONGEST_FORMULA = 20_000  # chosen: characters of one formula
 LONGEST_NUMBER = 1000  # chosen: characters of a number, more than any precision takes
 LARGEST_EXPONENT = 400  # chosen: of a number in decimal notation: what doubles hold, and more
 DEEPEST_NESTING = 60  # chosen: parentheses and signs within each other
+MOST_POWER = 64  # chosen: the size of an exponent up to which powers are multiplied out
 MOST_DERIVATIVES = 16  # chosen: the order of d(f, n); no equation of physics has a higher one
 
 Scope = Callable[[str], Expression]  # a name's expression; raises KeyError for one that is not known
@@ -83,8 +84,8 @@ class Reader:
             divisor = self._signed()
             if not divisor:
                 raise self._error("a division by zero", at)
-            if any(atom.kind in ("jet", "eigenvalue") for atom in divisor.atoms()):
-                raise self._error("a division by an unknown or the eigenvalue: multiply the equation by it", at)
+            if any(atom.kind == "jet" for atom in divisor.atoms()):
+                raise self._error("a division by an unknown: the equation is not linear", at)
             total = total / divisor
         return total
 
@@ -107,15 +108,22 @@ class Reader:
         exponent = self._signed()
         self._depth -= 1
         value = exponent.constant
-        natural = value is not None and not value.im and value.re in range(65)
-        if not natural and any(atom.kind in ("jet", "eigenvalue") for e in (base, exponent) for atom in e.atoms()):
-            raise self._error("a power of an unknown or of the eigenvalue: allowed are natural ones up to 64", at)
+        self._require_power(base, exponent, at)
         try:
-            if value is not None and not value.im and -64 <= value.re <= 64:  # longer ones by the exponential
+            if value is not None and not value.im and -MOST_POWER <= value.re <= MOST_POWER:  # longer ones by the exponential
                 return base ** (value.re if Fraction(value.re).denominator > 1 else int(value.re))
             return function("exp", exponent * function("log", base))
         except ZeroDivisionError:
             raise self._error("zero to a negative power", at) from None
+
+    def _require_power(self, base: Expression, exponent: Expression, at: int) -> None:
+        """Raise InputError for a power by which a problem is not linear, or not rational in its eigenvalue."""
+        held, value = held_kinds(base, exponent), exponent.constant
+        whole = value is not None and not value.im and value.re in range(-MOST_POWER, MOST_POWER + 1)
+        if "jet" in held and not (whole and value is not None and value.re >= 0):
+            raise self._error(f"a power of an unknown: allowed are natural ones up to {MOST_POWER}", at)
+        if "eigenvalue" in held and not whole:
+            raise self._error(f"a power of the eigenvalue: allowed are whole ones up to {MOST_POWER}", at)
 
     def _item(self) -> Expression:
         kind, at = self._kind(), self._at
@@ -190,7 +198,7 @@ class Reader:
             raise self._error(f"{name} has {len(arguments)} arguments: allowed is one", at)
         (argument,) = arguments
         if any(atom.kind in ("jet", "eigenvalue") for atom in argument.atoms()):
-            raise self._error(f"{name} of an unknown or of the eigenvalue: the problem is not linear, or not polynomial in it", at)
+            raise self._error(f"{name} of an unknown or of the eigenvalue: the problem is not linear, or not rational in it", at)
         if name == "sqrt":
             return argument ** Fraction(1, 2)
         if name == "log" and not argument:

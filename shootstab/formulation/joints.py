@@ -13,7 +13,7 @@ from shootstab.core.errors import InputError
 from shootstab.formulation.expression import Expression
 from shootstab.formulation.grammar import Reader, Scope
 from shootstab.formulation.names import Names
-from shootstab.formulation.system import Row, jet, row_of
+from shootstab.formulation.system import Denominators, Row, jet, row_of
 
 INTERFACE_SIDES = ("before", "behind")  # chosen: the words of the language for the sides of smaller and of larger coordinate
 
@@ -29,11 +29,12 @@ class InterfaceConditions:
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """An interface whose conditions have been read: rows over before(u), behind(u) and the amplitudes."""
+    """An interface whose conditions have been read: rows over before(u), behind(u) and the amplitudes, times their denominators."""
 
     at: float
     rows: tuple[tuple[str, Row], ...]
     amplitudes: tuple[str, ...]
+    denominators: Denominators = ()
 
 
 def read_joint(given: InterfaceConditions, names: tuple[Names, Names], layered: Sequence[str]) -> Joint:
@@ -63,12 +64,13 @@ def read_joint(given: InterfaceConditions, names: tuple[Names, Names], layered: 
     def listed() -> str:
         return ", ".join([*given.amplitudes, "before(...)", "behind(...)", "jump(...)", names[0].listed()])
 
-    rows = []
+    rows, denominators = [], []
     for i, formula in enumerate(given.conditions, 1):
         place = f"{where}, condition {i}"
-        row = row_of(Reader(formula, place, outside, listed, scopes).equation(), place)
+        row, found = row_of(Reader(formula, place, outside, listed, scopes).equation(), place)
+        denominators += found
         for name, order in row:
             if name in given.amplitudes and order:
                 raise InputError(f"{place}: a derivative of the amplitude {name}, which is a number: allowed is {name} alone")
         rows.append((place, row))
-    return Joint(float(given.at), tuple(rows), tuple(given.amplitudes))
+    return Joint(float(given.at), tuple(rows), tuple(given.amplitudes), tuple(denominators))

@@ -15,7 +15,7 @@ from shootstab.formulation.evaluation import Given
 from shootstab.formulation.joints import InterfaceConditions, Joint, read_joint
 from shootstab.formulation.layers import Layer, own_definitions
 from shootstab.formulation.names import Names
-from shootstab.formulation.system import Row, System
+from shootstab.formulation.system import Denominators, Row, System
 from shootstab.problems.ends import Infinity
 
 
@@ -23,7 +23,8 @@ from shootstab.problems.ends import Infinity
 class Statement:
     """The equations and the conditions at both ends as rows over the unknowns, with the names in them; domain is the whole one.
 
-    An end without conditions (an axis, infinity) has no rows. Layers are one more than joints, from left to right.
+    An end without conditions (an axis, infinity) has no rows. Layers are one more than joints, from left to right. denominators are
+    those of equations and conditions that hold the eigenvalue, each once in a layer.
     """
 
     left: End
@@ -33,6 +34,7 @@ class Statement:
     domain: Domain
     layers: tuple[Layer, ...]
     joints: tuple[Joint, ...] = ()
+    denominators: Denominators = ()
 
     @property
     def names(self) -> Names:
@@ -90,8 +92,11 @@ def stated(
         layers.append(Layer(names, System.of(names.unknowns, read), Domain(begin, end, dict(given))))
     layered = [name for table in (parameters, where) for name, value in table.items() if isinstance(value, list | tuple)]
     read_joints = [read_joint(joint, (a.names, b.names), layered) for joint, (a, b) in zip(joints, itertools.pairwise(layers), strict=True)]
-    rows = [tuple(rows_of(end, side, layers[j].names)) for end, side, j in zip(ends, ("left", "right"), (0, -1), strict=True)]
-    return Statement(*ends, rows[0], rows[1], Domain(low, high, dict(given)), tuple(layers), tuple(read_joints))
+    rows = [rows_of(end, side, layers[j].names) for end, side, j in zip(ends, ("left", "right"), (0, -1), strict=True)]
+    denominators = [found for part in (*(layer.system for layer in layers), *read_joints) for found in part.denominators]
+    denominators += [found for _, of_end in rows for found in of_end]
+    whole = Domain(low, high, dict(given))
+    return Statement(*ends, rows[0][0], rows[1][0], whole, tuple(layers), tuple(read_joints), tuple(denominators))
 
 
 def _interfaces(given: Sequence[Any], ends: tuple[End, End]) -> list[InterfaceConditions]:

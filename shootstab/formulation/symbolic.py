@@ -7,8 +7,9 @@ from fractions import Fraction
 from typing import Any
 
 from shootstab.core.errors import InputError
-from shootstab.formulation.expression import FUNCTIONS, PI, Expression, function, number
+from shootstab.formulation.expression import FUNCTIONS, PI, Expression, function, held_kinds, number
 from shootstab.formulation.gaussian import I
+from shootstab.formulation.grammar import MOST_POWER
 
 
 def converted(formula: Any, where: str, meaning: Callable[[str], Expression], listed: Callable[[], str], variable: str) -> Expression:
@@ -58,16 +59,17 @@ def converted(formula: Any, where: str, meaning: Callable[[str], Expression], li
         if name in FUNCTIONS and len(x.args) == 1:
             argument = walk(x.args[0])
             if any(atom.kind in ("jet", "eigenvalue") for atom in argument.atoms()):
-                raise error(x, "a function of an unknown or of the eigenvalue: the problem is not linear, or not polynomial in it")
+                raise error(x, "a function of an unknown or of the eigenvalue: the problem is not linear, or not rational in it")
             return function(name, argument)
         raise error(x, f"{name} has no meaning here: allowed are +, *, **, derivatives, {', '.join(FUNCTIONS)}")
 
     def power(x: Any) -> Expression:
         base, exponent = walk(x.base), walk(x.exp)
         value = exponent.constant
-        natural = value is not None and not value.im and Fraction(value.re).denominator == 1 and 0 <= value.re <= 64
-        if not natural and any(atom.kind in ("jet", "eigenvalue") for e in (base, exponent) for atom in e.atoms()):
-            raise error(x, "a power of an unknown or of the eigenvalue: allowed are natural ones up to 64")
+        held = held_kinds(base, exponent)
+        whole = value is not None and not value.im and value.re in range(-MOST_POWER, MOST_POWER + 1)
+        if ("jet" in held and not (whole and value is not None and value.re >= 0)) or ("eigenvalue" in held and not whole):
+            raise error(x, f"a power of an unknown or of the eigenvalue: allowed are whole ones up to {MOST_POWER}, natural of an unknown")
         if value is not None and not value.im:
             return base ** (int(value.re) if Fraction(value.re).denominator == 1 else value.re)
         return function("exp", exponent * function("log", base))

@@ -8,6 +8,7 @@ from fractions import Fraction
 
 from shootstab.core.errors import InputError
 from shootstab.formulation.atoms import Atom
+from shootstab.formulation.denominators import cleared
 from shootstab.formulation.expression import Expression, number, of_atom
 from shootstab.formulation.vanishing import Vanishing
 
@@ -29,8 +30,14 @@ def shown(at: Jet) -> str:
     return name if order == 0 else f"d({name})" if order == 1 else f"d({name},{order})"
 
 
-def row_of(expression: Expression, where: str, homogeneous: bool = True) -> Row:
-    """The coefficients of the unknowns and their derivatives. Raises InputError for what is not linear in them."""
+Denominators = tuple[tuple[str, Expression], ...]  # where each stood, and what it is: see denominators.py
+
+
+def row_of(expression: Expression, where: str) -> tuple[Row, Denominators]:
+    """The coefficients of the unknowns and their derivatives, polynomials in the eigenvalue, and the denominators that were cleared.
+
+    Raises InputError for what is not linear in the unknowns.
+    """
     row: Row = {}
     for outer, coefficient in expression.collected(lambda atom: atom.kind == "jet"):
         if len(outer) == 1 and outer[0][1] == 1:
@@ -39,11 +46,12 @@ def row_of(expression: Expression, where: str, homogeneous: bool = True) -> Row:
         elif outer:
             product = "*".join(str(a) if e == 1 else f"{a}**{e}" for a, e in outer)
             raise InputError(f"{where} is not linear: it holds {product}: allowed are the unknowns times functions of the coordinate")
-        elif homogeneous:
+        else:
             raise InputError(f"{where} holds the term {coefficient} without an unknown: allowed are homogeneous linear equations")
     if not row:
         raise InputError(f"{where} holds no unknown: allowed are linear equations for them")
-    return row
+    row, denominators = cleared(row, where)
+    return row, tuple((where, denominator) for denominator in denominators)
 
 
 def linear(row: Row) -> Expression:
@@ -96,20 +104,24 @@ def coefficients(expression: Expression) -> dict[int, Expression]:
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """The user's equations: unknowns in their order, rows (one an equation), names of the equations as errors call them."""
+    """The user's equations: unknowns in their order, rows (one an equation), names of the equations as errors call them, and the
+    denominators that they were multiplied by.
+    """
 
     unknowns: tuple[str, ...]
     rows: tuple[Row, ...]
     names: tuple[str, ...]
+    denominators: Denominators = ()
 
     @staticmethod
     def of(unknowns: tuple[str, ...], equations: Mapping[str, Expression]) -> System:
         """From expressions by their names. Raises InputError: not linear, more or fewer equations than unknowns, an unknown nowhere."""
-        rows = tuple(row_of(expression, where) for where, expression in equations.items())
+        read = [row_of(expression, where) for where, expression in equations.items()]
+        rows = tuple(row for row, _ in read)
         if len(rows) != len(unknowns):
             raise InputError(f"{len(rows)} equations for the {len(unknowns)} unknowns {', '.join(unknowns)}: allowed are as many")
         held = orders(rows)
         for name in unknowns:
             if name not in held:
                 raise InputError(f"no equation holds the unknown {name}: allowed are unknowns that the equations determine")
-        return System(unknowns, rows, tuple(equations))
+        return System(unknowns, rows, tuple(equations), tuple(pair for _, found in read for pair in found))
