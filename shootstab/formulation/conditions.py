@@ -8,6 +8,7 @@ from typing import Any
 
 from shootstab.core.errors import InputError, shortened
 from shootstab.core.scene_keys import LARGEST_NUMBER
+from shootstab.formulation.expression import Expression
 from shootstab.formulation.names import Names
 from shootstab.formulation.system import Denominators, Row, row_of
 from shootstab.problems.ends import Infinity
@@ -61,7 +62,8 @@ def rows_of(end: End, side: str, names: Names) -> tuple[tuple[tuple[str, Row], .
     """The conditions as the user means them, each with what errors call it, and the denominators that they were multiplied by."""
     if not isinstance(end, Conditions):
         return (), ()
-    rows, denominators = [], []
+    rows: list[tuple[str, Row]] = []
+    denominators: list[tuple[str, Expression]] = []
     for i, formula in enumerate(end.conditions, 1):
         where = f"{side} condition {i}"
         row, found = row_of(names.expression(formula, where), where)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,18 +11,24 @@ import numpy as np
 from shootstab.core.errors import InputError
 from shootstab.formulation.domain import Domain
 from shootstab.formulation.evaluation import on_arrays
-from shootstab.formulation.expression import Expression, number
+from shootstab.formulation.expression import Expression, number, quotient
 from shootstab.formulation.first_order import FirstOrder
+from shootstab.formulation.system import SIGMA, coefficients, degree
 from shootstab.problems.protocol import ComplexArray
 
 
 @dataclass(frozen=True, eq=False)
 class InteriorSpectrum:
-    """det C by powers of σ. curves: how many σ_c(z) there are, equal ones counted once if all are equal (single)."""
+    """det C by powers of σ. curves: how many σ_c(z) there are, equal ones counted once if all are equal (single).
+
+    factors are the σ_c that are known as expressions, as often as each occurs, and rest is what det C is beside them, by powers of σ.
+    """
 
     determinant: dict[int, Expression]
     domain: Domain
     single: bool
+    factors: tuple[Expression, ...]
+    rest: dict[int, Expression]
 
     @property
     def curves(self) -> int:
@@ -48,36 +55,62 @@ class InteriorSpectrum:
             return np.broadcast_to(np.asarray(on_arrays(z, self.domain.given)(self.expression), dtype=np.complex128), np.shape(z)).copy()
 
     def branches(self, z: ComplexArray) -> list[ComplexArray]:
-        """The σ_c (m,) of several curves at points z (m,) along a line, each followed from point to point."""
+        """The σ_c (m,) of several curves at points z (m,) along a line: those known as expressions, and the others followed along it."""
         at = on_arrays(z, self.domain.given)
-        coefficients = [np.broadcast_to(at(self.determinant.get(k, number(0))), z.shape) for k in range(self._degree, -1, -1)]
-        found = np.array([np.roots(c) for c in np.array(coefficients).T])
+        known = [np.array(np.broadcast_to(at(curve), z.shape), dtype=np.complex128) for curve in self.factors]
+        left = max(self.rest, default=0)
+        if not left:
+            return known
+        powers = [np.broadcast_to(at(self.rest.get(k, number(0))), z.shape) for k in range(left, -1, -1)]
+        found = np.array([np.roots(c) for c in np.array(powers).T])
         for i in range(1, len(found)):
             rest = list(found[i])
             for j, before in enumerate(found[i - 1]):
                 found[i, j] = rest.pop(int(np.argmin([abs(s - before) for s in rest])))
-        return list(found.T)
+        return [*known, *found.T]
 
 
 def interior_spectrum(first: FirstOrder, domain: Domain, variable: str) -> InteriorSpectrum:
     """Raises InputError where C is singular at a point whatever σ is: the order of the equations changes there."""
     determinant = first.determinant
-    degree = max(determinant, default=0)
+    highest = max(determinant, default=0)
     if not determinant:
         raise InputError("the highest derivatives do not determine each other: the equations are dependent")
     places = [domain.zero(c) for c in determinant.values()]
     if all(place is not None for place in places) and len(determinant) == 1:
         raise InputError(
-            f"the order of the equations changes at {variable} = {places[0]:.4g}, where {determinant[degree]} vanishes that multiplies "
+            f"the order of the equations changes at {variable} = {places[0]:.4g}, where {determinant[highest]} vanishes that multiplies "
             "the highest derivatives: allowed is a domain without such a point inside"
         )
     single = True
-    if degree > 1:
-        top = determinant[degree]
-        s = -determinant.get(degree - 1, number(0)) / (number(degree) * top)
+    if highest > 1:
+        top = determinant[highest]
+        s = -determinant.get(highest - 1, number(0)) / (number(highest) * top)
         binomial = number(1)
-        for k in range(degree - 1, -1, -1):
-            binomial = binomial * number(k + 1) / number(degree - k)
-            expected = binomial * top * (-s) ** (degree - k)
+        for k in range(highest - 1, -1, -1):
+            binomial = binomial * number(k + 1) / number(highest - k)
+            expected = binomial * top * (-s) ** (highest - k)
             single = single and domain.vanishing(determinant.get(k, number(0)) - expected)
-    return InteriorSpectrum(determinant, domain, single)
+    factors, rest = _factors(determinant, [c for row in first.leading for c in row.values()])
+    return InteriorSpectrum(determinant, domain, single, factors, rest)
+
+
+def _factors(determinant: dict[int, Expression], entries: Iterable[Expression]) -> tuple[tuple[Expression, ...], dict[int, Expression]]:
+    """The σ_c that the entries of the leading coefficients show by themselves, where their factors divide det C; and what is left of it."""
+    whole = number(0)
+    for power, c in determinant.items():
+        whole = whole + c * SIGMA**power
+    found = []
+    for entry in dict.fromkeys(e for e in entries if degree(e) == 1):
+        while degree(whole) > 1 and (smaller := quotient(whole, entry)) is not None and degree(smaller) == degree(whole) - 1:
+            found.append(_zero(entry))
+            whole = smaller
+    if degree(whole) == 1:
+        return (*found, _zero(whole)), {}
+    return tuple(found), coefficients(whole)
+
+
+def _zero(linear: Expression) -> Expression:
+    """Of what is linear in σ."""
+    parts = coefficients(linear)
+    return -parts.get(0, number(0)) / parts[1]

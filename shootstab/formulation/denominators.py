@@ -20,7 +20,8 @@ MOST_ROUNDS = 16  # chosen: denominators within each other
 
 def cleared(row: Mapping[K, Expression], where: str) -> tuple[dict[K, Expression], tuple[Expression, ...]]:
     """The row without denominators that hold the eigenvalue, and these. Raises InputError where they are nested too deep."""
-    found, out = [], dict(row)
+    found: list[Expression] = []
+    out = dict(row)
     for _ in range(MOST_ROUNDS):
         lowest = _lowest(out)
         if not lowest:

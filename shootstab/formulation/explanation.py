@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Sequence
 
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
+from shootstab.formulation.continuous_spectrum import InteriorSpectrum
 from shootstab.formulation.expression import VARIABLE, Expression, number
 from shootstab.formulation.joint_conditions import rows_over_states
 from shootstab.formulation.names import Names
@@ -66,9 +67,7 @@ def explanation(
         lines.append((f"det C{of_layer}", " + ".join(powers)))
         curve = "none: det C does not hold the eigenvalue"
         if layer.spectrum_inside.curves:
-            many = f"{layer.spectrum_inside.curves} curves, the zeros of det C in {names.eigenvalue}"
-            found = layer.spectrum_inside.expression
-            curve = many if found is None else f"{names.eigenvalue} = {text(found)}, {names.variable} along the domain"
+            curve = _curves(layer.spectrum_inside, names, text)
         lines.append((f"continuous spectrum inside{of_layer}", curve))
     for joint, pair in zip(statement.joints, itertools.pairwise(layers), strict=True):
         rows_there = rows_over_states(joint, (pair[0].first_order, pair[1].first_order))
@@ -83,6 +82,18 @@ def explanation(
         else:
             lines.append((f"{side}, infinity", "solutions decay"))
     return lines
+
+
+def _curves(inside: InteriorSpectrum, names: Names, text: Callable[[Expression], str]) -> str:
+    """The curves on which C is singular, in words."""
+    alone = inside.expression
+    known = [alone] if alone is not None else list(dict.fromkeys(inside.factors))
+    told = [f"{names.eigenvalue} = {text(curve)}" for curve in known]
+    others = 0 if alone is not None else max(inside.rest, default=0)
+    if others:
+        what = f"{others} {'more curves' if known else 'curves'}" if others > 1 else "one more curve"
+        told.append(f"{what}, zeros of det C in {names.eigenvalue}")
+    return f"{' and '.join(told)}, {names.variable} along the domain"
 
 
 def _pole(denominator: Expression, names: Names, text: Callable[[Expression], str]) -> str:

@@ -64,7 +64,8 @@ def read_joint(given: InterfaceConditions, names: tuple[Names, Names], layered: 
     def listed() -> str:
         return ", ".join([*given.amplitudes, "before(...)", "behind(...)", "jump(...)", names[0].listed()])
 
-    rows, denominators = [], []
+    rows: list[tuple[str, Row]] = []
+    denominators: list[tuple[str, Expression]] = []
     for i, formula in enumerate(given.conditions, 1):
         place = f"{where}, condition {i}"
         row, found = row_of(Reader(formula, place, outside, listed, scopes).equation(), place)

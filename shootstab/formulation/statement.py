@@ -93,8 +93,8 @@ def stated(
     layered = [name for table in (parameters, where) for name, value in table.items() if isinstance(value, list | tuple)]
     read_joints = [read_joint(joint, (a.names, b.names), layered) for joint, (a, b) in zip(joints, itertools.pairwise(layers), strict=True)]
     rows = [rows_of(end, side, layers[j].names) for end, side, j in zip(ends, ("left", "right"), (0, -1), strict=True)]
-    denominators = [found for part in (*(layer.system for layer in layers), *read_joints) for found in part.denominators]
-    denominators += [found for _, of_end in rows for found in of_end]
+    held = [layer.system.denominators for layer in layers] + [joint.denominators for joint in read_joints] + [found for _, found in rows]
+    denominators = [pair for found in held for pair in found]
     whole = Domain(low, high, dict(given))
     return Statement(*ends, rows[0][0], rows[1][0], whole, tuple(layers), tuple(read_joints), tuple(denominators))
 
