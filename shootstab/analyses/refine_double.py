@@ -9,7 +9,7 @@ from dataclasses import is_dataclass, replace
 from typing import Any
 
 from shootstab.analyses.error_budget import budget
-from shootstab.analyses.multiple import cluster, multiple, told_apart
+from shootstab.analyses.multiple import cluster, count_in, multiple, told_apart
 from shootstab.core.discriminant import Discriminant
 from shootstab.core.errors import ConvergenceError, Inaccurate, InputError
 from shootstab.core.records import CONVERGED, Budget, Mode
@@ -17,10 +17,10 @@ from shootstab.core.regions import Disc
 from shootstab.core.scaled import EPSILON
 from shootstab.discriminants.continuation import Branch, Continuation
 from shootstab.discriminants.frame import Frame
-from shootstab.discriminants.method import Method
+from shootstab.discriminants.method import AdaptiveDiscriminant, Method
 from shootstab.problems.protocol import Problem
 from shootstab.roots.iterations import LEAST_D_ERROR, Root, muller, newton
-from shootstab.roots.search import Zero
+from shootstab.roots.search import Zero, moments
 from shootstab.roots.separation import Surroundings, separation, surroundings
 from shootstab.roots.winding import wind
 
@@ -32,6 +32,7 @@ WIDEST_PROOF = 1e-2  # chosen: of the larger of |σ| and the scale, so that the 
 SIXTHS = 6  # derived: a zero in its middle turns D by 60° from one sixth of a circle to the next, below winding.LONGEST_TURN
 LEFT = 1e-3  # chosen: of the accuracy asked for, what iterations may leave
 NEUTRAL = 1e-12  # chosen: the accuracy of a mode at 0 in the scale of D there; four digits above the rounding of a double
+COUNTED_AROUND = (1e-3, 4e-3, 1.6e-2)  # chosen: of |σ|, circles in which zeros are counted where no iteration arrives at one
 FIGURES = 12  # derived: significant digits that double precision gives a mode, with which a place is told
 UNKNOWN = Budget(math.inf, math.inf, math.inf, math.inf, math.inf)
 
@@ -86,7 +87,7 @@ def _attempt(problem: Problem, guess: complex, rtol: float, method: Method, atol
         try:
             root = find_near(discriminant, guess, LEFT * rtol)
         except ConvergenceError as error:
-            root = _among_noise(discriminant, guess, error)
+            root = _counted_near(discriminant, guess, LEFT * rtol) or _among_noise(discriminant, guess, error)
         mode, evaluations = examine(continuation, root, rtol, atol)
     except ConvergenceError as error:
         lost = Mode(guess, math.inf, UNKNOWN, f"not converged: {error}", method.name, 0, 0.0)
@@ -117,6 +118,23 @@ def find_near(discriminant: Discriminant, guess: complex, tolerance: float) -> R
         if root.converged:
             return root
     raise ConvergenceError(f"neither Newton nor Muller arrives anywhere from {guess:.6g}; the last step was {root.step:.1e}")
+
+
+def _counted_near(discriminant: AdaptiveDiscriminant, guess: complex, tolerance: float) -> Root | None:
+    """The zero nearest to the guess in the first circle around it that holds any, by its moments (see roots.search); None without one.
+
+    Where D varies like e^{gσ}, as over walls that are far apart, iterations arrive from within 1/|g| only; a count does not see such a factor.
+    """
+    for size in COUNTED_AROUND:
+        disc = Disc(guess, size * abs(guess))
+        try:
+            counted = count_in(discriminant.around(guess, disc.radius), disc)
+        except ConvergenceError:
+            return None  # D is noise, or too steep for so wide a circle
+        if counted.count > 0:
+            root = newton(discriminant, min(moments(counted)[1], key=lambda zero: abs(zero - guess)), tolerance)
+            return root if root.converged and disc.contains(root.sigma) else None
+    return None
 
 
 def _among_noise(discriminant: Discriminant, guess: complex, found_nothing: ConvergenceError) -> Root:

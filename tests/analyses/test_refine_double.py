@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+import pytest
 
 import shootstab as st
 
@@ -28,3 +31,27 @@ def test_a_mode_that_is_zero_to_rounding_is_zero_within_its_bound() -> None:
         mode = st.refine(string, guess)
         assert mode.converged
         assert abs(mode.sigma) <= mode.error
+
+
+def string_and_growth(g: float) -> st.LinearProblem:
+    """y″ = σy + w, w′ = gσw, y = 0 at both ends and w at the second: D = e^{gσ} sinh(√σ)/√σ."""
+
+    def pencil(z: float) -> tuple[Any, Any]:
+        return np.array([[0, 1.0, 0], [0, 0, 1.0], [0, 0, 0]]), np.array([[0, 0, 0], [1.0, 0, 0], [0, 0, g]])
+
+    return st.problem(3, pencil, st.Wall(0, [[1, 0, 0]]), st.Wall(1, [[1, 0, 0], [0, 0, 1]]))
+
+
+@pytest.mark.parametrize("guess", [-9.8 + 0.08j])
+def test_a_mode_of_a_steep_discriminant(guess: complex) -> None:
+    """From farther off than 1/|g| Newton and Muller leave; a count does not see the factor."""
+    mode = st.refine(string_and_growth(-20.0), guess, rtol=1e-7)
+    assert mode.converged
+    assert abs(mode.sigma + np.pi**2) <= mode.error < 1e-8
+
+
+def test_a_discriminant_that_underflows_gives_no_mode() -> None:
+    """With w = e^{−987} on the wall D is 0 to the last bit, and no number says where its zero is."""
+    mode = st.refine(string_and_growth(100.0), -9.97, rtol=1e-3)
+    assert not mode.converged
+    assert mode.error == np.inf
