@@ -123,7 +123,7 @@ def find_near(discriminant: Discriminant, guess: complex, tolerance: float) -> R
 def _counted_near(discriminant: AdaptiveDiscriminant, guess: complex, tolerance: float) -> Root | None:
     """The zero nearest to the guess in the first circle around it that holds any, by its moments (see roots.search); None without one.
 
-    Where D varies like e^{gσ}, as over walls that are far apart, iterations arrive from within 1/|g| only; a count does not see such a factor.
+    Where D varies like e^{gσ}, as between far walls, iterations arrive from within 1/|g| only; a count does not see such a factor.
     """
     for size in COUNTED_AROUND:
         disc = Disc(guess, size * abs(guess))
