@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from shootstab.analyses.accuracy import Tightening
@@ -24,6 +24,8 @@ from shootstab.problems.protocol import Problem
 from shootstab.roots import search as roots
 from shootstab.roots.search import Arrival, Search, Zero, polish
 from shootstab.roots.winding import Winding
+
+Tick = Callable[[], None]  # told that a piece of the work is done
 
 SEARCHING = 1e-9  # chosen: local error of the method on whose meshes zeros are polished, to be refined on others
 KNOWN_WITHIN = 1e-2  # chosen: of a region's size, how well its modes are to be known for their number to mean something
@@ -65,14 +67,19 @@ def find(
     return Found(modes, whole, tuple(find_resonances(continuation, region)) if resonances else None)
 
 
-def find_modes(continuation: Continuation, region: Region, known: Sequence[Zero] = ()) -> tuple[Continuation, list[Zero], RegionCount]:
+def find_modes(
+    continuation: Continuation, region: Region, known: Sequence[Zero] = (), tick: Tick = lambda: None
+) -> tuple[Continuation, list[Zero], RegionCount]:
     """A continuation accurate enough for the region, the modes in it that are not known yet, and the count of the whole.
+
+    tick is called with every contour and every iteration.
 
     Raises Undecidable or ConvergenceError where the region as a whole cannot be counted.
     """
     tightening = Tightening(continuation)
     accurate, whole = counted_twice(tightening, region)
-    return accurate, roots.find(_everywhere(tightening, accurate), region, known, whole), whole
+    tick()
+    return accurate, roots.find(_everywhere(tightening, accurate, tick), region, known, whole), whole
 
 
 def without_repetition(zeros: Sequence[Zero], modes: Iterable[Sequence[Mode]]) -> tuple[Mode, ...]:
@@ -137,11 +144,12 @@ def _in_a_circle(search: Search, zero: Zero) -> list[Zero]:
     raise ConvergenceError(f"{zero.multiplicity} zeros were counted at {zero.sigma:.12g}, but no circle is found in which they stay")
 
 
-def _everywhere(tightening: Tightening, continuation: Continuation) -> Search:
+def _everywhere(tightening: Tightening, continuation: Continuation, tick: Tick = lambda: None) -> Search:
     """A search for modes along whatever paths suit them: the continuation polishes, and those of the tightening count."""
     ends = [] if continuation.continuum is None else end_discs(continuation.continuum)
 
     def arrive(start: complex, length: float) -> Arrival | None:
+        tick()
         try:
             near = polish(continuation.at(start).discriminant)(start, length)
             # the path that suits the zero may be another one, on which this is no zero
@@ -150,6 +158,7 @@ def _everywhere(tightening: Tightening, continuation: Continuation) -> Search:
             return None
 
     def count(region: Region) -> RegionCount:
+        tick()
         return tightening.first(lambda c: count_in_region(c, region))[1]
 
     def in_circle(c: Continuation, disc: Disc) -> Winding:
@@ -159,6 +168,7 @@ def _everywhere(tightening: Tightening, continuation: Continuation) -> Search:
         return accurate_count(c.problem, branches[0], disc)
 
     def closely(disc: Disc) -> Winding:
+        tick()
         return tightening.first(lambda c: in_circle(c, disc))[1]
 
     def holds(region: Region, sigma: complex) -> bool:

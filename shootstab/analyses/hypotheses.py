@@ -2,7 +2,8 @@
 
 A spectrum v may be meant as σ = f v or σ = f v̄, with f of a sign, of i (frequencies), of units of length and velocity, or of a
 wavenumber (phase speeds). f = ±1, ±i are tried on the claims themselves; any other f is that of a claim and a mode of the
-pseudospectral reference, where the problem has one. What is found is only proposed: nothing is judged by it.
+pseudospectral reference, where the problem has one. Or only the real parts of the spectrum were written. What is found is only proposed:
+nothing is judged by it.
 """
 
 from __future__ import annotations
@@ -14,9 +15,7 @@ import numpy as np
 
 from shootstab.analyses import reference
 from shootstab.analyses.verify import verify
-from shootstab.core.errors import ShootstabError
-from shootstab.core.records import CONFIRMED, INACCURATE, SPURIOUS, Report
-from shootstab.problems.capabilities import PSEUDOSPECTRAL
+from shootstab.core.records import CONFIRMED, INACCURATE, SPURIOUS, Report, digits_between
 from shootstab.problems.protocol import Problem
 
 TRIED = 4  # claims on which a hypothesis is tested: chosen, as each costs a verdict, and four do not agree by chance
@@ -34,6 +33,7 @@ class Hypothesis:
     conjugate: bool
     tried: int
     digits: float
+    real_parts: bool = False  # instead: the claims are the real parts of eigenvalues of the reference
 
     def applied(self, claim: complex) -> complex:
         """The claim as it may have been meant."""
@@ -50,7 +50,18 @@ def hypotheses(problem: Problem, report: Report, digits: int) -> tuple[Hypothesi
         found = [h for h in _holding(problem, digits, claims, factors) if h is not None]
         if found:
             return tuple(found)
-    return ()
+    return _as_real_parts(problem, claims, digits)
+
+
+def _as_real_parts(problem: Problem, claims: Sequence[complex], digits: int) -> tuple[Hypothesis, ...]:
+    """Whether claims without imaginary parts are the real parts of eigenvalues of the reference that have one."""
+    modes = reference.eigenvalues(problem, digits)
+    modes = modes[modes.imag != 0.0]
+    if not len(modes) or any(c.imag != 0.0 for c in claims):
+        return ()
+    own = np.array([c.real for c in claims])
+    off = float((np.abs(modes.real - own[:, None]).min(axis=1) / np.abs(own)).max())
+    return () if off > 10.0**-AGREE else (Hypothesis(1.0, False, len(claims), digits_between(off, 1.0), True),)
 
 
 def _holding(problem: Problem, digits: int, claims: Sequence[complex], factors: Callable[[bool], Sequence[complex]]) -> list[Hypothesis]:
@@ -81,12 +92,7 @@ def _agreed(problem: Problem, digits: int, claims: Sequence[complex]) -> float |
 
 def _factors(problem: Problem, claims: Sequence[complex], digits: int, conjugate: bool) -> list[complex]:
     """The factor that takes the first claim to a mode and all others to modes as well, to AGREE digits; of several the nearest to 1."""
-    if PSEUDOSPECTRAL.of(problem) is None:
-        return []
-    try:
-        modes = np.asarray(reference.claims(problem, digits), dtype=complex)
-    except ShootstabError:
-        return []  # the reference has no spectrum to compare with
+    modes = reference.eigenvalues(problem, digits)
     own = np.array([c.conjugate() if conjugate else c for c in claims])
     good = []
     for factor in modes[modes != 0.0] / own[0]:

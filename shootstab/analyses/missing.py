@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from shootstab.analyses.claims import NEAR_DIGITS, radius_of
 from shootstab.analyses.cut_region import RegionCount
-from shootstab.analyses.find import find_modes, modes_of, without_repetition
+from shootstab.analyses.find import Tick, find_modes, modes_of, without_repetition
 from shootstab.core.division import distance_outside, divided, divisions
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.records import CONTINUUM, UNRESOLVED, Mode, Verdict
@@ -75,7 +75,12 @@ def require_missing(missing: str | None, region: Region | None) -> str:
 
 
 def find_missing(
-    continuation: Continuation, verdicts: Sequence[Verdict], region: Region | None, loose: Continuation, reach: float
+    continuation: Continuation,
+    verdicts: Sequence[Verdict],
+    region: Region | None,
+    loose: Continuation,
+    reach: float,
+    tick: Tick = lambda: None,
 ) -> Missing:
     """The modes that no claim means: in the region, or without one inside the convex hull of the claims.
 
@@ -85,7 +90,7 @@ def find_missing(
     claims = [v.claimed for v in verdicts]
     known = claimed_modes(verdicts)
     if region is not None:
-        return _searched(continuation, region, known, claims, region.contains, "in the region", ())
+        return _searched(continuation, region, known, claims, region.contains, "in the region", (), tick)
     chosen, hull_region = _chosen(loose, verdicts, reach)
     if hull_region is None:
         return Missing((), NOT_SEARCHED, ("the claims span no part of the plane that is small enough to be searched: name a region",))
@@ -97,7 +102,7 @@ def find_missing(
     def among(sigma: complex) -> bool:
         return distance_outside(corners, sigma) <= nearest
 
-    return _searched(continuation, hull_region, known, claims, among, "among the claims", undecided)
+    return _searched(continuation, hull_region, known, claims, among, "among the claims", undecided, tick)
 
 
 def _searched(
@@ -108,9 +113,10 @@ def _searched(
     meant: Callable[[complex], bool],
     where: str,
     undecided: tuple[str, ...],
+    tick: Tick,
 ) -> Missing:
     """The modes of a region that are not known and meant, from its unstable side on."""
-    parts, left = _parts(continuation, region, known)
+    parts, left = _parts(continuation, region, known, tick)
     undecided += tuple(left)
     if not parts:
         return Missing((), NOT_SEARCHED, undecided)
@@ -130,11 +136,20 @@ def _searched(
         )
     inside = sum(meant(c) for c in claims)
     low, high = _extremes(region)
-    said = f"{where}, from {low:.6g} to {high:.6g}, where {inside} of the {len(claims)} claims lie"
+    said = f"{where}, from {low:.6g} to {high:.6g}, where {_how_many(inside, len(claims))}"
     return Missing(modes, said, undecided, region, inside)
 
 
-def _parts(continuation: Continuation, region: Region, known: list[Zero]) -> tuple[list[_Part], list[str]]:
+def _how_many(inside: int, claims: int) -> str:
+    """How many of the claims lie in a region, as a clause."""
+    if claims == 1:
+        return "the claim lies" if inside else "the claim does not lie"
+    if inside == claims:
+        return f"all {claims} claims lie"
+    return f"{inside} of the {claims} claims {'lies' if inside == 1 else 'lie'}"
+
+
+def _parts(continuation: Continuation, region: Region, known: list[Zero], tick: Tick) -> tuple[list[_Part], list[str]]:
     """The region, or the parts of it that can be searched, the unstable ones first; and where the others are, and why they cannot."""
     found, left = [], []
     waiting = [(0, region)]
@@ -144,7 +159,7 @@ def _parts(continuation: Continuation, region: Region, known: list[Zero]) -> tup
         low, high = _extremes(part)
         tried += 1
         try:
-            found.append(_Part(*find_modes(continuation, part, known)))
+            found.append(_Part(*find_modes(continuation, part, known, tick)))
             continue
         except ConvergenceError as error:
             why = f"from {low:.6g} to {high:.6g}: {error}"

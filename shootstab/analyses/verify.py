@@ -24,11 +24,13 @@ from shootstab.analyses.missing import (
     require_missing,
     told_missing,
 )
+from shootstab.analyses.nearest import with_nearest
 from shootstab.analyses.refine_double import TIGHTEST, require_atol
 from shootstab.analyses.unstable import HalfDisc, count_unstable
 from shootstab.analyses.verifier import Sighting, Verifier
 from shootstab.core.errors import ConvergenceError, InputError
-from shootstab.core.records import SPURIOUS, UNRESOLVED, Mode, Report, Verdict
+from shootstab.core.progress import Clock
+from shootstab.core.records import UNRESOLVED, Mode, Report, Verdict
 from shootstab.core.regions import Region
 from shootstab.discriminants.continuation import Continuation
 from shootstab.discriminants.frame import Frame
@@ -37,6 +39,7 @@ from shootstab.discriminants.named import method_named
 from shootstab.problems.protocol import Problem
 from shootstab.roots.search import Zero
 
+SEARCH_SHARE = 0.5  # chosen: of all claims' time, that of a search for missing modes; the progress shown rests on it, and nothing else
 EXTRA_DIGITS = 2  # chosen: digits computed beyond those asked for
 CONFUSED_WITHIN = 3.0  # chosen: radii of the circle of the digits within which zeros are told apart together
 WIDER_THAN_CONFUSED = 2.0  # chosen: a circle around zeros that were confused, in the largest distance from their mean
@@ -78,18 +81,21 @@ def verify(
     verifier = Verifier(problem, method_named(method, tolerance) or Frame(rtol=tolerance), digits, atol)
     seen: dict[int, Sighting] = {}
     # neighbours share meshes, which are not kept for ever; and in one order, whatever the list's, a mode is refined from the same place
+    clock = Clock(None if progress is None else lambda done, total, left: progress(done, total))
+    searches = (wish != NONE) + unstable
+    clock.plan([1.0] * len(claims) + [1.0 + SEARCH_SHARE * len(claims)] * searches)
     for i in sorted(range(len(claims)), key=lambda i: (abs(claims[i]), claims[i].real, claims[i].imag)):
         seen[i] = verifier.look(claims[i])
-        if progress is not None:
-            progress(len(seen), len(claims))
+        clock.done()
     verdicts = Assembly(verifier, seen).verdicts()
     lacking = Missing((), NOT_SEARCHED, ())
     if wish != NONE:
         try:
-            lacking = find_missing(verifier.continuation, verdicts, region, verifier.loose, verifier.reach)
+            lacking = find_missing(verifier.continuation, verdicts, region, verifier.loose, verifier.reach, clock.tick)
         except (ConvergenceError, MemoryError) as error:
             lacking = lacking._replace(undecided=(f"missing modes: {error}",))
     if unstable:
+        clock.done()
         found = [Zero(complex(m.sigma), m.multiplicity, m.error) for m in lacking.modes]
         try:
             more, said = _unstable(verifier.continuation, [*claimed_modes(verdicts), *found])
@@ -99,7 +105,7 @@ def verify(
     absent, unsure = told_missing(_unanswered(lacking.modes, verdicts), verdicts)
     lacking = lacking._replace(undecided=lacking.undecided + unsure)
     return Report(
-        tuple(_with_nearest(verdicts, absent)),
+        tuple(with_nearest(problem, verdicts, absent)),
         absent,
         digits,
         lacking.searched,
@@ -262,23 +268,6 @@ def _unanswered(missing: Sequence[Mode], verdicts: Sequence[Verdict]) -> tuple[M
             spent[known] = spent.get(known, 0) + given
             out.append(replace(mode, multiplicity=given))
     return tuple(out)
-
-
-def _with_nearest(verdicts: Sequence[Verdict], missing: Sequence[Mode]) -> list[Verdict]:
-    """To every spurious verdict, where the nearest mode known is and how far the continuous spectrum."""
-    modes = np.array([complex(v.sigma) for v in verdicts if v.sigma is not None] + [complex(m.sigma) for m in missing])
-    out = []
-    for v in verdicts:
-        if v.verdict == SPURIOUS:
-            why = v.why
-            if len(modes):
-                nearest = modes[np.abs(modes - v.claimed).argmin()]
-                why += f"; the nearest mode known here is {nearest:.6g}, {abs(nearest - v.claimed):.1e} away"
-            if math.isfinite(v.continuum_distance):
-                why += f"; the continuous spectrum is {v.continuum_distance:.1e} away"
-            v = replace(v, why=why)
-        out.append(v)
-    return out
 
 
 def _unstable(continuation: Continuation, known: list[Zero]) -> tuple[tuple[Mode, ...], str]:

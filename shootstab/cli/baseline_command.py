@@ -70,8 +70,11 @@ def check(options: Namespace) -> int:
     }
 
     def lines() -> list[Any]:
-        said = f"{len(differences) - len(bad)} of {len(differences)} modes of {options.file} hold to {baseline.digits} digits."
-        return [*(f"drifted  {difference.line}" for difference in bad), said]
+        from shootstab.cli.tables import paragraph
+
+        what = f"{len(differences) - len(bad)} of {len(differences)} mode{'s' * (len(differences) != 1)} of {options.file}"
+        said = f"{what} hold{'s' * (len(differences) == 1)} to {baseline.digits} digits."
+        return [paragraph(line) for line in (*(f"drifted  {difference.line}" for difference in bad), said)]
 
     commands.answer(options, document, lines, scene)
     return commands.BAD_NEWS if bad else commands.DONE
@@ -79,8 +82,15 @@ def check(options: Namespace) -> int:
 
 def _modes(scene: scene_files.Scene, guesses: list[complex], digits: int) -> list[Any]:
     from shootstab.analyses.refine import refine
+    from shootstab.cli.terminal import progress
 
-    return [refine(scene.problem, guess, 10.0**-digits) for guess in guesses]
+    modes = []
+    with progress(f"refining modes of {scene.name}") as told:
+        for guess in guesses:
+            modes.append(refine(scene.problem, guess, 10.0**-digits))
+            if told is not None:
+                told(len(modes), len(guesses))
+    return modes
 
 
 def _said(baseline: Baseline) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import textwrap
 from argparse import Namespace
 from collections.abc import Callable
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from shootstab import __version__
 from shootstab.cli import figures
 from shootstab.cli.clock import Clock
+from shootstab.cli.lines import filled
 from shootstab.core.errors import InputError
 from shootstab.core.regions import Disc, Polygon, Rectangle, Region
 from shootstab.io import scenes as scene_files
@@ -76,21 +76,23 @@ def _convention(options: Namespace) -> Convention:
 
 def count(options: Namespace) -> int:
     """How many modes a region holds."""
+    from shootstab.cli.terminal import progress
     from shootstab.io import documents
 
     if options.floor is not None and options.region != "half-plane":
         raise InputError("--floor: allowed only with --region half-plane")
     region = _region(options)
     scene = scene_files.load(options.scene)
-    if region is None:
-        from shootstab.analyses.unstable import HalfDisc, count_unstable
+    with progress(f"counting modes of {scene.name}"):
+        if region is None:
+            from shootstab.analyses.unstable import HalfDisc, count_unstable
 
-        growing = count_unstable(scene.problem, *(options.floor or ()))
-        region, found = HalfDisc(growing.radius, growing.floor), growing.counted
-    else:
-        from shootstab.analyses.count import counted
+            growing = count_unstable(scene.problem, *(options.floor or ()))
+            region, found = HalfDisc(growing.radius, growing.floor), growing.counted
+        else:
+            from shootstab.analyses.count import counted
 
-        found = counted(scene.problem, region)
+            found = counted(scene.problem, region)
     shape = region
 
     def tables() -> list[RenderableType]:
@@ -110,8 +112,10 @@ def find(options: Namespace) -> int:
     assert region is not None
     scene = scene_files.load(options.scene)
     from shootstab.analyses.find import find as question
+    from shootstab.cli.terminal import progress
 
-    found = question(scene.problem, region, resonances=options.resonances, atol=options.atol)
+    with progress(f"finding modes of {scene.name}"):
+        found = question(scene.problem, region, resonances=options.resonances, atol=options.atol)
     if options.plot is not None:
         from shootstab.cli import plots
 
@@ -155,8 +159,10 @@ def spectrum(options: Namespace) -> int:
     look = _look(options)
     scene = scene_files.load(options.scene)
     from shootstab.analyses.reference import spectrum as question
+    from shootstab.cli.terminal import progress
 
-    found = question(scene.problem, M=options.truncation)
+    with progress(f"computing the spectrum of {scene.name}"):
+        found = question(scene.problem, M=options.truncation)
     if options.plot is not None:
         from shootstab.cli import plots
 
@@ -180,8 +186,8 @@ def scenes(options: Namespace) -> int:
     if options.json != "-" and not options.quiet:
         width = max(map(len, listed)) + 2
         for name, one in listed.items():
-            print(textwrap.fill(f"{name:<{width}}{one.scene.description}", 80, subsequent_indent=" " * width))
-            print(textwrap.fill(str(one.details), 80, initial_indent=" " * width, subsequent_indent=" " * width))
+            print(filled(f"{name:<{width}}{one.scene.description}", " " * width))
+            print(filled(f"{'':<{width}}{one.details}", " " * width))
     return DONE
 
 

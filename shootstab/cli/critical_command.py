@@ -33,6 +33,7 @@ def critical(options: Namespace) -> int:
     """The critical point of a scene in equations."""
     scene = scenes.load(options.scene)
     from shootstab.analyses.critical import critical as question
+    from shootstab.cli.terminal import progress
     from shootstab.io.notation import as_strings, held
     from shootstab.problems.capabilities import WITH_PARAMETERS
 
@@ -45,7 +46,8 @@ def critical(options: Namespace) -> int:
         made: Problem = with_parameters({rising: value, other: along})
         return made
 
-    found = question(family, near, beside, options.guess)
+    with progress(f"following the mode of {scene.name}"):
+        found = question(family, near, beside, options.guess)
     values = {rising: (found.reynolds, found.reynolds_error), other: (found.alpha, found.alpha_error)}
     document = {
         "critical": {
@@ -57,13 +59,14 @@ def critical(options: Namespace) -> int:
 
     def tables() -> list[RenderableType]:
         from rich.table import Table
-        from rich.text import Text
+
+        from shootstab.cli.tables import heading
 
         grid = Table.grid(padding=(0, 2))
         for name, (value, error) in values.items():
             grid.add_row(name, held(value, error), f"± {error:.1e}")
         grid.add_row(scene.symbol, f"{found.sigma.imag:.10g}i", "there: the growth rate is 0, and largest")
-        return [Text(scene.heading), grid]
+        return [heading(scene), grid]
 
     answer(options, document, tables, scene)
     return DONE

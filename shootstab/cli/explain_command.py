@@ -20,13 +20,9 @@ def explain(options: Namespace) -> int:
     lines = EXPLANATION.required(scene.problem)
 
     def tables() -> list[RenderableType]:
-        from rich.table import Table
-        from rich.text import Text
+        from shootstab.cli.tables import heading, pairs
 
-        grid = Table.grid(padding=(0, 2))
-        for heading, text in lines:
-            grid.add_row(heading, text.replace("[", r"\["))
-        return [Text(scene.heading), grid]
+        return [heading(scene), pairs(lines)]
 
     answer(options, {"explanation": [{"heading": heading, "text": text} for heading, text in lines]}, tables, scene)
     return DONE

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
 
     from shootstab.analyses.eigenfunction import Eigenfunction
     from shootstab.analyses.sensitivity import Sensitivity
+
+SMALLEST_PLAIN, LARGEST_PLAIN = 1e-3, 1e5  # chosen: between them a number of three figures is shorter without an exponent
 
 
 def options(command: ArgumentParser) -> None:
@@ -105,7 +108,7 @@ def _tables(found: Eigenfunction, scene: scene_files.Scene, z: Any) -> list[Rend
         place = int(np.abs(f).argmax())
         held = found.error * abs(f[place])
         table.add_row(name, _short(f[place], held), f"{z[place]:.4g}", _short(f[0], held), _short(f[-1], held))
-    return [tables.heading(scene), tables.pairs(rows), table, tables.paragraph(f"Values at {len(z)} heights.")]
+    return [tables.heading(scene), tables.pairs(rows.items()), table, tables.paragraph(f"Values at {len(z)} heights.")]
 
 
 def _slopes(slopes: Sequence[Sensitivity], scene: scene_files.Scene) -> list[RenderableType]:
@@ -122,6 +125,14 @@ def _slopes(slopes: Sequence[Sensitivity], scene: scene_files.Scene) -> list[Ren
 
 
 def _short(value: complex, error: float) -> str:
-    """Four figures of each part; 0 for a part below the error."""
-    re, im = (0.0 if abs(x) <= error else float(x) for x in (value.real, value.imag))
-    return f"{re:.4g}" if im == 0.0 else f"{re:.4g} {'-' if im < 0 else '+'} {abs(im):.4g}i"
+    """Three figures of each part; 0 for a part below the error, and nothing of a real part that is."""
+    x, y = (0.0 if abs(part) <= error else float(part) for part in (value.real, value.imag))
+    if y == 0.0:
+        return _figures(x)
+    return f"{_figures(y)}i" if x == 0.0 else f"{_figures(x)} {'-' if y < 0 else '+'} {_figures(abs(y))}i"
+
+
+def _figures(x: float) -> str:
+    """Three figures, in as few letters as a column of a table has for them."""
+    text = f"{x:.3g}" if x == 0.0 or SMALLEST_PLAIN <= abs(x) < LARGEST_PLAIN else f"{x:.2e}"
+    return re.sub(r"e([-+])0", r"e\1", text)

@@ -13,13 +13,27 @@ OPTIONS_OF_FACTOR = {1.0: "", -1.0: "--as growth --sign -", -1j: "--as frequency
 
 def sentence(found: Hypothesis, plain: bool) -> str:
     """In words; with the options only where none has been given yet."""
+    if found.real_parts:
+        said = f"All {found.tried} claims tried are real parts of eigenvalues of the bundled reference, to {found.digits:.1f} digits"
+        return f"{said}: both parts of each are needed."
     factor = complex(found.factor)
     what = ["conjugated"] if found.conjugate else []
     if abs(factor - 1.0) > SAME_FACTOR:
-        what.append(f"× {factor.real:.6g}" if abs(factor.imag) < SAME_FACTOR * abs(factor) else f"× ({factor.real:.6g}{factor.imag:+.6g}i)")
+        what.append(f"× {_factor(factor)}")
     said = f"All {found.tried} claims tried, {' '.join(what)}, are modes to {found.digits:.1f} digits"
     advice = options(found) if plain else ""
     return f"{said}: try {advice}." if advice else f"{said}."
+
+
+def _factor(factor: complex) -> str:
+    """A factor to six figures, without a part that is none to the accuracy of a factor."""
+    re, im = (0.0 if abs(part) < SAME_FACTOR * abs(factor) else part for part in (factor.real, factor.imag))
+    if im == 0.0:
+        return f"{re:.6g}"
+    size = "" if abs(abs(im) - 1.0) < SAME_FACTOR else f"{abs(im):.6g}"
+    if re == 0.0:
+        return f"{'-' if im < 0.0 else ''}{size}i"
+    return f"({re:.6g} {'-' if im < 0.0 else '+'} {size}i)"
 
 
 def options(found: Hypothesis) -> str:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 def options(parser: argparse.ArgumentParser, guess: Callable[[str], complex], numbers: Any, integer: Any) -> None:
     """Add what `prove` takes."""
+    parser.usage = f"{parser.prog} [options] SCENE (--guess | --disc | --region | --growing)"  # its own would not fit on a page
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("--guess", type=guess, metavar="RE[,IM]", help="exactly one eigenvalue in a small disc about the mode next to it")
     what.add_argument("--disc", type=numbers(3), metavar="RE,IM,R", help="how many eigenvalues lie in this disc")
@@ -58,7 +59,7 @@ def prove(options: Namespace) -> int:
         write_whole(options.certificate, lambda path: path.write_text(text, encoding="utf-8"))
 
     def tables() -> list[RenderableType]:
-        from rich.text import Text
+        from shootstab.cli.tables import heading, paragraph
 
         said = [f"Proved: {found.statement}."]
         if found.alone is not None:
@@ -67,7 +68,7 @@ def prove(options: Namespace) -> int:
             f"The inequality holds by a factor of {found.margin:.3g}; {found.evaluations} enclosures of D at {found.bits} bits, "
             f"{found.seconds:.2g} s; lemmas {', '.join(found.lemmas)} of `shootstab guide proofs`."
         )
-        return [Text(scene.heading), *(Text(line) for line in said)]
+        return [heading(scene), *map(paragraph, said)]
 
     answer(options, {"statement": found.statement, "count": found.count, **asdict(found)}, tables, scene)
     return DONE
@@ -80,9 +81,9 @@ def check(options: Namespace) -> int:
     reason = certificate.check(certificate.read(options.file))
 
     def tables() -> list[RenderableType]:
-        from rich.text import Text
+        from shootstab.cli.tables import paragraph
 
-        return [Text("proved" if reason is None else f"refused: {reason}")]
+        return [paragraph("proved" if reason is None else f"refused: {reason}")]
 
     answer(options, {"proved": reason is None, "reason": reason}, tables, None)
     return DONE if reason is None else BAD_NEWS

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shootstab.cli.commands import BAD_NEWS, DONE, answer
+from shootstab.cli.lines import numbered
 from shootstab.core.errors import InputError
 from shootstab.io import scenes as scene_files
 from shootstab.io.files import require_writable, write_whole
@@ -120,37 +121,41 @@ def _said(outcome: Outcome) -> dict[str, Any]:
 
 
 def tables(found: Swept, scene: Scene) -> list[RenderableType]:
-    """The points if they are few, a sentence on them, and the fastest mode."""
-    from rich.box import SIMPLE
-    from rich.table import Table
+    """The points if they are few, a sentence on them, and the fastest mode. What is the same at all points stands above the table."""
     from rich.text import Text
 
+    from shootstab.cli.tables import heading, paragraph, ruled
     from shootstab.io.notation import held_complex
 
-    parts: list[RenderableType] = [Text(scene.heading)]
+    parts: list[RenderableType] = [heading(scene)]
     if len(found.outcomes) <= MOST_LISTED:
-        table = Table(box=SIMPLE, pad_edge=False)
+        varying = [i for i, axis in enumerate(found.axes) if len(axis.values) > 1] or [0]
+        fixed = [f"{axis.name} = {axis.values[0]:.8g}" for i, axis in enumerate(found.axes) if i not in varying]
         sigma = f"dominant σ / {scene.unit}" if scene.unit else "dominant σ"
-        for heading in (*found.grid.names, *found.columns, sigma, "error", "status"):
-            table.add_column(Text(heading), no_wrap=True, justify="right" if heading == "error" else "left")
-        for point, outcome in found.rows():
+        table = ruled("", *(found.grid.names[i] for i in varying), *found.columns, sigma, "error", "status", numbered=False)
+        reasons: dict[str, list[int]] = {}
+        for number, (point, outcome) in enumerate(found.rows(), 1):
             known = outcome.sigma is not None
+            status, _, why = outcome.status.partition(": ")
+            if why:
+                reasons.setdefault(f"{status}: {why}", []).append(number)
             table.add_row(
-                *(f"{v:.8g}" for v in point),
+                *(f"{point[i]:.8g}" for i in varying),
                 *(f"{outcome.beside[c]:.8g}" if c in outcome.beside else "–" for c in found.columns),
                 held_complex(outcome.sigma, outcome.error) if known else "–",
                 f"{outcome.error:.1e}" if known else "",
-                Text(outcome.status),
+                Text(status),
             )
-        parts.append(table)
+        parts += [*([paragraph(f"At {', '.join(fixed)}:")] if fixed else []), table]
+        parts += [paragraph(f"Row{'s' * (len(rows) > 1)} {numbered(rows)}: {why}") for why, rows in reasons.items()]
     counts = found.summary
     counted = counts.pop("counted")
     said = ", ".join(f"{n} {status}" for status, n in counts.items() if n)
-    parts.append(Text(f"{len(found.outcomes)} points: {said}; modes were counted at {counted}."))
+    parts.append(paragraph(f"{len(found.outcomes)} point{'s' * (len(found.outcomes) != 1)}: {said}; modes were counted at {counted}."))
     if found.fastest is not None:
         point, outcome = found.fastest
         where = ", ".join(f"{n} = {v:.8g}" for n, v in zip(found.grid.names, point, strict=True))
-        parts.append(Text(f"Fastest growth: σ = {held_complex(outcome.sigma, outcome.error)} at {where}."))
+        parts.append(paragraph(f"Fastest growth: σ = {held_complex(outcome.sigma, outcome.error)} at {where}."))
     return parts
 
 

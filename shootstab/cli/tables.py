@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE
@@ -12,13 +11,11 @@ from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from shootstab.cli.selection import Row, rows
+from shootstab.cli.lines import GAP, PAGE, filled, with_i
+from shootstab.cli.reasons import COLOURS, told
+from shootstab.cli.selection import rows
 from shootstab.core.records import (
     CONFIRMED,
-    CONTINUUM,
-    INACCURATE,
-    SPURIOUS,
-    UNRESOLVED,
     Mode,
     Report,
     Verdict,
@@ -34,10 +31,9 @@ if TYPE_CHECKING:
     from shootstab.io.scenes import Scene
     from shootstab.models.chute import Flow
 
-COLOURS = {CONFIRMED: "green", INACCURATE: "yellow", SPURIOUS: "red", CONTINUUM: "cyan", UNRESOLVED: "magenta", "missing": "bold red"}
 ABSENT = "–"
-PAGE = 80  # chosen: columns that a table may have
-GAP = 2  # chosen: between two columns
+# headings of columns of numbers
+OF_NUMBERS = ("error", "digits", "times", "drift", "tail", "z", "ν", "T", "u", "time", "memory", "work")
 FLOW_DIGITS = 1e-12  # chosen: the relative accuracy of a steady flow
 
 Parts = list[RenderableType]
@@ -56,7 +52,7 @@ def report(found: Report, scene: Scene, only: str | None = None, sort: str | Non
     for mode in found.missing:
         lines.append(("", ABSENT, "missing", *_mode_cells(mode.sigma, mode.error), ABSENT))
     headings = ("#", in_symbol("claimed σ", scene), "verdict", f"mode {scene.symbol}", "error", "digits")
-    if sum(max(len(line[i]) for line in [headings, *lines]) for i in range(6)) + 5 * GAP <= PAGE:
+    if _width([headings, *lines]) <= PAGE:
         table = ruled("", *headings[1:])
         for row, claimed, said, *others in lines:
             table.add_row(row, claimed, _coloured(said), *others)
@@ -65,8 +61,14 @@ def report(found: Report, scene: Scene, only: str | None = None, sort: str | Non
         for row, claimed, said, mode_text, *others in lines:
             both = claimed if mode_text == ABSENT else mode_text if claimed == ABSENT else f"{claimed}\n{mode_text}"
             table.add_row(row, both, _coloured(said), *others)
-    rests = [Text(textwrap.fill(f"Rests on {found.rests_on}.", PAGE))] if found.rests_on else []
-    return [heading(scene), table, *_reasons(found, shown), *_left_out(found), paragraph(sentence(found)), *rests]
+    rests = [paragraph(f"Rests on {found.rests_on}.")] if found.rests_on else []
+    listed = [table] if lines else [Text(f"None of the {len(found.verdicts)} verdicts is {only}.\n")]
+    return [heading(scene), *listed, *told(found, shown), *_left_out(found), paragraph(sentence(found)), *rests]
+
+
+def _width(lines: Sequence[Sequence[str]]) -> int:
+    """The columns of a page that a table with these lines takes."""
+    return sum(max(map(len, column)) for column in zip(*lines, strict=True)) + (len(lines[0]) - 1) * GAP
 
 
 def theorems(found: Report, proofs: Sequence[ProvedVerdict]) -> Parts:
@@ -88,12 +90,12 @@ def _left_out(found: Report) -> Parts:
 
 def paragraph(sentence: str) -> Text:
     """A sentence on a page's width."""
-    return Text(textwrap.fill(sentence, PAGE))
+    return Text(filled(with_i(sentence)))
 
 
 def heading(scene: Scene) -> Text:
     """What the scene is, on a page's width."""
-    return Text(textwrap.fill(scene.heading, PAGE))
+    return Text(filled(scene.heading))
 
 
 def _mode_cells(sigma: Any, error: float | None) -> tuple[str, str]:
@@ -106,15 +108,6 @@ def _agreement(verdict: Verdict) -> str:
         return ABSENT
     known = digits_between(verdict.error or 0.0, abs(verdict.sigma))
     return f"≥{known:.1f}" if verdict.digits_agreed >= known - 1e-9 else f"{verdict.digits_agreed:.1f}"
-
-
-def _reasons(found: Report, shown: Sequence[Row]) -> Parts:
-    reasons: Parts = []
-    for number, verdict in shown:
-        if verdict.verdict != CONFIRMED:
-            reasons.append(Text.assemble(f"{number:>4}  ", _coloured(verdict.verdict), f": {verdict.why}"))
-    reasons += [Text.assemble("      ", ("not searched", "magenta"), f": {what}") for what in found.undecided]
-    return [*reasons, Text("")] if reasons else []
 
 
 def sentence(found: Report) -> str:
@@ -134,7 +127,7 @@ def mode(found: Mode, scene: Scene) -> Parts:
     parts = [f"{name.replace('_', ' ')} {_two_figures(value)}" for name, value in found.budget.as_dict().items()]
     rows = {
         in_symbol("σ", scene): held_complex(found.sigma, found.error),
-        "error": f"{_two_figures(found.error)}  ({', '.join(parts[:2])},\n         {', '.join(parts[2:])})",
+        "error": f"{_two_figures(found.error)} ({', '.join(parts[:2])},\n       {', '.join(parts[2:])})",
         "digits": f"{found.digits:.1f}",
         "status": found.status,
         "method": f"{found.method}, {found.evaluations} evaluations, {found.seconds:.2g} s, {found.path} path in z",
@@ -149,31 +142,27 @@ def mode(found: Mode, scene: Scene) -> Parts:
         rows["multiplicity"] = f"{found.multiplicity}: so many eigenvalues, equal or not told apart, lie within the error"
     if math.isfinite(found.continuum_distance):
         rows["continuous spectrum"] = f"at a distance of {_two_figures(found.continuum_distance)}"
-    return [heading(scene), pairs(rows)]
+    return [heading(scene), pairs((name, with_i(value)) for name, value in rows.items())]
 
 
 def count(region: Region, found: RegionCount, scene: Scene) -> Parts:
     """One sentence, and what was left out."""
     said = f"{scene.name}: {found.count} mode{'s' * (found.count != 1)} inside the {_shape(region)}."
-    parts: Parts = [Text(f"{said} The phase of D closed to {found.closure:.0e} of a turn, in {found.evaluations} evaluations.")]
-    if found.left_out:
-        parts += [
-            Text(f"Not counted: what lies within {d.radius:.1e} of the end {d.centre:.6g} of the continuous spectrum.")
-            for d in found.left_out
-        ]
-    return parts
+    closed = f"The phase of D closed to {found.closure:.0e} of a turn, in {found.evaluations} evaluations."
+    left = [f"Not counted: what lies within {d.radius:.1e} of the end {d.centre:.6g} of the continuous spectrum." for d in found.left_out]
+    return [paragraph(line) for line in (f"{said} {closed}", *left)]
 
 
 def found(answer: Found, region: Region, scene: Scene) -> Parts:
     """A table of modes, the resonances under it, and the count."""
-    table = ruled("", in_symbol("mode σ", scene), "error", "digits", "multiplicity", "continuum")
+    table = ruled("", in_symbol("mode σ", scene), "error", "digits", "times", "continuum")
     for number, m in enumerate(answer.modes, 1):
         away = _two_figures(m.continuum_distance) if math.isfinite(m.continuum_distance) else ABSENT
-        table.add_row(str(number), held_complex(m.sigma, m.error), _two_figures(m.error), f"{m.digits:.1f}", str(m.multiplicity), away)
+        table.add_row(str(number), *_mode_cells(m.sigma, m.error), f"{m.digits:.1f}", str(m.multiplicity), away)
     parts: Parts = [heading(scene), *([table] if answer.modes else [])]
     if answer.resonances is not None:
         listed = ", ".join(f"{complex(r):.8g}" for r in answer.resonances) or "none"
-        parts.append(Text(f"Resonances beyond the continuous spectrum, which are not modes: {listed}."))
+        parts.append(paragraph(f"Resonances beyond the continuous spectrum, which are not modes: {listed}."))
     return [*parts, *count(region, answer.counted, scene)]
 
 
@@ -206,7 +195,7 @@ def steady(flow: Flow, profiles: Mapping[str, Sequence[float]], scene: Scene) ->
     step = (len(profiles["z"]) - 1) // 10
     for row in zip(*(profiles[name][::step] for name in ("z", "nu", "T", "u")), strict=True):
         table.add_row(*(f"{value:.6g}" for value in row))
-    return [heading(scene), pairs(rows), table]
+    return [heading(scene), pairs(rows.items()), table]
 
 
 def spectrum(found: Any, raw: bool, scene: Scene) -> Parts:
@@ -218,14 +207,14 @@ def spectrum(found: Any, raw: bool, scene: Scene) -> Parts:
         return [
             heading(scene),
             table,
-            Text(f"{len(found.raw)} eigenvalues of the pencil at truncation {found.truncation}, {len(found.eigenvalues)} pass."),
+            paragraph(f"{len(found.raw)} eigenvalues of the pencil at truncation {found.truncation}, {len(found.eigenvalues)} pass."),
         ]
     table = ruled("", in_symbol("σ", scene), "drift", "tail")
     for number, (sigma, drift, tail) in enumerate(zip(found.eigenvalues, found.drift, found.tail, strict=True), 1):
         shown = held_complex(complex(sigma), float(drift) or None)
         table.add_row(str(number), shown, _two_figures(drift), _two_figures(tail))
     sentence = f"{len(found.eigenvalues)} of {len(found.raw)} eigenvalues at truncation {found.truncation} pass both filters."
-    return [heading(scene), table, Text(sentence)]
+    return [heading(scene), table, paragraph(sentence)]
 
 
 def in_symbol(title: str, scene: Scene) -> str:
@@ -248,16 +237,18 @@ def ruled(title: str, *headings: str, numbered: bool = True) -> Table:
     if numbered:
         table.add_column("#", justify="right", no_wrap=True)
     for heading in headings:
-        numeric = heading in ("error", "digits", "multiplicity", "drift", "tail", "z", "ν", "T", "u")
+        numeric = heading in OF_NUMBERS
         table.add_column(Text(heading), justify="right" if numeric else "left", no_wrap=True)
     return table
 
 
-def pairs(rows: Mapping[str, str]) -> Table:
-    """Names and values, without rules."""
+def pairs(rows: Iterable[tuple[str, str]]) -> Table:
+    """Names and values, without rules; a value that the page does not hold on one line goes on below itself."""
+    rows = list(rows)
+    room = PAGE - 1 - max(len(name) for name, _ in rows)
     table = Table(box=None, show_header=False, pad_edge=False)
     table.add_column(no_wrap=True, style="dim")
     table.add_column(no_wrap=True)
-    for name, value in rows.items():
-        table.add_row(Text(name), Text(value))
+    for name, value in rows:
+        table.add_row(Text(name), Text(filled(value, width=room)))
     return table

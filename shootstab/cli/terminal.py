@@ -76,9 +76,11 @@ def progress(task: str) -> Iterator[Progress | None]:
 @contextmanager
 def _bar(task: str) -> Iterator[Progress]:
     from rich.console import Console
+    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
     from rich.progress import Progress as Bar
 
-    with Bar(console=Console(stderr=True), transient=True) as bar:
+    columns = TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn()
+    with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
         bar_task = bar.add_task(task, total=None)
 
         def told(done: int, total: int) -> None:
@@ -99,7 +101,7 @@ def _heartbeat(task: str) -> Iterator[Progress]:
 
     def told(count: int, total: int) -> None:
         nonlocal done
-        done = f", {count} of {total}"
+        done = f", {100 * count // total} %"
 
     def beat() -> None:
         while not over.wait(HEARTBEAT):

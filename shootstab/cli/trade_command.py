@@ -89,25 +89,24 @@ def document(found: WorkPrecision) -> dict[str, Any]:
 
 def tables(found: WorkPrecision, scene: Scene) -> list[RenderableType]:
     """Every rung, and what follows."""
-    from rich.box import SIMPLE
-    from rich.table import Table
-    from rich.text import Text
+    from shootstab.cli.tables import heading, paragraph, ruled
 
-    from shootstab.cli.tables import heading, paragraph
-
-    table = Table(box=SIMPLE, pad_edge=False)
-    for column in ("method", "resolution", "relative error", "time", "memory", "work"):
-        table.add_column(Text(column), no_wrap=True, justify="left" if column in ("method", "resolution") else "right")
+    table = ruled("", "method", "resolution", "error", "time", "memory", "work", numbered=False)
     last = ""
     for r in found.measurements:
         if last and r.method != last:
             table.add_section()
         error = f"{'< ' if r.by_bound else ''}{r.relative:.1e}"
         memory = f"{r.memory / 1e6:.1f} MB" if r.memory else "–"
-        table.add_row(r.method, resolution(r), error, f"{1e3 * r.seconds:.2f} ms", memory, str(r.work))
+        table.add_row(r.method, resolution(r), error, duration(r.seconds), memory, str(r.work))
         last = r.method
-    work = paragraph("Work: evaluations of D, or factorizations of a matrix.")
-    return [heading(scene), table, work, paragraph(found.recommendation)]
+    said = "Errors are relative. Work: evaluations of D, or factorizations of a matrix."
+    return [heading(scene), table, paragraph(said), paragraph(found.recommendation)]
+
+
+def duration(seconds: float) -> str:
+    """Three figures, in ms below a second."""
+    return f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else f"{seconds:.3g} s"
 
 
 def resolution(rung: Measurement) -> str:

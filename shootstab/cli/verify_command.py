@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from shootstab.analyses.proved_verdicts import ProvedVerdict
     from shootstab.cli.page import Page
+    from shootstab.cli.terminal import Progress
 
 SHAPES = 3  # chosen: eigenfunctions on a page, those that grow most; each takes about as long as its verdict
 
@@ -38,7 +39,8 @@ def options(command: ArgumentParser) -> None:
     )
     command.add_argument("--prove", action="store_true", help="prove what is confirmed, and that nothing lies near what is spurious")
     command.add_argument("--strict", action="store_true", help="`continuum` is bad news too")
-    command.add_argument("--only", choices=("bad", *VERDICTS), help="show these verdicts only; bad: all but confirmed and continuum")
+    shown = f"show these only: bad, {', '.join(VERDICTS)}"
+    command.add_argument("--only", choices=("bad", *VERDICTS), metavar="VERDICT", help=f"{shown}; bad: all but confirmed and continuum")
     command.add_argument("--sort", choices=SORTS, help="the order of the table (default: that of the file)")
     figures.options(command, "draw the complex plane")
     command.add_argument("-M", dest="truncation", type=values.integer(0, 999_999), metavar="N", help="truncation of the bundled reference")
@@ -122,7 +124,9 @@ def verify(options: Namespace) -> int:
 
     _write_tables(options, report, scene)
     if options.html is not None:
-        page.save(_page(report, scene), options.html)
+        with progress(f"solving for the modes of {scene.name}") as told:
+            made = _page(report, scene, told)
+        page.save(made, options.html)
 
     def tables() -> list[RenderableType]:
         from shootstab.cli import tables
@@ -153,7 +157,7 @@ def _write_tables(options: Namespace, report: Report, scene: scene_files.Scene) 
             write_text(path, made(report, scene))
 
 
-def _page(report: Report, scene: scene_files.Scene) -> Page:
+def _page(report: Report, scene: scene_files.Scene, progress: Progress | None) -> Page:
     """The page, with the modes refined and the eigenfunctions of the fastest growing ones."""
     from shootstab.analyses.eigenfunction import eigenfunction
     from shootstab.analyses.refine import refine
@@ -161,11 +165,16 @@ def _page(report: Report, scene: scene_files.Scene) -> Page:
 
     sigmas = [complex(v.sigma) for v in report.verdicts if v.sigma is not None] + [complex(m.sigma) for m in report.missing]
     sigmas = sorted(dict.fromkeys(sigmas), key=lambda s: -(plane.unit(scene) * s).real)
-    refined = [refine(scene.problem, sigma) for sigma in sigmas]
+    told = progress or (lambda done, total: None)
+    refined = []
+    for sigma in sigmas:
+        refined.append(refine(scene.problem, sigma))
+        told(len(refined), len(sigmas) + SHAPES)
     modes = [mode for mode in refined if mode.converged]
     shapes = []
     left_out = [f"No error budget of the mode at {complex(mode.sigma):.6g}: {mode.status}." for mode in refined if not mode.converged]
-    for mode in modes[:SHAPES]:
+    for i, mode in enumerate(modes[:SHAPES]):
+        told(len(sigmas) + i, len(sigmas) + SHAPES)
         try:
             shapes.append(eigenfunction(scene.problem, mode))
         except (InputError, ConvergenceError) as error:

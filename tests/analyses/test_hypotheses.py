@@ -40,3 +40,10 @@ def test_a_list_that_is_only_wrong_or_not_wholly_wrong_gets_no_proposal() -> Non
     assert found(MODES.conj()[:1]) == ()
     report = Report((Verdict(complex(MODES[0]), "confirmed", ""), Verdict(0.5, SPURIOUS, "")), (), 6)
     assert hypotheses(st.gallery.PlanePoiseuille(), report, 6) == ()
+
+
+def test_real_parts_alone_are_told_as_such() -> None:
+    (one,) = found(MODES.real.astype(complex))
+    assert (one.real_parts, one.tried) == (True, 3)
+    assert one.digits > 8
+    assert found(MODES.real * 1.01 + 0j) == ()

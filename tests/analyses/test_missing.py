@@ -38,7 +38,7 @@ def test_the_first_modes_of_a_right_spectrum_lack_none(count: int) -> None:
     assert report.undecided == ()
     assert report.claims_inside == count
     assert report.searched.startswith("among the claims, from ")
-    assert report.searched.endswith(f"where {count} of the {count} claims lie")
+    assert report.searched.endswith(f"where all {count} claims lie")
     assert report.region is not None
     assert all(report.region.contains(s) for s in MODES[:count])
 
@@ -68,7 +68,7 @@ def test_the_wish_and_the_region_go_together() -> None:
     box = Rectangle(-12 - 9j, 1 + 1j)
     report = st.verify(strings(), MODES[:1], region=box)
     assert report.region is box
-    assert report.searched == "in the region, from -12-9j to 1+1j, where 1 of the 1 claims lie"
+    assert report.searched == "in the region, from -12-9j to 1+1j, where the claim lies"
     assert len(report.missing) == 1
     assert require_missing(None, None) == "within"
     for wish, region, why in (

@@ -147,7 +147,7 @@ def test_find(run: Run, region: list[str]) -> None:
     assert mode["multiplicity"] == 1
     if "--region=disc" in region:
         shown = run("find", "fig2", *region)[1]
-        assert "multiplicity" in shown
+        assert any(line.split()[-2:] == ["times", "continuum"] for line in shown.splitlines())
         assert "1 mode inside the disc" in shown
         assert "closed to" in shown
 
@@ -501,7 +501,7 @@ def test_a_log_hears_a_heartbeat(monkeypatch: pytest.MonkeyPatch, capfd: pytest.
         assert told is not None
         told(3, 7)
         time.sleep(0.3)
-    assert "shootstab: work, 3 of 7, 0 s\n" in capfd.readouterr().err
+    assert "shootstab: work, 42 %, 0 s\n" in capfd.readouterr().err
 
 
 def test_a_mode_that_did_not_converge_is_bad_news(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:

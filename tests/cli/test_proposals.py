@@ -37,6 +37,16 @@ def test_the_options_proposed_mean_the_factor(factor: complex, conjugate: bool, 
     assert (": try" in sentence(one, True), ": try" in sentence(one, False)) == (bool(said), False)
 
 
+@pytest.mark.parametrize(("factor", "said"), [(-1j, "× -i,"), (1j, "× i,"), (2.0, "× 2,"), (0.5 - 2j, "× (0.5 - 2i),"), (-3j, "× -3i,")])
+def test_a_factor_is_written_as_people_do(factor: complex, said: str) -> None:
+    assert said in sentence(Hypothesis(factor, False, 3, 8.0), True)
+
+
+def test_real_parts_are_told_to_lack_the_others() -> None:
+    said = sentence(Hypothesis(1.0, False, 3, 8.0, real_parts=True), True)
+    assert said.startswith("All 3 claims tried are real parts of eigenvalues of the bundled reference, to 8.0 digits: both parts")
+
+
 def test_a_conjugate_list_is_told_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "modes.csv").write_text("0.0037396706,0.2375264888\n-0.0351865838,0.9646425100\n")
     assert cli.main(["verify", "poiseuille", str(tmp_path / "modes.csv")]) == 1
