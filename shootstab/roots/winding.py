@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.discriminant import Discriminant, Value
-from shootstab.core.errors import ConvergenceError
+from shootstab.core.errors import ConvergenceError, Inaccurate
 from shootstab.core.regions import Region
 from shootstab.core.scaled import Scaled
 
@@ -73,7 +73,8 @@ class Limited:
 def wind(discriminant: Discriminant, region: Region, pieces: int = FIRST_SEGMENTS) -> Winding:
     """Count the zeros inside a region on whose closure D is analytic; a smooth boundary is first cut into so many pieces.
 
-    Raises ConvergenceError when a zero lies on the boundary, or so near to it that no sampling tells the side.
+    Raises ConvergenceError when a zero lies on the boundary, or so near to it that no sampling tells the side, and Inaccurate (one, too)
+    where D is no smooth function along it.
     """
     values = follow(lambda t: discriminant.with_derivative(region.boundary(t)), region.corners, True, pieces)
     count = whole_turns(sum(change(a, b).imag for a, b in pairwise(values)))
@@ -141,7 +142,8 @@ def _follow(evaluate: Callable[[float], Value], followed: list[tuple[float, Valu
     if depth == DEEPEST_SEGMENT or value.D.mantissa == 0.0 or ahead[1].D.mantissa == 0.0:
         raise ConvergenceError(f"a zero of D lies on the boundary, or too near to it, at sigma = {value.sigma:.12g}")
     if _noisy(value, ahead[1]):
-        raise ConvergenceError(f"D is rounding noise along the boundary, near sigma = {value.sigma:.12g}")
+        where = f"near sigma = {value.sigma:.12g}"
+        raise Inaccurate(f"D is not known well enough along the boundary: {where} it jumps, by rounding or from one mesh to the next")
     middle = (t + ahead[0]) / 2
     between = (middle, evaluate(middle))
     _follow(evaluate, followed, between, depth + 1)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -49,6 +51,17 @@ def test_accuracy_is_asked_of_the_mesh_and_the_method_is_tightened() -> None:
     tightened, found = counted_twice(Tightening(loose), disc)
     assert found.count == 1
     assert tightened.method.rtol < 1e-8
+
+
+@pytest.mark.parametrize("radius", [1e-7, 1e-10])
+def test_a_small_circle_over_which_meshes_change(radius: float) -> None:
+    """y″ = (ix − σ)y on the half-line, at arg σ = 60°, where two cells of the σ-plane meet: from one mesh to the next D jumps."""
+    slope = np.array([[0, 0], [-1.0, 0]])
+    problem = st.problem(2, lambda x: (np.array([[0, 1], [1j * x, 0]]), slope), st.Wall(0, [[1, 0]]), st.Infinity(start=40.0))
+    exact = -complex(mpmath.airyaizero(4)) * cmath.exp(1j * math.pi / 3)
+    size = radius * abs(exact)
+    assert st.count(problem, st.Disc(exact + 0.3 * size, size)) == 1
+    assert st.count(problem, st.Disc(exact + 2.2j * size, size)) == 0
 
 
 def test_a_mode_is_found_in_a_small_circle_around_itself() -> None:
