@@ -75,7 +75,7 @@ def test_a_search_that_counts_fewer_zeros_than_are_known_refuses() -> None:
 def test_a_contour_in_rounding_noise_is_named() -> None:
     """Phases at random where the derivative says that D hardly changes."""
     noise = Function(lambda s: np.exp(3j * math.sin(1e9 * (s.real + s.imag))), lambda s: 1e-6)
-    with pytest.raises(ConvergenceError, match="near sigma = .* it jumps, by rounding or from one mesh to the next"):
+    with pytest.raises(ConvergenceError, match=r"near sigma = .* it jumps, by rounding or from one mesh to the next"):
         wind(noise, st.Disc(1 + 0j, 0.1))
 
 
