@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
-from shootstab.formulation.axis import RegularSpace
 from shootstab.formulation.condition_count import require_count
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
 from shootstab.formulation.continuous_spectrum import InteriorSpectrum
-from shootstab.formulation.digits import EquationDigits
+from shootstab.formulation.digits_of import digits_of
 from shootstab.formulation.equation_collocation import Collocation, collocation
 from shootstab.formulation.equation_family import EquationFamily, family_around
 from shootstab.formulation.evaluation import Given, filled, on_arrays
@@ -26,7 +25,6 @@ from shootstab.formulation.gaussian import Gaussian
 from shootstab.formulation.joint_conditions import between
 from shootstab.formulation.limits import with_limit
 from shootstab.formulation.reduced_layers import ReducedLayer, pencil_of, reduced_layers
-from shootstab.formulation.regular_digits import RegularStart
 from shootstab.formulation.singular_ends import between_periodic_ends, between_singular_ends, singular_end
 from shootstab.formulation.state_pencil import Condition, Powers, StatePencil, in_states, state_pencil
 from shootstab.formulation.stated_unknowns import unknowns_of
@@ -40,6 +38,7 @@ from shootstab.problems.two_point import reduce_to_two_points
 
 if TYPE_CHECKING:
     from shootstab.multiprecision.enclosable import Enclosable
+    from shootstab.multiprecision.integration import MultiprecisionProblem
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -106,33 +105,9 @@ class EquationProblem(LinearProblem):
         return super().knots if self.statement.domain.given else np.sort(self.reduction.jumps)
 
     @property
-    def multiprecision(self) -> Callable[[], EquationDigits]:
+    def multiprecision(self) -> Callable[[], MultiprecisionProblem]:
         """The same expressions on power series. What it returns raises InputError, with the reason, where there is no such way."""
-        ends = self.statement.left, self.statement.right
-        places = [Fraction(Gaussian.of(end.at).re) for end in ends if not isinstance(end, Infinity)]
-        space = self.reduction.subdomains[0].far
-        why = None
-        if self.statement.domain.given:
-            why = f"{', '.join(self.statement.domain.given)} are given to doubles only: allowed are formulas"
-        elif len(places) < 2:
-            why = "an end at infinity asks for the decaying space there to many digits: allowed are finite ends"
-        elif self.statement.joints:
-            why = "that is not offered in layers: allowed is a problem without interfaces"
-        elif not any(self.statement.holding):
-            why = "both ends are regular singular or periodic: allowed is one with conditions"
-        elif not all(self.statement.holding) and not (isinstance(space, RegularSpace) and space.end.integer):
-            why = "the exponents at the regular singular end are no integers"
-
-        def made() -> EquationDigits:
-            if why is not None:
-                raise InputError(f"more than 12 digits: {why}")
-            if all(self.statement.holding):
-                return EquationDigits(self.states, places[0], places[1])
-            assert isinstance(space, RegularSpace)
-            start = RegularStart(space.end, Fraction(space.x))
-            return EquationDigits(self.states, places[0], places[1], start, backwards=self.statement.holding[0])
-
-        return made
+        return partial(digits_of, self.statement, self.states, self.reduction)
 
     @property
     def enclosable(self) -> Enclosable | None:

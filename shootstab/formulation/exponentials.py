@@ -1,0 +1,131 @@
+"""An end at infinity that coefficients come to exponentially, as a regular singular point.
+
+Coefficients are rational in exponentials e^{a z + b} whose rates a are whole multiples of one κ > 0 (exp, sinh, cosh, tanh and sech of what
+is linear in z). With x = e^{−κ d z}, d = ±1 the direction of the end, they are analytic in x about x = 0, and C ψ′ = D ψ becomes
+
+    C x dψ/dx = −(d/κ) D ψ.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from shootstab.core.errors import InputError
+from shootstab.formulation.atoms import Atom
+from shootstab.formulation.evaluation import on_arrays
+from shootstab.formulation.expression import VARIABLE, Expression, Z, function, number
+from shootstab.formulation.first_order import Entries
+from shootstab.formulation.state_pencil import Powers, StatePencil
+from shootstab.formulation.substitution import substituted
+from shootstab.problems.ends import INFINITIES
+
+EXPONENTIALS = ("exp", "sinh", "cosh", "tanh", "sech")  # chosen: the functions that are rational in an exponential
+
+
+@dataclass(frozen=True, eq=False)
+class ExponentialEnd:
+    """C and D by powers of σ as expressions in x, which their variable stands for; rate is κ, direction d."""
+
+    rate: Expression
+    direction: int
+    C: Powers
+    D: Powers
+
+    @property
+    def constant(self) -> bool:
+        """Whether the coefficients are."""
+        return not any(VARIABLE in entry.atoms() for part in (*self.C, *self.D) for entry in part.values())
+
+
+def exponential_end(system: StatePencil, direction: int) -> ExponentialEnd:
+    """Raises InputError where a coefficient is no series in one exponential that decays towards the end."""
+    where = f"at {INFINITIES[direction]}"
+    entries = [entry for part in (*system.C, *system.D) for entry in part.values()]
+    for entry in entries:
+        if _bare(entry):
+            raise InputError(f"{where} the coefficient {entry} holds the coordinate itself: allowed are {', '.join(EXPONENTIALS)} of it")
+    atoms = sorted({atom for entry in entries for atom in entry.atoms() if atom.kind == "function" and _varies(atom)})
+    if not atoms:
+        return ExponentialEnd(number(1), direction, system.C, system.D)
+    slopes = [_slope(atom, where) for atom in atoms]
+    unit = slopes[0]
+    sign = _sign(unit, where)
+    ratios = [_ratio(slope, unit, where) for slope in slopes]
+    step = _common(abs(r) * (2 if atom.name == "tanh" else 1) for atom, r in zip(atoms, ratios, strict=True))
+    rate = unit * number(step * sign)
+    values = {atom: _in_x(atom, slope, -direction * ratio * sign / step) for atom, slope, ratio in zip(atoms, slopes, ratios, strict=True)}
+
+    def changed(part: Entries) -> Entries:
+        out = {}
+        for at, entry in part.items():
+            for atom, value in values.items():
+                entry = substituted(entry, atom, value)
+            if any(dict(monomial).get(VARIABLE, 0) < 0 for monomial in entry.terms):
+                raise InputError(f"{where} the coefficient {part[at]} grows: allowed are coefficients that come to a limit")
+            out[at] = entry
+        return out
+
+    C, D = (tuple(changed(part) for part in powers) for powers in (system.C, system.D))
+    return ExponentialEnd(rate, direction, C, D)
+
+
+def _bare(entry: Expression) -> bool:
+    """Whether the coordinate stands outside the arguments of functions."""
+    atoms = [atom for monomial in entry.terms for atom, _ in monomial]
+    return any(atom == VARIABLE or (atom.kind == "base" and _bare(atom.argument)) for atom in atoms)
+
+
+def _varies(atom: Atom) -> bool:
+    return VARIABLE in atom.argument.atoms()
+
+
+def _slope(atom: Atom, where: str) -> Expression:
+    slope: Expression = atom.argument.derivative()
+    if atom.name not in EXPONENTIALS or VARIABLE in slope.atoms():
+        allowed = f"allowed are {', '.join(EXPONENTIALS)} of what is linear in the coordinate"
+        raise InputError(f"{where} {atom} is not rational in an exponential: {allowed}")
+    return slope
+
+
+def _sign(unit: Expression, where: str) -> int:
+    value = complex(np.ravel(on_arrays(np.array([0.0]), {})(unit))[0])
+    if value.imag or not value.real:
+        raise InputError(f"{where} a coefficient has the exponential rate {value:.6g}: allowed are real ones other than 0")
+    return 1 if value.real > 0 else -1
+
+
+def _ratio(slope: Expression, unit: Expression, where: str) -> Fraction:
+    ratio = (slope / unit).constant
+    if ratio is None or ratio.im:
+        raise InputError(f"{where} the exponential rates {slope} and {unit} have no common measure: allowed are multiples of one")
+    return Fraction(ratio.re)
+
+
+def _common(ratios: Iterable[Fraction]) -> Fraction:
+    """The largest number of which all are whole multiples."""
+    total = Fraction(0)
+    for r in ratios:
+        total = Fraction(math.gcd(total.numerator * r.denominator, r.numerator * total.denominator), total.denominator * r.denominator)
+    return total
+
+
+def _in_x(atom: Atom, slope: Expression, power: Fraction) -> Expression:
+    """The function as a rational one of x, where e^{a z} is x^power."""
+    b: Expression = atom.argument - slope * Z
+    outwards = 1 if power > 0 else -1  # of x^{|power|}, which goes to zero with x, the sign in the argument
+    E = function("exp", b * number(outwards)) * Z ** int(abs(power)) if abs(power).denominator == 1 else None
+    if atom.name == "tanh":
+        Y = function("exp", b * number(2 * outwards)) * Z ** int(2 * abs(power))
+        return number(outwards) * (Y - number(1)) / (Y + number(1))
+    assert E is not None
+    if atom.name == "sech":
+        return number(2) * E / (number(1) + E**2)
+    if atom.name == "exp":
+        return E**outwards
+    whole = (E + E**-1) if atom.name == "cosh" else number(outwards) * (E - E**-1)
+    return whole / number(2)

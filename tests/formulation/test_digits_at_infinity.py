@@ -1,0 +1,150 @@
+"""Many digits with ends at infinity: exact eigenvalues on lines and half-lines, the series in the exponential, what is refused and why."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+import pytest
+
+import shootstab as st
+from shootstab.analyses.refine_digits import refine_digits
+from shootstab.core.errors import InputError
+from shootstab.formulation.evaluation import on_mpmath
+from shootstab.formulation.exponentials import exponential_end
+from shootstab.formulation.expression import number
+from shootstab.formulation.names import Names
+from shootstab.formulation.state_pencil import StatePencil
+
+LINE = st.Infinity(), st.Infinity()
+
+
+def system_of(formula: str) -> StatePencil:
+    """ψ′ = (formula) ψ."""
+    entry = Names(("y",), {}, {}).expression(formula, "a test")
+    return StatePencil(1, ({(0, 0): number(1)}, {}), ({(0, 0): entry}, {}), ({},), ({},), 0, 0)
+
+
+@pytest.mark.parametrize("direction", [-1, 1])
+@pytest.mark.parametrize(
+    ("formula", "rate"),
+    [
+        ("tanh(2*z) + sech(z - 1/3)", 1),
+        ("(1 + 3*tanh(z/2 + 1))**-2 + sqrt(2)*sech(3*z/2)**2", Fraction(1, 2)),
+        ("tanh(-z*sqrt(3))**3/(2 + tanh(z*sqrt(3)))", 2 * mpmath.sqrt(3)),
+        ("1/cosh(z) + sinh(z - 1)/cosh(z)**3", 1),
+    ],
+)
+def test_coefficients_in_the_exponential_are_what_they_were(formula: str, rate: Any, direction: int) -> None:
+    system = system_of(formula)
+    end = exponential_end(system, direction)
+    with mpmath.workdps(40):
+        z = mpmath.mpf(direction) * mpmath.mpf("1.7")
+        kappa = on_mpmath(z, {})(end.rate)
+        assert abs(kappa - mpmath.mpmathify(rate)) < mpmath.mpf(10) ** -12
+        there = on_mpmath(mpmath.exp(-kappa * direction * z), {})(end.D[0][0, 0])
+        assert abs(there - on_mpmath(z, {})(system.D[0][0, 0])) < mpmath.mpf(10) ** -38
+
+
+def test_a_coefficient_that_decays_towards_one_end_alone() -> None:
+    end = exponential_end(system_of("exp(-3*z) + exp(-2*z)"), 1)
+    assert end.rate == number(1)
+    with pytest.raises(InputError, match=r"at -infinity the coefficient .* grows: allowed are coefficients that come to a limit"):
+        exponential_end(system_of("exp(-3*z) + exp(-2*z)"), -1)
+
+
+def well(nu: str, **changed: Any) -> Any:
+    settings: dict[str, Any] = {"where": {"nu": nu, "V": "nu*(nu + 1)*sech(x)**2"}, "eigenvalue": "s", "variable": "x", **changed}
+    return st.equations(["y"], ["d(y,2) + V*y = s*y"], *LINE, **settings)
+
+
+def test_wells_on_the_line() -> None:
+    """Pöschl & Teller: s = (ν − j)²; on a stretched and shifted line over the square of the stretch."""
+    shifted = well("2", where={"V": "6*sech(x/3 - 1)**2/9"})
+    for problem, exact, digits in ((well("1/5"), Fraction(1, 25), 40), (well("7/2"), Fraction(25, 4), 16), (shifted, Fraction(1, 9), 16)):
+        mode = st.refine(problem, float(exact) * 1.001, digits=digits)
+        with mpmath.workdps(50):
+            assert abs(mode.sigma - mpmath.mpf(exact.numerator) / exact.denominator) <= mode.error < mpmath.mpf(10) ** -digits
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_half_line_by_a_bessel_function(side: int) -> None:
+    """y″ + 9 e^{−|x|} y = s y, y(0) = 0: y = J_{2√s}(6 e^{−|x|/2}), so that J_{2√s}(6) = 0."""
+    ends = (st.Conditions(0, ["y"]), st.Infinity())
+    written = f"d(y,2) + 9*exp({-side}*z)*y = s*y"
+    problem = st.equations(["y"], [written], *(ends if side > 0 else ends[::-1]), eigenvalue="s")
+    with mpmath.workdps(45):
+        exact = mpmath.findroot(lambda s: mpmath.besselj(2 * mpmath.sqrt(s), 6), 1.2)
+        assert abs(st.refine(problem, complex(exact), digits=40).sigma - exact) < mpmath.mpf(10) ** -39
+
+
+def test_constant_coefficients_and_the_eigenvalue_in_a_condition() -> None:
+    """y = e^{−√(1+s) z}, y′ = −s y at 0: s² = 1 + s."""
+    problem = st.equations(["y"], ["d(y,2) = (1 + s)*y"], st.Conditions(0, ["d(y) + s*y"]), st.Infinity(), eigenvalue="s")
+    with mpmath.workdps(40):
+        assert abs(st.refine(problem, 1.6, digits=35).sigma - mpmath.phi) < mpmath.mpf(10) ** -34
+
+
+def test_two_arithmetics_agree_where_the_decaying_space_is_defective() -> None:
+    """(d² − 1)² y = s sech² z y: both exponents are 1 whatever s is."""
+    problem = st.equations(["y"], ["d(y,4) - 2*d(y,2) + y = s*sech(z)**2*y"], *LINE, eigenvalue="s")
+    double = st.refine(problem, 2.6)
+    found = [refine_digits(problem, double.sigma, 14, arithmetic=name) for name in ("flint", "mpmath")]
+    assert all(mode.converged for mode in found)
+    assert abs(found[0].sigma - found[1].sigma) < 1e-13
+    assert abs(complex(found[0].sigma) - double.sigma) <= double.error
+
+
+def test_a_shear_layer_in_primitive_variables() -> None:
+    """A. Michalke, J. Fluid Mech. 19 (1964) 543: 0.1897; the digits are those of φ″ alone."""
+    layer = st.equations(
+        ["u", "v", "p"],
+        ["(sigma + i*a*U)*u + v*d(U) + i*a*p = 0", "(sigma + i*a*U)*v + d(p) = 0", "i*a*u + d(v) = 0"],
+        *LINE,
+        parameters={"a": 0.4446},
+        where={"U": "tanh(z)"},
+    )
+    rayleigh = st.equations(
+        ["f"], ["(sigma + i*a*U)*(d(f,2) - a**2*f) = i*a*d(U,2)*f"], *LINE, parameters={"a": 0.4446}, where={"U": "tanh(z)"}
+    )
+    found = [st.refine(problem, 0.19, digits=18).sigma for problem in (layer, rayleigh)]
+    assert abs(found[0] - found[1]) < 1e-17
+    assert abs(complex(found[0]) - 0.189702025683) < 1e-12
+
+
+def test_solutions_with_logarithms_are_told() -> None:
+    """b″ = (s + 1)² b + e^{−z} a with a = e^{−sz} has z e^{−(s+1)z}: at s = 1.09 in doubles, and no further."""
+    problem = st.equations(
+        ["a", "b"],
+        ["d(a,2) = s**2*a", "d(b,2) = (s + 1)**2*b + exp(-z)*a"],
+        st.Conditions(0, ["d(a) + 3*b", "d(b) + a"]),
+        st.Infinity(),
+        eigenvalue="s",
+    )
+    with mpmath.workdps(20):
+        exact = mpmath.findroot(lambda s: 1 - s * (s + 1) / 3 - 1 / (2 * (s + 1)), 1.1)
+    assert abs(st.refine(problem, 1.1).sigma - complex(exact)) < 1e-10
+    mode = st.refine(problem, 1.1, digits=20)
+    assert not mode.converged
+    assert mode.status.endswith("at +infinity solutions that decay differ by a power of the coefficients: logarithms are not offered")
+
+
+@pytest.mark.parametrize(
+    ("V", "told"),
+    [
+        ("2*exp(-x**2)", "is not rational in an exponential: allowed are exp, sinh, cosh, tanh, sech of what is linear in the coordinate"),
+        ("sech(x)**2 + sech(sqrt(2)*x)**2", "have no common measure: allowed are multiples of one"),
+        ("x*sech(x)**2", "holds the coordinate itself"),
+        ("exp(i*x)*sech(x)**2", "have no common measure|has the exponential rate"),
+    ],
+)
+def test_what_is_no_series_in_one_exponential_is_refused(V: str, told: str) -> None:
+    with pytest.raises(InputError, match=f"more than 12 digits: at -infinity .*({told})"):
+        st.refine(well("1", where={"V": V}), 0.5, digits=20)
+
+
+def test_an_end_frozen_at_a_start_is_refused() -> None:
+    davies = st.equations(["u"], ["-d(u,2) + i*x**2*u = s*u"], *[st.Infinity(start=10)] * 2, eigenvalue="s", variable="x")
+    with pytest.raises(InputError, match="more than 12 digits: at -infinity the decaying space is that of coefficients frozen at a start"):
+        st.refine(davies, 0.7 + 0.7j, digits=20)
