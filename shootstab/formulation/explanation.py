@@ -8,13 +8,15 @@ from collections.abc import Callable, Sequence
 
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
 from shootstab.formulation.continuous_spectrum import InteriorSpectrum
+from shootstab.formulation.dispersion import dispersion_relation, free_name, zero_in_sigma
 from shootstab.formulation.expression import VARIABLE, Expression, number
 from shootstab.formulation.joint_conditions import rows_over_states
 from shootstab.formulation.names import Names
 from shootstab.formulation.reduced_layers import ReducedLayer
 from shootstab.formulation.state_pencil import Condition, StatePencil
 from shootstab.formulation.statement import Statement
-from shootstab.formulation.system import Row, coefficients, shown
+from shootstab.formulation.system import Row, coefficients, degree, shown
+from shootstab.problems.ends import INFINITIES
 
 Lines = list[tuple[str, str]]
 LONGEST_SHOWN = 400  # chosen: characters of a formula that are shown
@@ -81,7 +83,22 @@ def explanation(
             lines.append((f"{side}, {names.variable} = {end.at:g}", "periodic: every state is the same at both ends"))
         else:
             lines.append((f"{side}, infinity", "solutions decay"))
+            layer = layers[0 if side == "left" else -1]
+            lines += _essential(layer.states, -1 if side == "left" else 1, names, text)
     return lines
+
+
+def _essential(states: StatePencil, direction: int, names: Names, text: Callable[[Expression], str]) -> Lines:
+    """The essential spectrum of an end at infinity, where it is known as a formula."""
+    wavenumber = free_name([*names.unknowns, names.variable, names.eigenvalue])
+    relation = dispersion_relation(states, direction, wavenumber)
+    if relation is None:
+        return []
+    if not degree(relation):
+        return [(f"essential spectrum, {INFINITIES[direction]}", f"none: {text(relation)} does not hold the eigenvalue")]
+    alone = zero_in_sigma(relation)
+    what = f"{names.eigenvalue} = {text(alone)}" if alone is not None else f"the zeros in {names.eigenvalue} of {text(relation)}"
+    return [(f"essential spectrum, {INFINITIES[direction]}", f"{what}, {wavenumber} real")]
 
 
 def _curves(inside: InteriorSpectrum, names: Names, text: Callable[[Expression], str]) -> str:
