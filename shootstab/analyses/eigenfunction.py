@@ -1,192 +1,41 @@
-"""The eigenfunction that belongs to a mode, at any z, with its adjoint and with what the mode is sensitive to.
-
-    C φ′ = D φ,    −(Cᴴψ)′ = Dᴴψ,    along rising z,
-
-and ψ's conditions are those that φ's leave open (see discriminants/back_substitution.py). Where the problem changes by δC, δD, and by δB in
-its rows at the wall, a simple mode moves, to first order, by
-
-    δσ = −(⟨ψ, (δD − δC d/dz) φ⟩ + λᴴ δB φ) / (⟨ψ, (∂_σD − ∂_σC d/dz) φ⟩ + λᴴ ∂_σB φ),    ⟨ψ, f⟩ = ∫ ψᴴ f dz,
-
-with a like term where the decaying space that the integration begins with depends on σ. ψ is scaled so that the denominator is 1.
-"""
+"""The eigenfunction of a mode to the accuracy asked for: in double precision, or beyond it with many digits."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from functools import cached_property
+from collections.abc import Callable
+from typing import TYPE_CHECKING, overload
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from shootstab.analyses.eigenfunction_double import Eigenfunction, eigenfunction_double
+from shootstab.core.records import Mode
+from shootstab.problems.protocol import Problem
 
-from shootstab.analyses.condition import Conditioning, conditioning
-from shootstab.analyses.eigenfunction_budget import Variants
-from shootstab.analyses.on_the_line import OnTheLine, in_unknowns, real_points
-from shootstab.analyses.refine import refine
-from shootstab.analyses.refine_double import tolerance_for
-from shootstab.core.errors import InputError
-from shootstab.core.records import Budget, Mode
-from shootstab.discriminants.back_substitution import solution
-from shootstab.discriminants.frame import Frame
-from shootstab.discriminants.product import Product
-from shootstab.discriminants.shooting import Shooting
-from shootstab.discriminants.subsystems import Subsystem
-from shootstab.problems.capabilities import MODE_SHAPE, Shape
-from shootstab.problems.protocol import ComplexArray, Problem
-from shootstab.problems.unknowns import Unknowns, unknowns
+if TYPE_CHECKING:
+    from shootstab.analyses.eigenfunction_digits import EigenfunctionInDigits
 
-OUT_OF_SIGHT = 0.03  # chosen: of its largest value, what an unknown has fallen to where a picture or a file of it ends
-DOUBLINGS = 12  # chosen: of the way from the wall, that are tried until it has
-MODE_HEIGHTS = 401  # chosen: heights in a picture or a file; a line through so many points looks smooth
-POLISHED = 1e-10  # chosen: of a step, to which the place of the largest value is found
+Progress = Callable[[int, int], None]
 
 
-@dataclass(frozen=True, eq=False)
-class Eigenfunction:
-    """f(z) gives the unknowns by name, with a factor that makes the largest of all their values 1: that of peak = (unknown, z).
+@overload
+def eigenfunction(problem: Problem, mode: Mode | complex, rtol: float = ..., progress: Progress | None = ...) -> Eigenfunction: ...
 
-    |true − shown| ≤ error times the largest value of the unknown, for each unknown and z; budget names the parts of that. conditioning
-    says how sensitive the mode is.
-    """
 
-    mode: Mode
-    problem: Problem
-    line: OnTheLine
-    peak: tuple[str, float]
-    budget: Budget
-    conditioning: Conditioning
-
-    def __repr__(self) -> str:
-        return f"Eigenfunction({', '.join(self.names)} at {complex(self.mode.sigma)}, error {self.error:.1e})"
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The unknowns."""
-        return self._unknowns.names
-
-    @property
-    def error(self) -> float:
-        """The sum of the budget."""
-        return self.budget.total
-
-    @property
-    def normalization(self) -> str:
-        """What the free factor is, in words."""
-        return f"{self.peak[0]} = 1 at z = {self.peak[1]:.6g}, the largest of all values"
-
-    def __call__(self, z: ArrayLike) -> Mapping[str, ComplexArray]:
-        """The unknowns by name, each of the shape of z. Raises InputError for a z outside the domain."""
-        values = self.values(real_points(z))
-        return {name: values[:, i].reshape(np.shape(z)) for i, name in enumerate(self.names)}
-
-    def fields(self, z: ArrayLike) -> Mapping[str, ComplexArray]:
-        """What the problem derives from the unknowns, by name (the chute: the local mass flux Qx, Qy, Qz); empty if nothing."""
-        shape: Shape | None = MODE_SHAPE.of(self.problem)
-        return {} if shape is None else shape.fields(real_points(z), self(real_points(z)))
-
-    @cached_property
-    def kind(self) -> str:
-        """What the problem calls such a mode (the chute: 'vortex-forming' or 'clustering'); empty if nothing."""
-        shape: Shape | None = MODE_SHAPE.of(self.problem)
-        return "" if shape is None else shape.kind(shape.heights, self(shape.heights))
-
-    def values(self, z: NDArray[np.float64]) -> ComplexArray:
-        """The unknowns (m, q) at z (m,)."""
-        return in_unknowns(self._unknowns, self.line.solution.sigma, z, self.line.right(z))
-
-    def state(self, z: ArrayLike) -> ComplexArray:
-        """The state φ of the first-order system, (…, n)."""
-        return self.line.right(real_points(z)).reshape(*np.shape(z), -1)
-
-    def adjoint(self, z: ArrayLike) -> ComplexArray:
-        """ψ, (…, n): the i-th component belongs to the i-th equation of the first-order system."""
-        return self.line.left(real_points(z)).conj().reshape(*np.shape(z), -1)
-
-    def shift(self, other: Problem) -> complex:
-        """By how much the mode moves, to first order, where the problem becomes another one of the same structure."""
-        own = self.line.solution.problem
-        return -self.line.solution.change(replace(own, whole=other) if isinstance(own, Subsystem) else other)
-
-    @cached_property
-    def extent(self) -> tuple[float, float]:
-        """(lowest, highest) z, beyond which every unknown is below OUT_OF_SIGHT of its largest value, or the solution is not known."""
-        low, high = self.line.ends
-        if np.isfinite(self.line.allowed).all():
-            return low, high
-        upwards = bool(np.isinf(self.line.allowed[1]))
-        largest = np.abs(self.values(self.line.nodes)).max(axis=0)
-        length = high - low
-        for _ in range(DOUBLINGS):
-            z = low + np.linspace(0.0, length, MODE_HEIGHTS) if upwards else high - np.linspace(0.0, length, MODE_HEIGHTS)
-            seen = np.flatnonzero((np.abs(self.values(z)) > OUT_OF_SIGHT * largest).any(axis=1))
-            if seen[-1] + 1 < MODE_HEIGHTS:
-                length = abs(z[seen[-1] + 1] - z[0])
-                break
-            length *= 2.0
-        return (low, low + length) if upwards else (high - length, high)
-
-    def sampled(self, points: int = MODE_HEIGHTS) -> tuple[NDArray[np.float64], Mapping[str, ComplexArray]]:
-        """(z, the unknowns by name), each (points,), at heights that rise over the extent."""
-        z = np.linspace(*self.extent, points)
-        return z, self(z)
-
-    @cached_property
-    def _unknowns(self) -> Unknowns:
-        return unknowns(self.problem)
+@overload
+def eigenfunction(
+    problem: Problem, mode: Mode | complex, rtol: float = ..., progress: Progress | None = ..., *, digits: int
+) -> EigenfunctionInDigits: ...
 
 
 def eigenfunction(
-    problem: Problem, mode: Mode | complex, rtol: float = 1e-10, progress: Callable[[int, int], None] | None = None
-) -> Eigenfunction:
-    """The eigenfunction of a simple mode, or of the one next to a guess, along the real line.
+    problem: Problem, mode: Mode | complex, rtol: float = 1e-10, progress: Progress | None = None, digits: int | None = None
+) -> Eigenfunction | EigenfunctionInDigits:
+    """The eigenfunction of a simple mode, or of the one next to a guess: see eigenfunction_double.py.
 
-    It is integrated by orthonormalized shooting with local errors that suit rtol, whatever the method and the path by which the mode was
-    found, and with every step halved. Raises InputError for a mode that did not converge, or that stands for several, whose
-    eigenfunctions it does not tell apart; ConvergenceError where the real line passes too near to a singular point.
+    With digits=N its values at any z are mpmath numbers, with an error of at most 10^−N of the largest ones: see eigenfunction_digits.py.
+    progress(done, total) is told how far it is. Raises InputError for a mode that did not converge, or that stands for several;
+    ConvergenceError where the real line passes too near to a singular point, or the digits are not reached.
     """
-    found = mode if isinstance(mode, Mode) else refine(problem, mode, rtol)
-    if not found.converged:
-        raise InputError(f"no mode at sigma = {complex(found.sigma):.12g}: {found.status}")
-    if found.multiplicity > 1:
-        told = f"the mode at {complex(found.sigma):.12g} stands for {found.multiplicity} that are not told apart"
-        raise InputError(f"{told}: allowed is a simple mode, whose eigenfunction is one")
-    sigma = complex(found.sigma)
-    coarse = _shooting(problem, sigma, tolerance_for(rtol))
-    fine = coarse.refined()
-    line = OnTheLine(problem, solution(fine, sigma))
-    named = unknowns(problem)
-    scaled, peak = _normalized(line, named)
-    parts = Variants(problem, coarse, fine, named, found).budget(progress)
-    return Eigenfunction(found, problem, scaled, peak, parts, conditioning(scaled))
+    if digits is None:
+        return eigenfunction_double(problem, mode, rtol, progress)
+    from shootstab.analyses.eigenfunction_digits import eigenfunction_digits  # mpmath and flint are imported where they are needed
 
-
-def _shooting(problem: Problem, sigma: complex, rtol: float) -> Shooting:
-    """Orthonormalized shooting for the subsystem that the mode belongs to."""
-    whole = Frame(rtol=rtol).on(problem).at(sigma)
-    if not isinstance(whole, Product):
-        return whole
-    return min(whole.members, key=lambda member: abs(member.with_derivative(sigma).newton_step))
-
-
-def _normalized(line: OnTheLine, named: Unknowns) -> tuple[OnTheLine, tuple[str, float]]:
-    """The solutions scaled as `Eigenfunction` says, and where the largest value is."""
-    from scipy.optimize import minimize_scalar
-
-    sigma = line.solution.sigma
-    nodes, states = line.at_nodes()
-    sizes = np.abs(in_unknowns(named, sigma, nodes, states))
-    place, which = np.unravel_index(int(sizes.argmax()), sizes.shape)
-    at, steps = nodes[place], line.nodes
-    i = int(np.searchsorted(steps, at))
-    bracket = steps[max(i - 1, 0)], steps[min(i + 1, len(steps) - 1)]
-
-    def value(z: float) -> complex:
-        points = np.array([z])
-        return complex(in_unknowns(named, sigma, points, line.right(points))[0, which])
-
-    best = minimize_scalar(
-        lambda z: -abs(value(float(z))), bounds=bracket, method="bounded", options={"xatol": POLISHED * (bracket[1] - bracket[0])}
-    )
-    z = float(best.x) if -best.fun > sizes[place, which] else float(at)
-    scaled = line.solution.scaled(1.0 / value(z), 1.0)
-    return OnTheLine(line.problem, scaled.scaled(1.0, 1.0 / scaled.change_per_sigma)), (named.names[which], z)
+    return eigenfunction_digits(problem, mode, digits, progress)

@@ -9,12 +9,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from shootstab.core.errors import InputError
+from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.discriminants.back_substitution import Solution
 from shootstab.discriminants.subsystems import Subsystem
 from shootstab.problems.protocol import ComplexArray, Problem
 from shootstab.problems.unknowns import Placement, Unknowns, placements
 
+# chosen: lengths of the integration beyond it at which a decaying space that is known all the way is asked for; at one of them a solution
+# of a wall may go on by chance, as sin πz does to z = −1
+FARTHER = (0.618, 1.0)
 OUTSIDE = 1e-9  # chosen: of the length of the domain, by which a z given as a decimal may miss its ends
 
 
@@ -83,8 +86,9 @@ class OnTheLine:
             return low, high
         start, wall = self.solution.nodes[[0, -1]].real
         try:
-            self.solution.reaching(2.0 * start - wall)
-        except InputError:
+            for lengths in FARTHER:
+                self.solution.reaching(start + lengths * (start - wall))
+        except (InputError, ConvergenceError):  # there is none, or a singular point lies between
             return low, high
         return (low, np.inf) if self.placements[0].z(start).real == high else (-np.inf, high)
 

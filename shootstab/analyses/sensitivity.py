@@ -1,7 +1,7 @@
 """∂σ/∂p of a mode by the adjoint: the problem is differenced, never the mode.
 
-With ψ scaled as in eigenfunction.py, σ(p + h) − σ(p) is −(⟨ψ, (δD − δC d/dz) φ⟩ + …) to first order in what h changes, so that its central
-difference is exact but for the curvature of the problem in p, which a second step of half the length tells.
+With ψ scaled as in eigenfunction_double.py, σ(p + h) − σ(p) is −(⟨ψ, (δD − δC d/dz) φ⟩ + …) to first order in what h changes, so that its
+central difference is exact but for the curvature of the problem in p, which a second step of half the length tells.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from shootstab.analyses.eigenfunction import Eigenfunction
+from shootstab.analyses.eigenfunction_double import Eigenfunction
 from shootstab.core.errors import InputError
 from shootstab.problems.capabilities import FAMILY, Family
 

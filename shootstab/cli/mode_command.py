@@ -7,27 +7,31 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from shootstab.cli import commands, figures, values
+from shootstab.cli import commands, figures, mode_in_digits, values
 from shootstab.core.errors import InputError
 from shootstab.io import scenes as scene_files
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from shootstab.analyses.eigenfunction import Eigenfunction
+    from shootstab.analyses.eigenfunction_double import Eigenfunction
     from shootstab.analyses.sensitivity import Sensitivity
 
+MOST_MODE_DIGITS = 1000  # chosen: a mode of so many digits takes an hour
 SMALLEST_PLAIN, LARGEST_PLAIN = 1e-3, 1e5  # chosen: between them a number of three figures is shorter without an exponent
 
 
 def options(command: ArgumentParser) -> None:
     """What `mode` may be told."""
     command.add_argument("--guess", type=values.guess, required=True, metavar="RE[,IM]", help="where the mode is")
-    command.add_argument("--rtol", type=values.tolerance, default=1e-10, metavar="X", help="relative accuracy asked for (default 1e-10)")
+    accuracy = command.add_mutually_exclusive_group()
+    accuracy.add_argument("--rtol", type=values.tolerance, default=1e-10, metavar="X", help="relative accuracy asked for (default 1e-10)")
+    many = "values with an error of at most 10^-N of the largest, from Taylor series"
+    accuracy.add_argument("--digits", type=values.integer(1, MOST_MODE_DIGITS), metavar="N", help=many)
     command.add_argument(
         "--z", type=values.numbers(2), metavar="LOW,HIGH", help="the heights that are shown (default: until it has decayed)"
     )
-    command.add_argument("--points", type=values.integer(2, 100_000), metavar="N", help="heights in a file (default 401)")
+    command.add_argument("--points", type=values.integer(2, 100_000), metavar="N", help="heights in a file (default 401, with --digits 5)")
     said = "derivatives of the mode by parameters of the scene: kx, ky, e, nu_max, …"
     command.add_argument("--sensitivity", metavar="NAME,…", help=said)
     command.add_argument("--export", type=values.table_path, metavar="FILE", help="write the fields into a csv or npz file")
@@ -41,6 +45,8 @@ def mode(options: Namespace) -> int:
     from shootstab.cli.terminal import progress
     from shootstab.io import eigenfunctions, fields
 
+    if options.digits is not None:
+        return mode_in_digits.answer(options)
     look = figures.Look.of(options)
     if options.plot is not None:
         figures.require(options.plot, look)
@@ -48,7 +54,8 @@ def mode(options: Namespace) -> int:
     if convention.conjugate:
         raise InputError("--conjugate: allowed with verify; here give the conjugate guess")
     scene = scene_files.load(options.scene).seen(convention)
-    from shootstab.analyses.eigenfunction import MODE_HEIGHTS, eigenfunction
+    from shootstab.analyses.eigenfunction import eigenfunction
+    from shootstab.analyses.eigenfunction_double import MODE_HEIGHTS
     from shootstab.analyses.refine import refine
     from shootstab.analyses.sensitivity import sensitivities
     from shootstab.io.notation import as_strings

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from shootstab.analyses.eigenfunction import Eigenfunction
+    from shootstab.analyses.eigenfunction_double import Eigenfunction
     from shootstab.io.scenes import Scene
 
 REAL_PART, IMAGINARY_PART = "#0072B2", "#D55E00"  # Okabe and Ito's, told apart by the colour-blind
@@ -23,7 +23,7 @@ def draw(found: Eigenfunction, scene: Scene, low: float | None = None, high: flo
     from matplotlib.figure import Figure
     from matplotlib.ticker import MaxNLocator
 
-    from shootstab.analyses.eigenfunction import MODE_HEIGHTS
+    from shootstab.analyses.eigenfunction_double import MODE_HEIGHTS
 
     extent = found.extent
     z = np.linspace(extent[0] if low is None else low, extent[1] if high is None else high, MODE_HEIGHTS)

@@ -28,7 +28,7 @@ from shootstab.io.files import write_text
 from shootstab.io.notation import held_complex
 
 if TYPE_CHECKING:
-    from shootstab.analyses.eigenfunction import Eigenfunction
+    from shootstab.analyses.eigenfunction_double import Eigenfunction
     from shootstab.io.scenes import Scene
 
 PLOTLY_MARKS = {"o": "circle", "^": "triangle-up", "x": "x-thin", "+": "cross-thin", "D": "diamond", "*": "star", "d": "diamond-tall"}

@@ -20,9 +20,11 @@ from shootstab.formulation.series_digits import on_numbers, on_series
 from shootstab.formulation.state_pencil import Powers, StatePencil
 from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
-from shootstab.multiprecision.integration import Base, Entries, Expansion, Progress
+from shootstab.multiprecision.integration import Base, Entries, Expansion, Progress, UnknownRows
 from shootstab.multiprecision.settings import Settings
 from shootstab.multiprecision.taylor import Taylor, real_series
+
+Shown = Mapping[str, tuple[Mapping[int, Expression], Expression]]  # of each unknown by name r_j and −p, see stated_unknowns.py
 
 
 class EquationDigits:
@@ -31,10 +33,16 @@ class EquationDigits:
     real = False
 
     def __init__(
-        self, system: StatePencil, left: Fraction, right: Fraction, start: RegularStart | None = None, backwards: bool = False
+        self,
+        system: StatePencil,
+        ends: tuple[Fraction, Fraction],
+        shown: Shown,
+        start: RegularStart | None = None,
+        backwards: bool = False,
     ) -> None:
         """start: the regular solutions with which the integration begins at the left end, or backwards at the right one."""
-        self._system, self._start = system, start
+        left, right = ends
+        self._system, self._shown, self._start = system, shown, start
         self._augmented = start is None and any(system.left[1:]) and any(system.right[1:])
         self._backwards = backwards if start is not None else any(system.left[1:]) and not self._augmented
         self._ends = (right, left) if self._backwards else (left, right)
@@ -44,7 +52,9 @@ class EquationDigits:
         return ()
 
     def integration(self, arithmetic: Arithmetic, settings: Settings, base: Base) -> EquationIntegration:
-        return EquationIntegration(arithmetic, settings, self._system, self._ends, self._backwards, self._augmented, self._start)
+        return EquationIntegration(
+            arithmetic, settings, self._system, self._shown, self._ends, self._backwards, self._augmented, self._start
+        )
 
 
 class EquationIntegration:
@@ -55,18 +65,20 @@ class EquationIntegration:
         arithmetic: Arithmetic,
         settings: Settings,
         system: StatePencil,
+        shown: Shown,
         ends: tuple[Fraction, Fraction],
         backwards: bool,
         augmented: bool,
         start: RegularStart | None,
     ) -> None:
         self._arithmetic, self._settings, self._system, self._augmented = arithmetic, settings, system, augmented
+        self._shown = shown
         self._regular = start
         if start is not None:
             reach = start.x / Fraction(2) ** round(settings.far_shift)
             ends = (ends[0] + (reach if ends[1] > ends[0] else -reach), ends[1])
-        self._z, self._wall = (arithmetic.number(end) for end in ends)
-        self._step = (self._wall - self._z) / settings.order  # a first trial; steps double from there
+        self._z, self.wall = (arithmetic.number(end) for end in ends)
+        self._step = (self.wall - self._z) / settings.order  # a first trial; steps double from there
         sides = [(system.left, system.left_rows), (system.right, system.right_rows)]
         self._start_rows, self._wall_rows = [
             self._rows(*side, z) for side, z in zip(sides[::-1] if backwards else sides, ends, strict=True)
@@ -86,13 +98,13 @@ class EquationIntegration:
 
     def expand(self, longest: float) -> Expansion:
         arithmetic = self._arithmetic
-        left = self._wall - self._z
+        left = self.wall - self._z
         first, limit = arithmetic.log2(self._step), float(mpmath.log(longest, 2)) if longest < float("inf") else float("inf")
         at_wall = arithmetic.log2(left) <= min(first, limit)
         inside = self._step if first <= limit else arithmetic.number(longest) * (1 if left > 0 else -1)
         h = left if at_wall else inside
         self._h = h
-        z = real_series(arithmetic, [self._z, h] + [arithmetic.number(0)] * (self._settings.order - 2))
+        z = self._along()
         at = on_series(arithmetic, z)
         C, D = ([self._entries(part, z, at) for part in powers] for powers in (self._system.C, self._system.D))
         if self._augmented:
@@ -103,6 +115,23 @@ class EquationIntegration:
     def advance(self) -> None:
         self._z = self._arithmetic.rounded(self._z + self._h)
         self._step = 2 * self._h
+
+    def unknowns(self, sigma: Any) -> UnknownRows:
+        """Each unknown as Σ r_j ψ_j / p."""
+        shift = self._system.size if self._augmented else 0
+        at = on_series(self._arithmetic, self._along(), sigma)
+        return {
+            name: {j + shift: -at(factor) / at(divisor) for j, factor in factors.items()}
+            for name, (factors, divisor) in self._shown.items()
+        }
+
+    def _along(self) -> Taylor:
+        """z along the last step."""
+        arithmetic = self._arithmetic
+        return real_series(arithmetic, [self._z, self._h] + [arithmetic.number(0)] * (self._settings.order - 2))
+
+    def farther(self, sigma: Any, c: Matrix, distance: Any) -> None:
+        """The start is an end of the domain."""
 
     def wall_rows(self) -> list[Matrix]:
         if not self._augmented:

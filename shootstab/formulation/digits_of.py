@@ -7,19 +7,21 @@ from fractions import Fraction
 from shootstab.core.errors import InputError
 from shootstab.formulation.axis import RegularSpace
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
-from shootstab.formulation.digits import EquationDigits
+from shootstab.formulation.digits import EquationDigits, Shown
 from shootstab.formulation.exponentials import exponential_end
+from shootstab.formulation.first_order import FirstOrder
 from shootstab.formulation.gaussian import Gaussian
 from shootstab.formulation.line_digits import InfiniteSide, LineDigits
 from shootstab.formulation.regular_digits import RegularStart
 from shootstab.formulation.state_pencil import StatePencil
+from shootstab.formulation.stated_unknowns import shown_in_states
 from shootstab.formulation.statement import Statement
 from shootstab.multiprecision.integration import MultiprecisionProblem
 from shootstab.problems.ends import INFINITIES, Infinity
 from shootstab.problems.two_point import TwoPointReduction
 
 
-def digits_of(statement: Statement, system: StatePencil, reduction: TwoPointReduction) -> MultiprecisionProblem:
+def digits_of(statement: Statement, first: FirstOrder, system: StatePencil, reduction: TwoPointReduction) -> MultiprecisionProblem:
     """The problem in any precision. Raises InputError, with the reason, where there is no such way."""
     try:
         if statement.domain.given:
@@ -27,22 +29,22 @@ def digits_of(statement: Statement, system: StatePencil, reduction: TwoPointRedu
         if statement.joints:
             raise InputError("that is not offered in layers: allowed is a problem without interfaces")
         if all(statement.finite):
-            return _between_finite_ends(statement, system, reduction)
+            return _between_finite_ends(statement, shown_in_states(statement.names.unknowns, first), system, reduction)
         return _on_a_line(statement, system, reduction)
     except InputError as error:
         raise InputError(f"more than 12 digits: {error}") from None
 
 
-def _between_finite_ends(statement: Statement, system: StatePencil, reduction: TwoPointReduction) -> MultiprecisionProblem:
-    places = [_place(end) for end in (statement.left, statement.right)]
+def _between_finite_ends(statement: Statement, shown: Shown, system: StatePencil, reduction: TwoPointReduction) -> MultiprecisionProblem:
+    places = _place(statement.left), _place(statement.right)
     if all(statement.holding):
-        return EquationDigits(system, places[0], places[1])
+        return EquationDigits(system, places, shown)
     if not any(statement.holding):
         raise InputError("both ends are regular singular or periodic: allowed is one with conditions")
     space = reduction.subdomains[0].far
     if not (isinstance(space, RegularSpace) and space.end.integer):
         raise InputError("the exponents at the regular singular end are no integers")
-    return EquationDigits(system, places[0], places[1], RegularStart(space.end, Fraction(space.x)), backwards=statement.holding[0])
+    return EquationDigits(system, places, shown, RegularStart(space.end, Fraction(space.x)), backwards=statement.holding[0])
 
 
 def _on_a_line(statement: Statement, system: StatePencil, reduction: TwoPointReduction) -> MultiprecisionProblem:

@@ -11,13 +11,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+from shootstab.core.errors import InputError
 from shootstab.formulation.decaying_digits import DecayingSpace
 from shootstab.formulation.exponentials import ExponentialEnd
 from shootstab.formulation.expression import Expression
 from shootstab.formulation.series_digits import on_numbers, on_series
 from shootstab.formulation.state_pencil import Powers, StatePencil
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
-from shootstab.multiprecision.integration import Base, Expansion, Progress
+from shootstab.multiprecision.integration import Base, Expansion, Progress, UnknownRows
 from shootstab.multiprecision.settings import Settings
 from shootstab.multiprecision.taylor import Taylor, real_series
 
@@ -101,6 +102,17 @@ class LineIntegration:
     def advance(self) -> None:
         self._t = self._arithmetic.rounded(self._t + self._h)
         self._step = 2 * self._h
+
+    def unknowns(self, sigma: Any) -> UnknownRows:
+        raise InputError("an eigenfunction in many digits is not offered with an end at infinity: allowed are finite ends, or doubles")
+
+    def farther(self, sigma: Any, c: Matrix, distance: Any) -> None:
+        """No solution is kept."""
+
+    @property
+    def wall(self) -> Any:
+        """Where all sides arrive, in t."""
+        return self._arithmetic.number(1)
 
     def wall_rows(self) -> list[Matrix]:
         arithmetic, n = self._arithmetic, self._system.size

@@ -23,8 +23,8 @@ def on_numbers(arithmetic: Arithmetic, z: Any) -> Evaluator:
     return Evaluator(partial(_number, arithmetic), seed, partial(_root, arithmetic), {"z": z, "pi": arithmetic.pi}, _not_given)
 
 
-def on_series(arithmetic: Arithmetic, z: Taylor) -> Evaluator:
-    """Expressions on the power series z."""
+def on_series(arithmetic: Arithmetic, z: Taylor, sigma: Any = None) -> Evaluator:
+    """Expressions on the power series z, at one eigenvalue where they hold it."""
     real, wide = (
         SeriesFunctions(dot, partial(_seed, arithmetic), partial(_root, arithmetic)) for dot in (arithmetic.dot, partial(_dot, arithmetic))
     )
@@ -47,7 +47,7 @@ def on_series(arithmetic: Arithmetic, z: Taylor) -> Evaluator:
             return 1 / x ** -int(exponent)
         return computed(x, lambda functions, a: functions.power(a, exponent), True)
 
-    return Evaluator(partial(_number, arithmetic), applied, power, {"z": z, "pi": arithmetic.pi}, _not_given)
+    return Evaluator(partial(_number, arithmetic), applied, power, {"z": z, "pi": arithmetic.pi, "sigma": sigma}, _not_given)
 
 
 def _not_given(name: str, order: int) -> Any:

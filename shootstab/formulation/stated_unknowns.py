@@ -7,18 +7,23 @@ from collections.abc import Sequence
 import numpy as np
 
 from shootstab.formulation.evaluation import Given, on_arrays
-from shootstab.formulation.expression import number
+from shootstab.formulation.expression import Expression, number
 from shootstab.formulation.first_order import FirstOrder
-from shootstab.formulation.system import Jet
+from shootstab.formulation.system import Jet, Row
 from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.unknowns import Unknowns
 
 ITSELF: Jet = ("the unknown itself", 0)  # a name that no unknown can have
 
 
+def stated_rows(names: Sequence[str], first: FirstOrder) -> list[Row]:
+    """The reduction of u − (itself) = 0 to states for each unknown u: it has the coefficients r_j, and −p before itself."""
+    return [first.in_states({(name, 0): number(1), ITSELF: number(-1)}, beside=(ITSELF,)) for name in names]
+
+
 def unknowns_of(names: Sequence[str], first: FirstOrder, size: int, given: Given) -> Unknowns:
-    """Each unknown u as Σ r_j ψ_j / p: the reduction of u − (itself) = 0 to states has the coefficients r_j, and −p before itself."""
-    rows = [first.in_states({(name, 0): number(1), ITSELF: number(-1)}, beside=(ITSELF,)) for name in names]
+    """Each unknown u as Σ r_j ψ_j / p, for arrays of points."""
+    rows = stated_rows(names, first)
     place = {state: j for j, state in enumerate(first.states)}
 
     def matrix(z: ComplexArray, sigma: complex) -> ComplexArray:
@@ -31,3 +36,10 @@ def unknowns_of(names: Sequence[str], first: FirstOrder, size: int, given: Given
         return out
 
     return Unknowns(tuple(names), matrix)
+
+
+def shown_in_states(names: Sequence[str], first: FirstOrder) -> dict[str, tuple[dict[int, Expression], Expression]]:
+    """For each unknown u = Σ r_j ψ_j / p the r_j by the places of states, and −p."""
+    place = {state: j for j, state in enumerate(first.states)}
+    rows = zip(names, stated_rows(names, first), strict=True)
+    return {name: ({place[jet]: factor for jet, factor in row.items() if jet != ITSELF}, row[ITSELF]) for name, row in rows}

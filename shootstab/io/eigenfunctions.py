@@ -12,7 +12,7 @@ from shootstab import __version__
 from shootstab.io import documents
 
 if TYPE_CHECKING:
-    from shootstab.analyses.eigenfunction import Eigenfunction
+    from shootstab.analyses.eigenfunction_double import Eigenfunction
 
 
 def columns(found: Eigenfunction, z: NDArray[np.float64]) -> Mapping[str, NDArray[np.complex128]]:

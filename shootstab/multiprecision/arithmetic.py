@@ -106,6 +106,10 @@ class Arithmetic(Protocol):
         """
         ...
 
+    def expanded(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> list[Matrix]:
+        """All these Y_m (n, k)."""
+        ...
+
     def multiplier(self, A: Matrix) -> Callable[[Matrix], Matrix]:
         """B (m, l) ↦ A B, rounded, for A (n, m)."""
         ...

@@ -10,9 +10,10 @@ import mpmath
 
 from shootstab.core.errors import InputError
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix, exact, simplified
-from shootstab.multiprecision.integration import Base, Entries, Expansion, Progress
+from shootstab.multiprecision.integration import Base, Entries, Expansion, Progress, UnknownRows
 from shootstab.multiprecision.settings import Settings
 from shootstab.multiprecision.taylor import Taylor, real_series
+from shootstab.problems.capabilities import EXACT_UNKNOWNS
 from shootstab.problems.closed_form import ClosedForm
 
 
@@ -37,8 +38,8 @@ class ClosedFormIntegration:
 
     def __init__(self, arithmetic: Arithmetic, problem: ClosedForm, settings: Settings) -> None:
         self._arithmetic, self._problem, self._settings = arithmetic, problem, settings
-        self._z, self._wall = (self._end(end) for end in problem.exact_ends(self._exact))
-        self._step = (self._wall - self._z) / settings.order  # a first trial; steps double from there
+        self._z, self.wall = (self._end(end) for end in problem.exact_ends(self._exact))
+        self._step = (self.wall - self._z) / settings.order  # a first trial; steps double from there
 
     def _exact(self, x: float) -> Any:
         return self._arithmetic.complex(exact(x))
@@ -57,7 +58,7 @@ class ClosedFormIntegration:
 
     def expand(self, longest: float) -> Expansion:
         arithmetic = self._arithmetic
-        left = self._wall - self._z
+        left = self.wall - self._z
         first = arithmetic.log2(self._step)
         at_wall = arithmetic.log2(left) <= min(first, _log2(longest))
         inside = self._step if first <= _log2(longest) else arithmetic.number(longest) * (1 if left > 0 else -1)
@@ -76,6 +77,14 @@ class ClosedFormIntegration:
     def advance(self) -> None:
         self._z = self._arithmetic.rounded(self._z + self._h)
         self._step = 2 * self._h
+
+    def unknowns(self, sigma: Any) -> UnknownRows:
+        """Those that the form names, or all components."""
+        named = EXACT_UNKNOWNS.of(self._problem)
+        return {f"psi{i + 1}": {i: 1} for i in range(self._problem.size)} if named is None else named(self._exact)
+
+    def farther(self, sigma: Any, c: Matrix, distance: Any) -> None:
+        """The start is an end of the domain."""
 
     def wall_rows(self) -> list[Matrix]:
         return [self._matrix(W) for W in self._problem.exact_wall(self._exact)]

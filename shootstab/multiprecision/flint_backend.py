@@ -102,6 +102,17 @@ class FlintArithmetic:
         return Products(A)
 
     def carried(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> tuple[Matrix, list[Matrix]]:
+        products, found = self._packed_terms(A, left, Y, terms)
+        total = found[-1]
+        for term in found[-2::-1]:
+            total = total + term
+        return products.unpacked(total), [products.unpacked(term) for term in found[-TAIL_TERMS:]]
+
+    def expanded(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> list[Matrix]:
+        products, found = self._packed_terms(A, left, Y, terms)
+        return [products.unpacked(term) for term in found]
+
+    def _packed_terms(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> tuple[Products, list[Any]]:
         """Nothing is unpacked on the way: the products go from one matrix to the next."""
         products = Products(A)
         found = [products.packed(Y)]
@@ -116,10 +127,7 @@ class FlintArithmetic:
                 new = new + iE * iP * (1 / arb(m)) - iF * iP
             found.append(new.mid())
             products.push_packed(found[-1])
-        total = found[-1]
-        for term in found[-2::-1]:
-            total = total + term
-        return products.unpacked(total), [products.unpacked(term) for term in found[-TAIL_TERMS:]]
+        return products, found
 
     def multiplier(self, A: Matrix) -> Callable[[Matrix], Matrix]:
         left = _matrix(A)

@@ -15,6 +15,7 @@ from shootstab.multiprecision.settings import Settings
 from shootstab.multiprecision.taylor import Taylor
 
 Entries = Mapping[tuple[int, int], Taylor]
+UnknownRows = Mapping[str, Mapping[int, Any]]  # of each unknown by name, its factors of components of ψ: series, or numbers
 Progress = Callable[[], None]
 Base = tuple[Any, ...]  # what a base flow had to be solved for, as mpmath numbers; empty if nothing
 
@@ -49,6 +50,22 @@ class Integration(Protocol):
 
     def advance(self) -> None:
         """Go to the end of the last expansion's step."""
+        ...
+
+    def unknowns(self, sigma: Any) -> UnknownRows:
+        """What the user's unknowns are of ψ, along the step of the last expansion."""
+        ...
+
+    def farther(self, sigma: Any, c: Matrix, distance: Any) -> Mapping[str, Any] | None:
+        """The unknowns by name so far beyond the start, of the solution that is the combination c (k, 1) of the far frame.
+
+        None where no solution is known there.
+        """
+        ...
+
+    @property
+    def wall(self) -> Any:
+        """z of the wall."""
         ...
 
     def wall_rows(self) -> Sequence[Matrix]:

@@ -67,6 +67,22 @@ def carried(arithmetic: Arithmetic, n: int, C: Entries, D: Entries, Y: Matrix, t
     return end, last
 
 
+def series(arithmetic: Arithmetic, n: int, C: Entries, D: Entries, Y: Matrix, terms: int) -> list[Matrix]:
+    """So many coefficients (n, k) of ψ(t) from ψ(0) = Y."""
+    k, nothing = len(Y[0]), arithmetic.number(0)
+    out = [[[nothing] * k for _ in range(n)] for _ in range(terms)]
+    for rows, unknowns in subsystems(n, C, D):
+        start = [Y[i] for i in unknowns]
+        if all(matrices.vanishes(x) for row in start for x in row):
+            continue
+        inverse = matrices.inverse(arithmetic, leading(arithmetic, C, rows, unknowns))
+        found = arithmetic.expanded(stacked(arithmetic, C, D, rows, unknowns, terms, shift=1), inverse, start, terms)
+        for term, values in zip(out, found, strict=True):
+            for i, row in zip(unknowns, values, strict=True):
+                term[i] = row
+    return out
+
+
 def leading(arithmetic: Arithmetic, C: Entries, rows: Sequence[int], unknowns: Sequence[int]) -> Matrix:
     """C_0 (n, n) of one subsystem."""
     return [[C[i, j].coefficients(1)[0] if (i, j) in C else arithmetic.number(0) for j in unknowns] for i in rows]

@@ -116,6 +116,10 @@ class MpmathArithmetic:
         return Dots(self._bits, A)
 
     def carried(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> tuple[Matrix, list[Matrix]]:
+        found = self.expanded(A, left, Y, terms)
+        return [[mp.fsum(x) for x in zip(*rows, strict=True)] for rows in zip(*found, strict=True)], found[-TAIL_TERMS:]
+
+    def expanded(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> list[Matrix]:
         n = len(Y)
         convolution, solved = self.convolution(A), self.multiplier(left)
         found = [Y]
@@ -123,7 +127,7 @@ class MpmathArithmetic:
             convolution.push(found[-1])
             both = convolution.value()
             found.append(solved([[e / m - f for e, f in zip(x, y, strict=True)] for x, y in zip(both[:n], both[n:], strict=True)]))
-        return [[mp.fsum(x) for x in zip(*rows, strict=True)] for rows in zip(*found, strict=True)], found[-TAIL_TERMS:]
+        return found
 
     def multiplier(self, A: Matrix) -> Callable[[Matrix], Matrix]:
         rows = [[(j, a) for j, a in enumerate(row) if a] for row in A]

@@ -6,13 +6,14 @@ det[W(σ) Y] times all of them is what it would be without, whichever rows are c
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from shootstab.core.errors import ConvergenceError
 from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
-from shootstab.multiprecision.integration import Base, Expansion, Integration, Progress
+from shootstab.multiprecision.integration import Base, Expansion, Integration, Progress, UnknownRows
 from shootstab.multiprecision.linear_step import at_sigma, carried
 from shootstab.multiprecision.settings import Settings, step_limit
 
@@ -22,12 +23,25 @@ STEP_GROWTH = 1.0  # chosen: log2 of one step over the one before, at most
 TERM_SLACK = 4.0  # chosen: bits by which the last terms may exceed the tolerance
 
 
+@dataclass(frozen=True)
+class Factors:
+    """The steps, the frame at the beginning of each and at the wall, the B with which each was multiplied after a step, the rows of the
+    unknowns along each; the rows W(σ) at the wall, and where it is."""
+
+    steps: Sequence[Expansion]
+    frames: list[Matrix]
+    factors: list[Matrix]
+    rows: list[UnknownRows]
+    wall: Matrix = ()  # type: ignore[assignment]
+    at_wall: Any = None
+
+
 class TaylorShooting:
     """D(σ) on one integration; the steps are chosen at the first σ and kept, with the pencil's series, for the others."""
 
     def __init__(self, arithmetic: Arithmetic, n: int, settings: Settings, integration: Integration, progress: Progress) -> None:
         self.arithmetic, self.settings, self._n, self._progress = arithmetic, settings, n, progress
-        self._integration = integration
+        self.integration = integration
         self._steps: list[Expansion] = []
 
     @property
@@ -37,38 +51,52 @@ class TaylorShooting:
 
     def corrected_base(self) -> Base:
         """See protocol.Integration."""
-        return self._integration.corrected_base()
+        return self.integration.corrected_base()
 
     def __call__(self, sigma: Any) -> Any:
         """D(σ)."""
         if not self._steps:
-            self._integration.begin(sigma)
+            self.integration.begin(sigma)
             return self._march(sigma)
-        Y, det = self._integration.far_frame(sigma)
+        Y, det = self.integration.far_frame(sigma)
         for step in self._steps:
             self._progress()
             Y, det = self._normalized(self._carried(step, sigma, Y)[0], det)
         return self._at_wall(sigma, Y, det)
 
-    def _march(self, sigma: Any) -> Any:
-        Y, det = self._integration.far_frame(sigma)
+    def solving(self, sigma: Any) -> Factors:
+        """One integration at σ of which everything is kept."""
+        kept = Factors(self._steps, [], [], [])
+        self.integration.begin(sigma)
+        self._march(sigma, kept)
+        return replace(kept, wall=matrices.polynomial(self._rows, sigma), at_wall=self.integration.wall)
+
+    def _march(self, sigma: Any, kept: Factors | None = None) -> Any:
+        Y, det = self.integration.far_frame(sigma)
+        if kept is not None:
+            kept.frames.append(Y)
         longest = float("inf")
         while not (self._steps and self._steps[-1].at_wall):
             step, Y = self._step(sigma, Y, longest)
             self._steps.append(step)
+            if kept is not None:
+                kept.rows.append(self.integration.unknowns(sigma))
+                kept.factors.append(self._best(Y))
             Y, det = self._normalized(Y, det)
-            self._integration.advance()
+            if kept is not None:
+                kept.frames.append(Y)
+            self.integration.advance()
             longest = self._next
             if len(self._steps) > MOST_TAYLOR_STEPS:
                 raise ConvergenceError(f"more than {MOST_TAYLOR_STEPS} Taylor steps: sigma lies next to the continuous spectrum")
-        self._rows = self._integration.wall_rows()
+        self._rows = self.integration.wall_rows()
         return self._at_wall(sigma, Y, det)
 
     def _step(self, sigma: Any, Y: Matrix, longest: float) -> tuple[Expansion, Matrix]:
         """A step as long as the flow's series and the frame's own hold, and the frame after it."""
         for _ in range(TRIALS):
             self._progress()
-            step = self._integration.expand(longest)
+            step = self.integration.expand(longest)
             end, last = self._carried(step, sigma, Y)
             limit = self._limit(Y, last)
             here = self.arithmetic.log2(step.h)
@@ -93,10 +121,12 @@ class TaylorShooting:
         return step_limit(sizes, self.settings.order, first, self.settings.tolerance)
 
     def _normalized(self, Y: Matrix, det: Any) -> tuple[Matrix, Any]:
-        arithmetic = self.arithmetic
-        best = [Y[i] for i in matrices.pivots(arithmetic, Y)]
+        arithmetic, best = self.arithmetic, self._best(Y)
         transposed = [list(column) for column in zip(*matrices.solve(arithmetic, _transpose(best), _transpose(Y)), strict=True)]
         return transposed, arithmetic.rounded(det * matrices.determinant(arithmetic, best))
+
+    def _best(self, Y: Matrix) -> Matrix:
+        return [Y[i] for i in matrices.pivots(self.arithmetic, Y)]
 
 
 def _transpose(A: Matrix) -> Matrix:

@@ -131,6 +131,8 @@ UNSCALED = Capability("unscaled", None, "this problem is stated in its own eigen
 CLOSED_FORM = Capability(
     "closed_form", None, "more than 12 digits ask for a problem in closed form: exact_ends, exact_pencil, exact_far and exact_wall"
 )
+# exact_unknowns(exact), of a closed form: its unknowns by name, each by its factors of components {j: number}
+EXACT_UNKNOWNS = Capability("exact_unknowns", None, "this closed form does not name its unknowns")
 # a multiprecision.enclosable.Enclosable, where a problem is one otherwise than by its closed form
 ENCLOSABLE = Capability("enclosable", None, "a proof asks for a problem in closed form or in equations, between finite ends")
 # closed forms whose discriminants multiply to that of the problem, up to a constant

@@ -11,7 +11,8 @@ import pytest
 from numpy.polynomial import hermite, legendre
 
 import shootstab as st
-from shootstab.analyses.eigenfunction import Eigenfunction, eigenfunction
+from shootstab.analyses.eigenfunction import eigenfunction
+from shootstab.analyses.eigenfunction_double import Eigenfunction
 from shootstab.core.errors import InputError
 from shootstab.core.polynomial import value
 from shootstab.discriminants.back_substitution import solution

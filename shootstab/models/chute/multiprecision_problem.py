@@ -13,13 +13,14 @@ from shootstab.core.series import Series
 from shootstab.models.chute import constitutive as law
 from shootstab.models.chute import first_order_system as system
 from shootstab.models.chute.background import Background, background, fields
+from shootstab.models.chute.multiprecision_flow import FLOW_NEWTONS, Descent, descend, evaluate, far_series, start_of
 from shootstab.models.chute.multiprecision_flow import Base as FlowBase
-from shootstab.models.chute.multiprecision_flow import Descent, descend, evaluate, far_series, start_of
 from shootstab.models.chute.parameters import Chute
-from shootstab.models.chute.perturbations import Perturbations
+from shootstab.models.chute.perturbations import PERTURBED, Perturbations
 from shootstab.models.chute.wall import wall_rows
+from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import TAIL_TERMS, Arithmetic, Matrix, exact, simplified
-from shootstab.multiprecision.integration import Base, Expansion, Progress
+from shootstab.multiprecision.integration import Base, Expansion, Progress, UnknownRows
 from shootstab.multiprecision.linear_step import at_sigma
 from shootstab.multiprecision.regular_singular_end import decaying_series
 from shootstab.multiprecision.secant import Secant, Values
@@ -178,6 +179,57 @@ class ChuteIntegration:
         W0, W1 = ([[self._turned(row[j], 2 if i == 2 else 0, j) for j in range(system.SIZE)] for i, row in enumerate(W)] for W in rows)
         return W0, W1
 
+    def unknowns(self, sigma: Any) -> UnknownRows:
+        """ν̂ = ν0 (ν̂/ν0), and the next four components; v̂ is turned back."""
+        assert self._place is not None
+        powers = [self.arithmetic.number(1)]
+        for _ in range(self.settings.order - 1):
+            powers.append(self.arithmetic.rounded(powers[-1] * self._step))
+        nu = real_series(self.arithmetic, [c * p for c, p in zip(self._place[0], powers, strict=True)])
+        turned = 1j if self._rotated else 1
+        return {name: {j: nu if j == 0 else turned if j == SPANWISE[0] else 1} for j, name in enumerate(PERTURBED)}
+
+    def farther(self, sigma: Any, c: Matrix, distance: Any) -> dict[str, Any]:
+        """ψ = P(τ) τ^Λ c with τ = ν0 over that at the start, and z from there, ∫ dτ/(τ ν0′/ν0) = ln τ/λ_0 + Σ l_m (τ^m − 1)/m."""
+        arithmetic = self.arithmetic
+        log_tau = self._log_tau(distance)
+        tau = _exponential(arithmetic, log_tau)
+        powers = [arithmetic.number(1)]
+        for _ in range(self.settings.far_terms - 1):
+            powers.append(arithmetic.rounded(powers[-1] * tau))
+        turned = matrices.combined(c, matrices.product(arithmetic, self._exponents, c), log_tau)
+        decayed = _exponential(arithmetic, self._wavenumber * self._far_temperature * log_tau)
+        frames = [matrices.product(arithmetic, P, turned) for P in self._decaying(sigma)]
+        psi = [
+            arithmetic.rounded(sum((p * frame[i][0] for p, frame in zip(powers, frames, strict=True)), arithmetic.number(0)) * decayed)
+            for i in range(len(PERTURBED))
+        ]
+        psi[0] = psi[0] * self._start * tau
+        if self._rotated:
+            psi[SPANWISE[0]] = 1j * arithmetic.complex(psi[SPANWISE[0]])
+        return dict(zip(PERTURBED, psi, strict=True))
+
+    def _log_tau(self, distance: Any) -> Any:
+        """ln τ at so great a distance above the start, by Newton."""
+        arithmetic, terms = self.arithmetic, self.settings.far_terms
+        lengths = (1 / self._far_pencil[4]).coefficients(terms)  # dz/d(ln τ)
+        x = arithmetic.rounded(distance / lengths[0])
+        for _ in range(FLOW_NEWTONS):
+            tau = _exponential(arithmetic, x)
+            power, height, slope = arithmetic.number(1), lengths[0] * x, lengths[0]
+            for m in range(1, terms):
+                power = arithmetic.rounded(power * tau)
+                height, slope = height + lengths[m] * (power - 1) / m, slope + lengths[m] * power
+            step = arithmetic.rounded((height - distance) / slope)
+            x = arithmetic.rounded(x - step)
+            if arithmetic.log2(step) < -0.9 * math.log2(10) * self.settings.digits:
+                return x
+        raise ConvergenceError(f"no volume fraction is found at a distance of {float(arithmetic.to_mpmath(distance)):.3g} above the start")
+
+    @property
+    def wall(self) -> Any:
+        return self.arithmetic.number(0)
+
     def corrected_base(self) -> Base:
         return self._problem_in_digits.corrected_base(self.arithmetic, self._descent.at_base(), self._base)
 
@@ -214,9 +266,9 @@ class ChuteIntegration:
             K = self._wavenumber
             s = [1j * self._kx, 1j * self._ky, -self.arithmetic.complex(K)]
             B = [[-s[i] * s[j] / (7 * K) + (K if i == j else 0) for j in range(3)] for i in range(3)]
-            leading, exponents = self._leading(sigma, B, K)
+            leading, self._exponents = self._leading(sigma, B, K)
             rate = K * self._far_temperature
-            self._frames = {key: decaying_series(self.arithmetic, C, D, leading, rate, exponents, self.settings.far_terms)}
+            self._frames = {key: decaying_series(self.arithmetic, C, D, leading, rate, self._exponents, self.settings.far_terms)}
         return self._frames[key]
 
     def _leading(self, sigma: Any, B: Matrix, K: Any) -> tuple[Matrix, Matrix]:
@@ -234,3 +286,8 @@ class ChuteIntegration:
         turn = (0, 2, 0, 0)  # column 1 of the frame belongs to v̂
         P = [[self._turned(x, i, turn[q]) for q, x in enumerate(row)] for i, row in enumerate(P)]
         return P, [[self._turned(x, turn[i], turn[q]) for q, x in enumerate(row)] for i, row in enumerate(N)]
+
+
+def _exponential(arithmetic: Arithmetic, x: Any) -> Any:
+    """e^x of a real number."""
+    return arithmetic.number(mpmath.exp(arithmetic.to_mpmath(x)))

@@ -75,6 +75,10 @@ class PlanePoiseuille:
         """The streamfunction and the velocities."""
         return Unknowns.combinations(velocities(self.alpha), self.size)
 
+    def exact_unknowns(self, exact: Exact) -> dict[str, dict[int, Any]]:
+        """The same for numbers of any kind."""
+        return {"phi": {0: 1}, "u": {1: 1}, "v": {0: -1j * exact(self.alpha)}}
+
     @property
     def pseudospectral(self) -> PoiseuilleCollocation:
         """Chebyshev collocation in vorticity and streamfunction."""
