@@ -17,6 +17,7 @@ CLAIMS = (
     "methods",
     "planted_faults",
     "gallery",
+    "proofs",
     "equations",
     "digits",
     "calibration",

@@ -29,6 +29,16 @@ Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
+class ContourSettings:
+    """Bits, points and the outer circle over the circle of values; least is the smallest ln |D| that was seen on the contour."""
+
+    bits: int
+    points: int
+    wider: float
+    least: float
+
+
+@dataclass(frozen=True)
 class _Followed:
     """What one factor of D gave."""
 
@@ -61,7 +71,8 @@ def along(forms: tuple[Enclosable, ...], region: Rectangle, spare: int, progress
 
 def _followed(form: Enclosable, region: Rectangle, spare: int, progress: Progress | None) -> _Followed:
     middle, half = (region.vertices[0] + region.vertices[2]) / 2, abs(region.vertices[2] - region.vertices[0]) / 2
-    bits, points, wider = _settings(form, region.vertices, middle, half * RECTANGLE_SLACK, spare)
+    chosen = settings(form, region.vertices, middle, half * RECTANGLE_SLACK, spare)
+    bits, points, wider = chosen.bits, chosen.points, chosen.wider
     spent = 0
     for attempt in range(CONTOUR_ATTEMPTS):
         with at_bits(bits):
@@ -85,11 +96,8 @@ def _polynomial(
     return polynomial_model(enclosure, enclosure.growth(disc(centre, wider * R)), centre, R, wider * R, points, progress)
 
 
-def _settings(form: Enclosable, corners: Sequence[complex], middle: complex, radius: float, spare: int) -> tuple[int, int, float]:
-    """Bits, points and the outer circle, from the sizes of D on the contour and on the circle, and from what an enclosure of D loses.
-
-    Choices, not bounds.
-    """
+def settings(form: Enclosable, corners: Sequence[complex], middle: complex, radius: float, spare: int) -> ContourSettings:
+    """From the sizes of D on the contour and on the circle, and from what an enclosure of D loses: choices, not bounds."""
     bits = CONTOUR_SAMPLES_BITS
     while True:
         with at_bits(bits):
@@ -108,7 +116,8 @@ def _settings(form: Enclosable, corners: Sequence[complex], middle: complex, rad
             for wider in OUTER_CIRCLES
         }
     wider = min(needed, key=lambda x: needed[x])
-    return max(bits - known + math.ceil((largest - least) / math.log(2)) + spare, 64), math.ceil(needed[wider]), wider
+    enough = max(bits - known + math.ceil((largest - least) / math.log(2)) + spare, 64)
+    return ContourSettings(enough, math.ceil(needed[wider]), wider, least)
 
 
 def _nats(D: Any) -> float:

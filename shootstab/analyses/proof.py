@@ -22,7 +22,8 @@ class Proof:
     region is {"shape": "disc", "centre", "radius"} or {"shape": "rectangle", "corners"}, its numbers exact decimals. counts are of
     the factors of D, where it has some (parities). margin is the factor by which the decisive inequality holds, the least one of a contour.
     alone is the radius of the largest disc about the same centre in which the count was proved too; floor stands where the count is that
-    of all eigenvalues with Re σ ≥ floor. bits, points and evaluations say what it took, lemmas what it relies on.
+    of all eigenvalues with Re σ ≥ floor, interval (name, low, high, pieces) where it holds for every value of a parameter. bits, points and
+    evaluations say what it took, lemmas what it relies on.
     """
 
     counts: tuple[int, ...]
@@ -35,6 +36,7 @@ class Proof:
     lemmas: tuple[str, ...]
     alone: float | None = None
     floor: float | None = None
+    interval: dict[str, Any] | None = None
 
     @property
     def count(self) -> int:
@@ -45,14 +47,15 @@ class Proof:
     def statement(self) -> str:
         """The theorem in words."""
         many = f"exactly {self.count} eigenvalues"
+        before = "" if self.interval is None else "for every {name} from {low} to {high} ".format(**self.interval)
         if self.floor is not None:
             subject = {0: "no eigenvalue has", 1: "exactly one eigenvalue has"}.get(self.count, f"{many} have")
-            return f"{subject} Re σ ≥ {self.floor!r}"
+            return f"{before}{subject} Re σ ≥ {self.floor!r}"
         subject = {0: "no eigenvalue lies", 1: "exactly one eigenvalue lies"}.get(self.count, f"{many} lie")
         if self.region["shape"] == "disc":
-            return f"{subject} in |σ − ({_shown(self.region['centre'])})| < {self.region['radius']}"
+            return f"{before}{subject} in |σ − ({_shown(self.region['centre'])})| < {self.region['radius']}"
         low, high = self.region["corners"]
-        return f"{subject} in the rectangle from {_shown(low)} to {_shown(high)}"
+        return f"{before}{subject} in the rectangle from {_shown(low)} to {_shown(high)}"
 
 
 def lemmas(forms: Sequence[Enclosable]) -> tuple[str, ...]:

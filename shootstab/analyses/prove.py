@@ -14,12 +14,14 @@ from time import perf_counter
 
 from shootstab.analyses.contour_proof import CONTOUR_BITS, Progress, along
 from shootstab.analyses.disc_proof import around, polished
+from shootstab.analyses.interval_proof import over
 from shootstab.analyses.proof import Decimals, Proof
 from shootstab.analyses.refine import refine
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.regions import Rectangle
+from shootstab.multiprecision.arithmetic import exact
 from shootstab.multiprecision.enclosable import ClosedFormEnclosable, Enclosable
-from shootstab.problems.capabilities import CLOSED_FORM, ENCLOSABLE, FACTORS, GROWING_REGION
+from shootstab.problems.capabilities import CLOSED_FORM, ENCLOSABLE, FACTORS, GROWING_REGION, VARIED
 from shootstab.problems.protocol import Problem
 
 SPARE_DIGITS = 6  # chosen: of the mode beyond the digits of the disc around it
@@ -65,6 +67,34 @@ def prove_rectangle(problem: Problem, region: Rectangle, progress: Progress | No
     ConvergenceError where an eigenvalue lies on the boundary or too near to it.
     """
     return along(factors(problem), region, spare_bits, progress)
+
+
+def prove_interval(
+    problem: Problem,
+    name: str,
+    low: float,
+    high: float,
+    region: Rectangle | None = None,
+    floor: float | None = None,
+    progress: Progress | None = None,
+    spare_bits: int = CONTOUR_BITS,
+) -> Proof:
+    """As `prove_rectangle`, or with a floor as `prove_growing`, for every value of the parameter of that name from low to high.
+
+    The numbers are the decimals that floats stand for. Raises InputError where the problem has no such parameter.
+    """
+    if (region is None) == (floor is None):
+        raise InputError("an interval of a parameter: allowed is one of region and floor")
+    if not -math.inf < low < high < math.inf:
+        raise InputError(f"{name} from {low!r} to {high!r}: allowed are two finite numbers, the smaller one first")
+    made, lemma = VARIED.required(problem)(name), None
+    if floor is not None:
+        if not low > 0.0:
+            raise InputError(f"{name} from {low!r}: allowed is a number above 0")
+        region, lemma = GROWING_REGION.required(problem)(floor, **{name: high})
+    assert region is not None
+    proof = over(made, name, exact(low), exact(high), region, spare_bits, progress)
+    return proof if lemma is None else replace(proof, floor=floor, lemmas=(*proof.lemmas, lemma))
 
 
 def prove_growing(problem: Problem, floor: float, progress: Progress | None = None, spare_bits: int = CONTOUR_BITS) -> Proof:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import argparse
 from argparse import Namespace
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shootstab.cli.commands import BAD_NEWS, DONE, answer
 from shootstab.core.errors import InputError
+from shootstab.core.regions import Rectangle
 from shootstab.io import documents, scenes
 from shootstab.io.files import require_writable, write_whole
 
@@ -26,6 +27,7 @@ def options(parser: argparse.ArgumentParser, guess: Callable[[str], complex], nu
     what.add_argument("--disc", type=numbers(3), metavar="RE,IM,R", help="how many eigenvalues lie in this disc")
     what.add_argument("--region", type=numbers(4), metavar="RE0,IM0,RE1,IM1", help="how many lie in this rectangle")
     what.add_argument("--growing", type=numbers(1), metavar="X", help="how many have Re σ ≥ X, where a theorem bounds all of them")
+    parser.add_argument("--over", metavar="NAME=LOW,HIGH", help="for every value of this parameter; beside --region and --growing")
     parser.add_argument("--digits", type=integer(1, 1000), default=12, metavar="N", help="of the disc about the mode (default 12)")
     parser.add_argument("--certificate", type=Path, metavar="FILE", help="write the certificate, for `shootstab check`")
 
@@ -33,23 +35,26 @@ def options(parser: argparse.ArgumentParser, guess: Callable[[str], complex], nu
 def prove(options: Namespace) -> int:
     """A theorem on one eigenvalue or on all in a region."""
     if options.certificate is not None:
-        if options.region is not None:
-            raise InputError("--certificate: allowed with --guess, --disc and --growing")
+        if options.region is not None or options.over is not None:
+            raise InputError("--certificate: allowed with --guess, --disc and --growing, for one value of the parameters")
         require_writable(options.certificate)
+    parameter = None if options.over is None else _interval(options)
     scene = scenes.load(options.scene)
     from shootstab.analyses import prove as proofs
     from shootstab.cli.terminal import progress
-    from shootstab.core.regions import Rectangle
 
     with progress(f"proving {scene.name}") as told:
-        if options.guess is not None:
+        if parameter is not None:
+            region = None if options.region is None else _rectangle(options.region)
+            floor = None if options.growing is None else options.growing[0]
+            found = proofs.prove_interval(scene.problem, *parameter, region, floor, told)
+        elif options.guess is not None:
             found = proofs.prove(scene.problem, options.guess, options.digits)
         elif options.disc is not None:
             re, im, radius = options.disc
             found = proofs.prove_disc(scene.problem, complex(re, im), radius)
         elif options.region is not None:
-            low_re, low_im, high_re, high_im = options.region
-            found = proofs.prove_rectangle(scene.problem, Rectangle(complex(low_re, low_im), complex(high_re, high_im)), told)
+            found = proofs.prove_rectangle(scene.problem, _rectangle(options.region), told)
         else:
             found = proofs.prove_growing(scene.problem, options.growing[0], told)
     if options.certificate is not None:
@@ -72,6 +77,23 @@ def prove(options: Namespace) -> int:
 
     answer(options, {"statement": found.statement, "count": found.count, **asdict(found)}, tables, scene)
     return DONE
+
+
+def _rectangle(numbers: Sequence[float]) -> Rectangle:
+    low_re, low_im, high_re, high_im = numbers
+    return Rectangle(complex(low_re, low_im), complex(high_re, high_im))
+
+
+def _interval(options: Namespace) -> tuple[str, float, float]:
+    """The parameter and its two values. Raises InputError for what is none."""
+    if options.region is None and options.growing is None:
+        raise InputError("--over: allowed with --region and --growing")
+    name, _, values = options.over.partition("=")
+    try:
+        low, high = (float(x) for x in values.split(","))
+    except ValueError:
+        raise InputError(f"--over {options.over}: allowed is NAME=LOW,HIGH") from None
+    return name, low, high
 
 
 def check(options: Namespace) -> int:

@@ -9,9 +9,10 @@ Exponent = int | Fraction
 
 
 class Atom:
-    """A factor: kind is variable, eigenvalue, constant, jet, function, given or base; order counts derivatives of a jet or a given one.
+    """A factor: kind is variable, eigenvalue, constant, parameter, jet, function, given or base; order counts derivatives of a jet or a
+    given one.
 
-    argument is the expression that a function or a base is taken of.
+    argument is the expression that a function or a base is taken of, and the number that a parameter stands for where none is given.
     """
 
     __slots__ = ("argument", "hash", "key", "kind", "name", "order")

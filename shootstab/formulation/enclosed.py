@@ -10,12 +10,14 @@ polynomials in σ: the eigenvalue may stand in the conditions at both ends.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from fractions import Fraction
 from itertools import combinations
 from typing import Any
 
 from flint import acb, acb_mat, arb
 
+from shootstab.formulation.atoms import Atom
 from shootstab.formulation.evaluation import Evaluator
 from shootstab.formulation.gaussian import Gaussian
 from shootstab.formulation.state_pencil import Powers, StatePencil
@@ -23,14 +25,17 @@ from shootstab.multiprecision.enclosable import ball, row_minors
 from shootstab.multiprecision.minors import Entries
 from shootstab.multiprecision.tailed_series import TailedSeries
 
+NOWHERE = acb(arb.nan())  # defined: what is computed with it is no number
+
 
 class EquationEnclosable:
     """See multiprecision.enclosable.Enclosable: a system between two finite ends with conditions, without given functions."""
 
     lemmas: tuple[str, ...] = ("E8",)
 
-    def __init__(self, system: StatePencil, left: Fraction, right: Fraction) -> None:
-        self._system, self._ends = system, (left, right)
+    def __init__(self, system: StatePencil, left: Fraction, right: Fraction, parameters: Mapping[Atom, Any] | None = None) -> None:
+        """parameters: values, acb, of those that are left open in the system."""
+        self._system, self._ends, self._parameters = system, (left, right), parameters or {}
 
     @property
     def size(self) -> int:
@@ -45,7 +50,7 @@ class EquationEnclosable:
         return ball(self._ends[0]), ball(self._ends[1])
 
     def pencil(self, z: Any) -> tuple[list[Entries], list[Entries]]:
-        at = on_balls(z)
+        at = on_balls(z, self._parameters)
         C, D = ([{place: at(entry) for place, entry in part.items()} for part in powers] for powers in (self._system.C, self._system.D))
         return C, D
 
@@ -62,7 +67,7 @@ class EquationEnclosable:
         return row_minors(self._rows(self._system.right, self.decaying, self._ends[1], sigma)) if self.decaying else [acb(1)]
 
     def _rows(self, parts: Powers, count: int, z: Fraction, sigma: Any) -> list[list[Any]]:
-        at = on_balls(acb(ball(z)))
+        at = on_balls(acb(ball(z)), self._parameters)
         rows = [[acb(0)] * self.size for _ in range(count)]
         for power, part in enumerate(parts):
             for (i, j), entry in part.items():
@@ -70,20 +75,30 @@ class EquationEnclosable:
         return rows
 
 
-def on_balls(z: Any) -> Evaluator:
+def on_balls(z: Any, parameters: Mapping[Atom, Any]) -> Evaluator:
     """Expressions at z, an acb or a TailedSeries: both have the functions as methods, and the branches of numbers."""
-    return Evaluator(_number, lambda name, x: getattr(x, name)(), _power, {"z": z, "pi": acb(arb.pi())}, _not_given)
+    known = {"z": z, "pi": acb(arb.pi())}
+    return Evaluator(_number, _applied, _power, known, _not_given, parameters=parameters)
 
 
 def _number(c: Gaussian) -> Any:
     return acb(ball(Fraction(c.re)), ball(Fraction(c.im)))
 
 
+def _applied(name: str, x: Any) -> Any:
+    return getattr(_off_the_cut(x) if name in ("log", "sqrt") else x, name)()
+
+
 def _power(x: Any, exponent: Fraction) -> Any:
     if exponent.denominator == 1:
         return 1 / x ** -int(exponent)
-    r = acb(ball(exponent))
-    return x**r if isinstance(x, TailedSeries) else acb(x) ** r
+    return _off_the_cut(x) ** acb(ball(exponent))
+
+
+def _off_the_cut(x: Any) -> Any:
+    """x, or what is no number where a ball holds both sides of the negative axis: no root or logarithm is analytic on it."""
+    crosses = not isinstance(x, TailedSeries) and not x.real > 0 and x.imag.contains(0) and not x.imag.is_zero()
+    return NOWHERE if crosses else x
 
 
 def _not_given(name: str, order: int) -> Any:

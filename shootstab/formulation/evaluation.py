@@ -25,7 +25,7 @@ class Evaluator:
 
     number takes a Gaussian rational and apply(name, x) a function of expression.FUNCTIONS to what the walk computes with; power(x, e)
     is x^e for an exponent that is no natural number; natural(x, n) for one that is. values are those of the atoms that are
-    known beforehand, by their names.
+    known beforehand, by their names, parameters those of parameters that are not to have the number that they stand for.
     """
 
     def __init__(
@@ -36,8 +36,10 @@ class Evaluator:
         values: Mapping[str, Any],
         given: Callable[[str, int], Any],
         natural: Callable[[Any, int], Any] = operator.pow,
+        parameters: Mapping[Atom, Any] | None = None,
     ) -> None:
         self._number, self._apply, self._power, self._values, self._given, self._natural = number, apply, power, values, given, natural
+        self._parameters = parameters or {}
         self._atoms: dict[Atom, Any] = {}
         self._powers: dict[tuple[Atom, Exponent], Any] = {}
 
@@ -69,9 +71,11 @@ class Evaluator:
                 self._atoms[atom] = self._given(atom.name, atom.order)
             elif atom.argument is None:
                 self._atoms[atom] = self._values[atom.name]
+            elif atom.kind == "parameter" and atom in self._parameters:
+                self._atoms[atom] = self._parameters[atom]
             else:
                 inner = self(atom.argument)
-                self._atoms[atom] = inner if atom.kind == "base" else self._apply(atom.name, inner)
+                self._atoms[atom] = inner if atom.kind in ("base", "parameter") else self._apply(atom.name, inner)
         return self._atoms[atom]
 
 

@@ -24,6 +24,7 @@ from shootstab.formulation.first_order import FirstOrder
 from shootstab.formulation.gaussian import Gaussian
 from shootstab.formulation.joint_conditions import between
 from shootstab.formulation.limits import with_limit
+from shootstab.formulation.open_parameter import places, varied
 from shootstab.formulation.reduced_layers import ReducedLayer, pencil_of, reduced_layers
 from shootstab.formulation.singular_ends import between_periodic_ends, between_singular_ends, singular_end
 from shootstab.formulation.state_pencil import Condition, Powers, StatePencil, in_states, state_pencil
@@ -111,15 +112,20 @@ class EquationProblem(LinearProblem):
 
     @property
     def enclosable(self) -> Enclosable | None:
-        """The same expressions in balls. None in layers, where a function is given to doubles only, or an end has no conditions."""
-        if self.statement.domain.given or self.statement.joints or not all(self.statement.holding):
+        """The same expressions in balls. None in layers, where a function is given to doubles only, an end has no conditions, or the
+        eigenvalue stands in a denominator, whose zeros would count.
+        """
+        told = self.statement
+        if told.domain.given or told.joints or told.denominators or not all(told.holding):
             return None
         from shootstab.formulation.enclosed import EquationEnclosable
 
-        left, right = (
-            Fraction(Gaussian.of(end.at).re) for end in (self.statement.left, self.statement.right) if isinstance(end, Conditions)
-        )
-        return EquationEnclosable(self.states, left, right)
+        return EquationEnclosable(self.states, *places(self.statement))
+
+    @property
+    def varied(self) -> Callable[[str], Callable[[Any], Enclosable]] | None:
+        """varied(name)(p) is the problem in balls with another value p, an acb, of that parameter. None as for `enclosable`."""
+        return None if self.enclosable is None else partial(varied, self.statement)
 
     @property
     def crossings(self) -> tuple[tuple[NDArray[np.float64], ComplexArray], ...]:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from shootstab.core.errors import InputError
+from shootstab.formulation.atoms import Atom
 from shootstab.formulation.conditions import Conditions, End, Periodic, end_of, rows_of
 from shootstab.formulation.domain import Domain
 from shootstab.formulation.evaluation import Given
+from shootstab.formulation.expression import Expression, number, of_atom
 from shootstab.formulation.joints import InterfaceConditions, Joint, read_joint
 from shootstab.formulation.layers import Layer, own_definitions
 from shootstab.formulation.names import Names
@@ -24,7 +26,8 @@ class Statement:
     """The equations and the conditions at both ends as rows over the unknowns, with the names in them; domain is the whole one.
 
     An end without conditions (an axis, infinity) has no rows. Layers are one more than joints, from left to right. denominators are
-    those of equations and conditions that hold the eigenvalue, each once in a layer.
+    those of equations and conditions that hold the eigenvalue, each once in a layer. varied(name) is the
+    same statement in which a parameter is left open.
     """
 
     left: End
@@ -33,8 +36,9 @@ class Statement:
     right_rows: tuple[tuple[str, Row], ...]
     domain: Domain
     layers: tuple[Layer, ...]
-    joints: tuple[Joint, ...] = ()
-    denominators: Denominators = ()
+    joints: tuple[Joint, ...]
+    denominators: Denominators
+    varied: Callable[[str], Statement]
 
     @property
     def names(self) -> Names:
@@ -96,7 +100,15 @@ def stated(
     held = [layer.system.denominators for layer in layers] + [joint.denominators for joint in read_joints] + [found for _, found in rows]
     denominators = [pair for found in held for pair in found]
     whole = Domain(low, high, dict(given))
-    return Statement(*ends, rows[0][0], rows[1][0], whole, tuple(layers), tuple(read_joints), tuple(denominators))
+
+    def varied(name: str) -> Statement:
+        if name not in parameters:
+            raise InputError(f"{name} is no parameter of the equations: allowed is one of {', '.join(parameters) or 'none'}")
+        others = {other: value for other, value in parameters.items() if other != name}
+        left_open = {**where, name: open_parameter(name, parameters[name])}
+        return stated(unknowns, equations, left, right, interfaces, others, left_open, eigenvalue, variable, given)
+
+    return Statement(*ends, rows[0][0], rows[1][0], whole, tuple(layers), tuple(read_joints), tuple(denominators), varied)
 
 
 def _interfaces(given: Sequence[Any], ends: tuple[End, End]) -> list[InterfaceConditions]:
@@ -119,3 +131,8 @@ def _interfaces(given: Sequence[Any], ends: tuple[End, End]) -> list[InterfaceCo
             "interfaces beside an axis or periodic ends: that is not offered; allowed are ends with conditions, or at infinity"
         )
     return sorted(out, key=lambda joint: float(joint.at))
+
+
+def open_parameter(name: str, value: Any) -> Expression:
+    """A parameter that stands for this number where it is given no other."""
+    return of_atom(Atom("parameter", name, 0, number(value)))

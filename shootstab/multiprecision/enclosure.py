@@ -219,8 +219,13 @@ def _largest(numbers: Sequence[Any]) -> Any:
 
 
 def _perron(dense: np.ndarray[Any, Any]) -> list[float]:
-    """A positive vector close to Perron's of a non-negative matrix: a choice, in doubles, as powers of two."""
+    """A positive vector close to Perron's of a non-negative matrix: a choice, in doubles, as powers of two.
+
+    Of a matrix that is not finite ones, since what it weighs is not finite either.
+    """
     size = len(dense)
+    if not np.isfinite(dense).all():
+        return [1.0] * size
     scale = max(float(dense.max(initial=0.0)), 1e-300)
     w = np.ones(size)
     for _ in range(POWER_STEPS):

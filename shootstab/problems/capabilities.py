@@ -135,6 +135,8 @@ CLOSED_FORM = Capability(
 EXACT_UNKNOWNS = Capability("exact_unknowns", None, "this closed form does not name its unknowns")
 # a multiprecision.enclosable.Enclosable, where a problem is one otherwise than by its closed form
 ENCLOSABLE = Capability("enclosable", None, "a proof asks for a problem in closed form or in equations, between finite ends")
+# varied(name)(p): the enclosable problem with another value p, an acb, of the parameter of that name
+VARIED = Capability("varied", None, "parameters vary in problems in equations between finite ends")
 # closed forms whose discriminants multiply to that of the problem, up to a constant
 FACTORS = Capability("factors", (), "this problem is not made of others")
 FAMILY = Capability("family", None, "this problem belongs to no family of problems with parameters: a sweep is over parameters of a family")
@@ -150,7 +152,8 @@ LAYOUT = Capability("layout", (), "this problem is integrated over z itself")
 # a Shape: what eigenfunctions stand for
 MODE_SHAPE = Capability("mode_shape", None, "this problem says nothing of its eigenfunctions beside their unknowns")
 BASE_FLOW = Capability("flow", None, "this problem has no steady flow of grains: allowed is a scene with a [flow]")
-# growing_region(floor): a rectangle that holds every eigenvalue with Re σ ≥ floor, and the name of the lemma by which it does
+# growing_region(floor): a rectangle that holds every eigenvalue with Re σ ≥ floor, and the name of the lemma by which it does; with the
+# largest value of a parameter by its name, for every value from 0 up to that
 GROWING_REGION = Capability("growing_region", None, "this problem has no theorem that bounds its growing modes")
 # the problem's pencil as a formula, a problems.recorded_pencil.RecordedPencil: what is sampled on a mesh is then computed by a program
 RECORDED = Capability("recorded", None, "this problem has no recorded pencil")

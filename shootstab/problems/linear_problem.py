@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from shootstab.core.errors import InputError
 from shootstab.core.regions import Rectangle
-from shootstab.problems.capabilities import ENCLOSABLE, MULTIPRECISION
+from shootstab.problems.capabilities import ENCLOSABLE, MULTIPRECISION, VARIED
 from shootstab.problems.decaying_space import AtInfinity, DecayingSpace
 from shootstab.problems.ends import Infinity, Interface, Wall
 from shootstab.problems.first_mesh import resolving
@@ -49,7 +49,7 @@ def problem(
     vectorized: bool = False,
     coarser: Callable[[float], LinearProblem] | None = None,
     written: Callable[[], Any] | None = None,
-    growing_region: Callable[[float], tuple[Rectangle, str]] | None = None,
+    growing_region: Callable[..., tuple[Rectangle, str]] | None = None,
     unknowns: Mapping[str, ArrayLike] | Sequence[str] = (),
     knots: ArrayLike = (),
 ) -> LinearProblem:
@@ -159,7 +159,7 @@ class LinearProblem:
     coarser: Callable[[float], LinearProblem] | None = None
     farther_walls: LinearProblem | None = None
     written: Callable[[], Any] | None = None
-    growing_region: Callable[[float], tuple[Rectangle, str]] | None = None
+    growing_region: Callable[..., tuple[Rectangle, str]] | None = None
     unknowns: Unknowns | None = None
     given: tuple[float, ...] = ()
 
@@ -247,6 +247,11 @@ class LinearProblem:
     def enclosable(self) -> Any:
         """That of the problem in equations, if there is one."""
         return None if self._in_equations is None else ENCLOSABLE.of(self._in_equations)
+
+    @property
+    def varied(self) -> Any:
+        """That of the problem in equations, if there is one."""
+        return None if self._in_equations is None else VARIED.of(self._in_equations)
 
     @property
     def at_infinity(self) -> tuple[DecayingSpace, ...]:

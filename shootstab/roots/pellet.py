@@ -88,6 +88,7 @@ def points_for(log_bound: Any, log_size: Any, radius: Any, outer: Any, most: int
 class PolynomialModel:
     """D(σ) = p(u) + ε on |u| ≤ 1, u = (σ − centre)/radius, with |ε| ≤ spread; the coefficients of p are exact.
 
+    With varying polynomials p_1, p_2, … it is D(σ, τ) = p(u) + Σ_l τ^l p_l(u) + ε on |τ| ≤ 1, and a count holds for each of these τ.
     Balls are boxes: a multiplication by a complex u widens one by up to √2, so that p is evaluated with half a bit more a degree.
     """
 
@@ -95,6 +96,7 @@ class PolynomialModel:
     radius: Any
     polynomial: Any
     spread: Any
+    varying: tuple[Any, ...] = ()
 
     def __call__(self, sigma: Any) -> Any:
         """A ball that holds D(σ)."""
@@ -105,16 +107,16 @@ class PolynomialModel:
     def margin(self, middle: Any, reach: Any) -> float:
         """(|c_0| − spread)/(Σ_{k≥1} |c_k| s^k + 2 spread) on a piece |σ − middle| ≤ reach, c_k about its middle, s the reach in u.
 
+        The coefficients c_k, k ≥ 0, of the varying polynomials belong to the sum.
         Above 1, D has no zero on the piece, and its phase differs from that at the middle by less than a quarter turn.
         """
         s, u = (reach / self.radius).upper(), (middle - self.centre) / self.radius
         if not abs(u) + s <= 1:
             return 0.0  # the piece leaves the disc
         shifted = self.polynomial(acb_poly([u, 1])).coeffs()
-        power, others = arb(1), 2 * self.spread
-        for c in shifted[1:]:
-            power = power * s
-            others = others + abs(c) * power
+        others = 2 * self.spread + s * _bounded(shifted[1:], s)
+        for p in self.varying:
+            others = others + _bounded(p(acb_poly([u, 1])).coeffs(), s)
         ratio = (abs(shifted[0]) - self.spread).lower() / others.upper()
         return float(ratio)
 
@@ -148,8 +150,16 @@ class PolynomialModel:
                     continue
                 values += [self(a), self((a + b) / 2)]  # either half turns the phase by less than a quarter: no branch is in doubt
                 least = min(least, margin)
-                here, length = ahead, (ahead - here) * min(2.0, 0.7 * margin)
+                here, length = ahead, (ahead - here) * min(2.0, max(1.0, 0.7 * margin))
         return values, least
+
+
+def _bounded(coefficients: Sequence[Any], s: Any) -> Any:
+    """Σ_k |c_k| s^k."""
+    total = NO_RADIUS
+    for c in reversed(coefficients):
+        total = total * s + abs(c)
+    return total
 
 
 def polynomial_model(

@@ -16,7 +16,7 @@ from flint import acb, arb, ctx  # noqa: E402
 
 import shootstab as st  # noqa: E402
 from shootstab.analyses.certificate import certify, check  # noqa: E402
-from shootstab.analyses.prove import prove, prove_disc, prove_growing, prove_rectangle  # noqa: E402
+from shootstab.analyses.prove import prove, prove_disc, prove_growing, prove_interval, prove_rectangle  # noqa: E402
 from shootstab.multiprecision.enclosable import ClosedFormEnclosable  # noqa: E402
 from shootstab.multiprecision.enclosure import Enclosure  # noqa: E402
 
@@ -230,6 +230,35 @@ def test_the_modes_of_convection_that_grow() -> None:
     assert prove_growing(st.gallery.benard(1700.0, 3.117), 0.0).count == 0  # Ra_c = 1707.76
     with pytest.raises(st.InputError, match="no theorem"):
         prove_growing(st.gallery.benard(2000.0 + 1j, 3.117), 0.0)
+
+
+def test_intervals_of_a_parameter() -> None:
+    """y″ + k y = σ y between walls: σ = k − n²π². For k to 2 one of them lies in the rectangle; at k = π² + 3 it leaves it."""
+    string = st.equations(["y"], ["d(y,2) + k*y - sigma*y"], st.Conditions(0, ["y"]), st.Conditions(1, ["y"]), parameters={"k": 1.0})
+    region = st.Rectangle(-20 - 4j, 3 + 4j)
+    proof = prove_interval(string, "k", 0.0, 2.0, region)
+    assert (proof.count, proof.lemmas[-1]) == (1, "E10")
+    assert proof.statement.startswith("for every k from 0 to 2 exactly one eigenvalue lies in the rectangle")
+    with pytest.raises(st.ConvergenceError, match=r"1 at k = 12\.5 and 0 at k = 13: one crosses its boundary between"):
+        prove_interval(string, "k", 12.5, 13.0, region)
+    with pytest.raises(st.InputError, match="taylor is no parameter"):
+        prove_interval(string, "taylor", 0.0, 5.0, region)
+
+
+def test_a_root_of_a_parameter_is_enclosed_off_its_cut_only() -> None:
+    """Beyond 0 √k is no analytic function of k: nothing finite comes out for a disc that holds it."""
+    roots = st.equations(["y"], ["d(y,2) + sqrt(k)*y - sigma*y"], st.Conditions(0, ["y"]), st.Conditions(1, ["y"]), parameters={"k": 1.0})
+    made = roots.varied("k")  # type: ignore[misc]
+    with ctx.workprec(80):
+        wide = {radius: acb(arb(1, radius), arb(0, radius)) for radius in (0.5, 1.5)}
+        growths = [Enclosure(made(k), 80).growth(acb(-9, 1)) for k in wide.values()]
+    assert [bool(growth.is_finite()) for growth in growths] == [True, False]
+
+
+def test_convection_is_stable_over_an_interval() -> None:
+    proof = prove_interval(st.gallery.benard(1000.0, 3.117), "rayleigh", 1630.0, 1631.0, floor=0.0)
+    assert proof.count == 0
+    assert proof.statement == "for every rayleigh from 1630 to 1631 no eigenvalue has Re σ ≥ 0.0"
 
 
 def test_what_cannot_be_proved_says_why(scenes: Any) -> None:

@@ -51,14 +51,16 @@ def benard(
     return problem(6, lambda z: (D0, D1), *walls, vectorized=True, **told)
 
 
-def _growing(rayleigh: Any, wavenumber: Any, prandtl: float, floor: float) -> tuple[Rectangle, str]:
+def _growing(rayleigh: Any, wavenumber: Any, prandtl: float, floor: float, /, **largest: float) -> tuple[Rectangle, str]:
     """A rectangle that holds every σ with Re σ ≥ floor, by lemma P2 of the guide's page on proofs: σ is real and at most
 
         √(Ra a² Pr/(π² + a²)).
 
+    largest: the largest value of parameters that vary, in place of those of the problem: the bound rises with each of them.
     Source: A. Pellew & R. V. Southwell, Proc. R. Soc. Lond. A 176 (1940) 312. Raises InputError where the floor lies above that.
     """
-    a2, height = abs(wavenumber) ** 2, math.pi**2
+    values = {"rayleigh": rayleigh, "wavenumber": wavenumber, "prandtl": prandtl, **largest}
+    rayleigh, prandtl, a2, height = values["rayleigh"], values["prandtl"], abs(values["wavenumber"]) ** 2, math.pi**2
     top = math.sqrt(abs(rayleigh) * a2 * prandtl / (height + a2)) * (1 + REGION_MARGIN)
     if not floor < top:
         raise InputError(f"floor = {floor!r}: allowed is a number below {top:.6g}, above which no mode grows")
@@ -70,12 +72,13 @@ def in_equations(rayleigh: complex, wavenumber: complex, prandtl: float, lower: 
     return equations(
         ["W", "T"],
         [
-            "sigma*(d(W,2) - a**2*W)/Pr - (d(W,4) - 2*a**2*d(W,2) + a**4*W) + Ra*a**2*T",
+            "sigma*(d(W,2) - a**2*W)/prandtl - (d(W,4) - 2*a**2*d(W,2) + a**4*W) + rayleigh*a**2*T",
             "sigma*T - (d(T,2) - a**2*T) - W",
         ],
         Conditions(0, CONDITIONS[lower]),
         Conditions(1, CONDITIONS[upper]),
-        parameters={"Ra": rayleigh, "a": wavenumber, "Pr": prandtl},
+        parameters={"rayleigh": rayleigh, "wavenumber": wavenumber, "prandtl": prandtl},
+        where={"a": "wavenumber"},
     )
 
 

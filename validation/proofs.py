@@ -1,0 +1,117 @@
+"""What is proved: modes of the gallery, all that grows, critical numbers between two decimals, and error bars held against proofs."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import mpmath
+from claims import Case, Claim, main
+
+import shootstab as st
+from shootstab.analyses.certificate import certify, check
+from shootstab.analyses.proof import Proof
+from shootstab.analyses.prove import prove, prove_growing, prove_interval, prove_rectangle
+from shootstab.models.catalogue.published import PUBLISHED
+from shootstab.problems.capabilities import CLOSED_FORM, ENCLOSABLE
+
+ALPHA = 1.02054744928533  # of the critical point of plane Poiseuille flow, to fifteen digits
+NEAR = 64  # chosen: spare bits on a boundary that a mode passes at 1e-11
+TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+
+
+def timed(ask: Callable[[], Any]) -> tuple[Any, str]:
+    """The answer, and the processor time that it took."""
+    began = time.process_time()
+    return ask(), f"{time.process_time() - began:.1f} s"
+
+
+def stated(name: str, expected: str, ask: Callable[[], Proof]) -> Case:
+    """A theorem in words."""
+    proof, seconds = timed(ask)
+    return Case(name, expected, proof.statement, 0.0, f"{seconds}, {proof.evaluations} values of D, {proof.bits} bits")
+
+
+def certified(name: str, channel: Any, proof: Proof, spare: int) -> Case:
+    """Whether the checker accepts the certificate that was handed out, read from its decimals."""
+    certificate, made = timed(lambda: certify(channel, proof, spare))
+    reason, seconds = timed(lambda: check(certificate))
+    return Case(f"{name}, certificate", "accepted", "accepted" if reason is None else reason, 0.0, f"made in {made}, checked in {seconds}")
+
+
+def gallery() -> Iterator[Case]:
+    """Every published mode of a problem that can be proved, to 12 digits."""
+    for case in PUBLISHED:
+        problem = case.problem()
+        if CLOSED_FORM.of(problem) is None and ENCLOSABLE.of(problem) is None:
+            yield Case(case.name, "–", "no enclosure", None)
+            continue
+        proof, seconds = timed(lambda p=problem, s=case.sigma: prove(p, s, 12))
+        centre = proof.region["centre"]
+        found = complex(float(centre["re"]), float(centre["im"])) / case.unit
+        size = max(abs(case.value.real), abs(case.value.imag))
+        yield Case(
+            case.name, case.value, found, case.tolerance / abs(case.unit) / size, f"{proof.count} in {proof.region['radius']}, {seconds}"
+        )
+
+
+def bars() -> Iterator[Case]:
+    """The bounds of double precision, by method and tolerance, against discs in which exactly one eigenvalue is proved to lie."""
+    problems = (
+        ("plane Poiseuille", st.gallery.PlanePoiseuille(), 0.00374 - 0.2375j),
+        ("plane Poiseuille, R = 100", st.gallery.PlanePoiseuille(100.0), -0.163 - 0.478j),
+        ("Bénard", st.gallery.benard(2000.0, 3.117), 2.146),
+    )
+    for name, problem, guess in problems:
+        proof = prove(problem, guess, 18)
+        with mpmath.workdps(30):
+            truth = mpmath.mpc(proof.region["centre"]["re"], proof.region["centre"]["im"])
+            broken, ratios = 0, []
+            for method in (st.Frame, st.Compound, st.Riccati):
+                for rtol in TOLERANCES:
+                    mode = st.refine(problem, guess, rtol=rtol, method=method())
+                    off = float(abs(mpmath.mpc(mode.sigma) - truth)) + float(proof.region["radius"])
+                    broken += off > mode.error
+                    ratios.append(mode.error / off)
+        note = f"{len(ratios)} bars, the bound is {min(ratios):.1f} to {max(ratios):.0f} times the distance"
+        yield Case(f"{name}: bars broken", "0", str(broken), 0.0, note)
+
+
+def cases(quick: bool) -> Iterator[Case]:
+    yield from gallery()
+    layer = st.gallery.benard(2000.0, 3.117)
+    yield stated("Bénard, Ra = 2000", "exactly one eigenvalue has Re σ ≥ 0.0", lambda: prove_growing(layer, 0.0))
+    for rayleigh, said in ((1707.7617, "no eigenvalue has"), (1707.7618, "exactly one eigenvalue has")):
+        near = st.gallery.benard(rayleigh, 3.11632355)
+        yield stated(f"Bénard, Ra = {rayleigh}", f"{said} Re σ ≥ 0.0", lambda p=near: prove_growing(p, 0.0, None, NEAR))  # type: ignore[misc]
+    yield from bars()
+    if quick:
+        return
+    yield stated(
+        "Bénard, every Ra",
+        "for every rayleigh from 1 to 1707 no eigenvalue has Re σ ≥ 0.0",
+        lambda: prove_interval(layer, "rayleigh", 1.0, 1707.0, floor=0.0),
+    )
+    for reynolds, alpha, floor, said, spare in (
+        (10000.0, 1.0, -0.001, "exactly one eigenvalue has", 24),
+        (5772.2218, ALPHA, 0.0, "no eigenvalue has", NEAR),
+        (5772.2219, ALPHA, 0.0, "exactly one eigenvalue has", NEAR),
+    ):
+        channel, name = st.gallery.PlanePoiseuille(reynolds, alpha, half=False), f"the channel, R = {reynolds:.10g}"
+        proof, seconds = timed(lambda c=channel, f=floor, s=spare: prove_growing(c, f, None, s))  # type: ignore[misc]
+        yield Case(name, f"{said} Re σ ≥ {floor!r}", proof.statement, 0.0, f"{seconds}, {proof.evaluations} values of D, {proof.bits} bits")
+        yield certified(name, channel, proof, spare)
+    channel, region = st.gallery.PlanePoiseuille(100.0, half=False), st.Rectangle(-0.4 - 1.0j, 0.1 + 0j)
+    proof, seconds = timed(lambda: prove_rectangle(channel, region))
+    yield Case("the channel, R = 100, a rectangle", str(st.count(channel, region)), str(proof.count), 0.0, seconds)
+
+
+CLAIM = Claim(
+    "What the program says of modes is proved in ball arithmetic, and certificates are accepted by a checker of their own.",
+    "guide/proofs.md, lemmas E1 to E10, P1 and P2",
+    cases,
+)
+
+if __name__ == "__main__":
+    main(CLAIM)
