@@ -22,7 +22,7 @@ from shootstab.roots.two_variables import two_variable_model
 
 AWAY = (2.0, 4.0, 8.0, 16.0, 32.0)  # chosen: circles about a piece of the interval on which |D| is bounded, over its half length
 LARGEST_CHANGE = 0.5  # chosen: of D on the boundary over half a piece; below 1 it may succeed, and smaller ones make it likelier
-MOST_PIECES = 512  # chosen, a budget
+MOST_SUBINTERVALS = 512  # chosen, a budget
 
 Made = Callable[[Any], Enclosable]  # of a value of the parameter, acb
 
@@ -47,8 +47,8 @@ def over(make: Made, name: str, low: Fraction, high: Fraction, region: Rectangle
     found: list[_Piece] = []
     while waiting:
         a, b = waiting.pop()
-        if len(found) + len(waiting) > MOST_PIECES:
-            raise ConvergenceError(f"{MOST_PIECES} pieces do not do: next to {name} = {float(a):.12g} an eigenvalue is on the boundary")
+        if len(found) + len(waiting) > MOST_SUBINTERVALS:
+            raise ConvergenceError(f"{MOST_SUBINTERVALS} subintervals do not do: next to {name} = {float(a):.12g} an eigenvalue is on the boundary")
         piece = _piece(make, a, b, region, spare)
         if piece is None:
             middle = (a + b) / 2

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +20,6 @@ from shootstab.formulation.equation_family import EquationFamily, family_around
 from shootstab.formulation.evaluation import Given, filled, on_arrays
 from shootstab.formulation.explanation import Lines, explanation
 from shootstab.formulation.first_order import FirstOrder
-from shootstab.formulation.gaussian import Gaussian
 from shootstab.formulation.joint_conditions import between
 from shootstab.formulation.limits import with_limit
 from shootstab.formulation.open_parameter import places, varied
