@@ -48,7 +48,8 @@ def over(make: Made, name: str, low: Fraction, high: Fraction, region: Rectangle
     while waiting:
         a, b = waiting.pop()
         if len(found) + len(waiting) > MOST_SUBINTERVALS:
-            raise ConvergenceError(f"{MOST_SUBINTERVALS} subintervals do not do: next to {name} = {float(a):.12g} an eigenvalue is on the boundary")
+            where = f"next to {name} = {float(a):.12g} an eigenvalue is on the boundary"
+            raise ConvergenceError(f"{MOST_SUBINTERVALS} subintervals do not do: {where}")
         piece = _piece(make, a, b, region, spare)
         if piece is None:
             middle = (a + b) / 2
