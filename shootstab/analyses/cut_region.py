@@ -18,7 +18,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from shootstab.analyses.accuracy import Sample, require_accurate
+from shootstab.analyses.accuracy import Inaccurate, Sample, require_accurate
 from shootstab.core.discriminant import Value
 from shootstab.core.regions import Disc, Region
 from shootstab.discriminants.continuation import Branch, Continuation, Undecidable
@@ -49,8 +49,8 @@ class RegionCount:
 class _Contour:
     """Legs of a contour, followed one after the other, with every sample and the discriminant that it is of."""
 
-    def __init__(self, continuation: Continuation) -> None:
-        self.continuation = continuation
+    def __init__(self, continuation: Continuation, most: float) -> None:
+        self.continuation, self.most = continuation, most
         self.asked: list[Sample] = []
         self.legs: list[tuple[int, tuple[Value, ...]]] = []
 
@@ -79,21 +79,23 @@ class _Contour:
     def _value(self, branch: Branch, sigma: complex) -> Value:
         value = branch.discriminant.with_derivative(sigma)
         self.asked.append((branch.discriminant, value))
+        if len(self.asked) > self.most:
+            raise Inaccurate(f"D is noise along the contour, or has too many zeros next to it: {len(self.asked)} samples do not follow it")
         return value
 
 
-def count_in_region(continuation: Continuation, region: Region) -> RegionCount:
-    """Count the modes in a region.
+def count_in_region(continuation: Continuation, region: Region, most: float = math.inf) -> RegionCount:
+    """Count the modes in a region, with so many samples of D at most.
 
     Raises Undecidable where the continuous spectrum runs over itself, or an end of it lies on the boundary; Inaccurate where D is not
-    known well enough; ConvergenceError where a mode lies on the contour.
+    known well enough, or most samples do not suffice; ConvergenceError where a mode lies on the contour.
     """
     if continuation.barrier is not None and continuation.barrier.enters(region):
         raise Undecidable(f"{continuation.barrier.name} enters the region")
     if continuation.barrier is not None and continuation.barrier.beyond(region.boundary(0.0)):
         raise Undecidable("the region lies beyond the continuous spectrum of an end at infinity")
     curve = continuation.continuum
-    contour = _Contour(continuation)
+    contour = _Contour(continuation, most)
     if curve is None:
         _follow_boundary(contour, region, region.corners, closed=True)
         return contour.counted((), False)

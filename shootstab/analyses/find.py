@@ -22,7 +22,7 @@ from shootstab.discriminants.method import Method
 from shootstab.discriminants.named import METHODS, method_named
 from shootstab.problems.protocol import Problem
 from shootstab.roots import search as roots
-from shootstab.roots.search import Arrival, Search, Zero, polish
+from shootstab.roots.search import Arrival, Search, Zero, moments, polish
 from shootstab.roots.winding import Winding
 
 Tick = Callable[[], None]  # told that a piece of the work is done
@@ -30,6 +30,7 @@ Tick = Callable[[], None]  # told that a piece of the work is done
 SEARCHING = 1e-9  # chosen: local error of the method on whose meshes zeros are polished, to be refined on others
 KNOWN_WITHIN = 1e-2  # chosen: of a region's size, how well its modes are to be known for their number to mean something
 LEAST_MODE_RTOL = 1e-14  # derived: what `refine` allows
+LEAST_ON_PART, MORE_ON_PART = 200, 4  # chosen: samples that a part's contour may take in any case, and in those of the whole region
 WIDER_AROUND = 4.0  # chosen: from one circle around a multiple zero to the next
 LARGEST_CIRCLE = 1e3  # chosen: the last of them, in the first: beyond, the zero was not multiple to any purpose
 
@@ -79,7 +80,7 @@ def find_modes(
     tightening = Tightening(continuation)
     accurate, whole = counted_twice(tightening, region)
     tick()
-    return accurate, roots.find(_everywhere(tightening, accurate, tick), region, known, whole), whole
+    return accurate, roots.find(_everywhere(tightening, accurate, whole.evaluations, tick), region, known, whole), whole
 
 
 def without_repetition(zeros: Sequence[Zero], modes: Iterable[Sequence[Mode]]) -> tuple[Mode, ...]:
@@ -139,13 +140,20 @@ def _in_a_circle(search: Search, zero: Zero) -> list[Zero]:
         except ConvergenceError:
             counted = None  # a zero lies on the circle, or D is not accurate enough for so small a one
         if counted is not None and counted.count >= zero.multiplicity:  # some of them may be known
-            return roots.find(search, disc, counted=counted)
+            try:
+                return roots.find(search, disc, counted=counted)
+            except ConvergenceError:  # D is noise around them, and does not tell them apart
+                return [Zero(moments(counted)[0], counted.count, radius)]
         radius *= WIDER_AROUND
     raise ConvergenceError(f"{zero.multiplicity} zeros were counted at {zero.sigma:.12g}, but no circle is found in which they stay")
 
 
-def _everywhere(tightening: Tightening, continuation: Continuation, tick: Tick = lambda: None) -> Search:
-    """A search for modes along whatever paths suit them: the continuation polishes, and those of the tightening count."""
+def _everywhere(tightening: Tightening, continuation: Continuation, samples: int = 0, tick: Tick = lambda: None) -> Search:
+    """A search for modes along whatever paths suit them: the continuation polishes, and those of the tightening count.
+
+    samples are those that the contour of the whole region took. Those of its parts are shorter, and one that needs some times as many is
+    noise: halving it would not end.
+    """
     ends = [] if continuation.continuum is None else end_discs(continuation.continuum)
 
     def arrive(start: complex, length: float) -> Arrival | None:
@@ -159,7 +167,7 @@ def _everywhere(tightening: Tightening, continuation: Continuation, tick: Tick =
 
     def count(region: Region) -> RegionCount:
         tick()
-        return tightening.first(lambda c: count_in_region(c, region))[1]
+        return tightening.first(lambda c: count_in_region(c, region, max(LEAST_ON_PART, MORE_ON_PART * samples)))[1]
 
     def in_circle(c: Continuation, disc: Disc) -> Winding:
         branches = c.branches(disc.centre, disc.radius)

@@ -77,6 +77,15 @@ def test_claims_on_a_jordan_block_of_four() -> None:
     assert not report.missing
 
 
+def test_find_gives_a_jordan_block_of_four_before_long() -> None:
+    """Contours through the noise around it, which no halving follows, are given up; the four are counted in one circle."""
+    found = st.find(chain(4), st.Rectangle(-14 - 2j, -6 + 2.1j), rtol=1e-5)
+    assert found.counted.count == 4
+    (mode,) = found.modes
+    assert mode.multiplicity == 4
+    assert abs(mode.sigma + PI2) <= mode.error < 1e-4
+
+
 def test_one_claim_where_two_modes_share_its_digits_is_unresolved_and_one_is_missing() -> None:
     report = st.verify(strings(1.0, 1.0 + 1e-7), [-PI2], region=st.Rectangle(-9.92 - 0.05j, -9.81 + 0.04j))
     (verdict,) = report.verdicts
