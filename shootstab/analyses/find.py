@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
@@ -12,7 +13,7 @@ from shootstab.analyses.multiple import cluster, multiple
 from shootstab.analyses.refine import refine
 from shootstab.analyses.refine_double import require_atol, tightened
 from shootstab.analyses.resonances import find_resonances
-from shootstab.analyses.zeros import accurate_count
+from shootstab.analyses.zeros import MOST_TO_SEPARATE, accurate_count
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.records import Mode
 from shootstab.core.regions import Disc, Region, size
@@ -117,7 +118,7 @@ def modes_of(continuation: Continuation, zero: Zero, rtol: float, atol: float | 
     tried: Method | None = tightened(continuation.method)
     while tried is not None:
         continuation, tried = Continuation(continuation.problem, tried), tightened(tried)
-    parts = _in_a_circle(_everywhere(Tightening(continuation), continuation), zero)
+    parts = _in_a_circle(_everywhere(Tightening(continuation), continuation, in_all=MOST_TO_SEPARATE), zero)
     each = (
         refine(continuation.problem, z.sigma, rtol, method=method, atol=atol)
         if z.radius == 0.0
@@ -148,12 +149,15 @@ def _in_a_circle(search: Search, zero: Zero) -> list[Zero]:
     raise ConvergenceError(f"{zero.multiplicity} zeros were counted at {zero.sigma:.12g}, but no circle is found in which they stay")
 
 
-def _everywhere(tightening: Tightening, continuation: Continuation, samples: int = 0, tick: Tick = lambda: None) -> Search:
+def _everywhere(
+    tightening: Tightening, continuation: Continuation, samples: int = 0, tick: Tick = lambda: None, in_all: float = math.inf
+) -> Search:
     """A search for modes along whatever paths suit them: the continuation polishes, and those of the tightening count.
 
     samples are those that the contour of the whole region took. Those of its parts are shorter, and one that needs some times as many is
-    noise: halving it would not end.
+    noise: halving it would not end. in_all are samples beyond which no more parts are counted.
     """
+    spent = 0
     ends = [] if continuation.continuum is None else end_discs(continuation.continuum)
 
     def arrive(start: complex, length: float) -> Arrival | None:
@@ -166,8 +170,15 @@ def _everywhere(tightening: Tightening, continuation: Continuation, samples: int
             return None
 
     def count(region: Region) -> RegionCount:
+        nonlocal spent
         tick()
-        return tightening.first(lambda c: count_in_region(c, region, max(LEAST_ON_PART, MORE_ON_PART * samples)))[1]
+        if spent > in_all:
+            raise ConvergenceError(f"{spent} samples of D do not tell the zeros apart")
+        most = max(LEAST_ON_PART, MORE_ON_PART * samples)
+        spent += most  # unless fewer suffice
+        counted = tightening.first(lambda c: count_in_region(c, region, most))[1]
+        spent += counted.evaluations - most
+        return counted
 
     def in_circle(c: Continuation, disc: Disc) -> Winding:
         branches = c.branches(disc.centre, disc.radius)
