@@ -41,5 +41,6 @@ class Frame:
         errors = np.empty(len(sampled.nodes) - 1)
         system, at, Y, dY, *W = sampled.numbers(sigma, far.frame, far.tangent, *rows)
         log_det, trace = transport(system, at, Y, dY, tangent, errors)
-        det, slope = wall_determinant(polynomial.value(W, at), polynomial.slope(W, at), Y, dY)
+        at_wall = (polynomial.value(W, at), polynomial.slope(W, at), Y, dY)
+        det, slope = wall_determinant(*(a.astype(np.complex128, copy=False) for a in at_wall))
         return Propagation(Value(sigma, Scaled(det, log_det + far.log_scale), slope + complex(trace) * det), errors)

@@ -103,7 +103,7 @@ def _propagate(
     system, at, S, dS = sampled.numbers(sigma, S, dS)
     log_det, dlog_det, largest, made = transport_chart(system, at, units, order, S, dS, tangent, errors, given, swaps is None)
     W, dW = polynomial.value(rows, sigma), polynomial.slope(rows, sigma)
-    det, slope = wall_determinant(W, dW, *leave_chart(S, dS, units, order))
+    det, slope = wall_determinant(*(a.astype(np.complex128, copy=False) for a in (W, dW, *leave_chart(S, dS, units, order))))
     # a mesh too coarse for S gives no numbers: the errors tell
     with np.errstate(invalid="ignore", over="ignore"):
         factor = start * np.exp(1j * log_det.imag)

@@ -187,6 +187,8 @@ def _present(X: ComplexArray, V: ComplexArray, G: ComplexArray, T: ComplexArray)
     entries = np.zeros((max(2, X.shape[2], T.shape[2]), n + m, n), dtype=np.bool_)
     entries[: X.shape[2], :n] = X.any(axis=(0, 1))
     entries[: T.shape[2], n:] = T.any(axis=(0, 1))
+    # the rows of τ have the same columns: γ⁻¹ mixes them
+    entries[0, n:] |= T.any(axis=(0, 1, 2, 3))
     return Present(entries, np.asarray(V.any(axis=(0, 1, 3))))
 
 

@@ -5,42 +5,37 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+LANES = 4  # chosen: columns that are multiplied together; those that a matrix lacks are zero
 
-@njit(cache=True, error_model="numpy")
-def solve_small(G, T):  # type: ignore[no-untyped-def]
-    """T ← G⁻¹ T for m×m G, by elimination with partial pivoting; G is destroyed, and a singular one gives NaN."""
-    m, n = T.shape
+
+@njit(cache=True, error_model="numpy", inline="always")
+def solve_small(M):  # type: ignore[no-untyped-def]
+    """M = [G, T] ← [1, G⁻¹ T] for m×m G, by elimination with partial pivoting; a singular one gives NaN."""
+    m, n = M.shape
     for p in range(m):
         best = p
         for i in range(p + 1, m):
-            if square(G[i, p]) > square(G[best, p]):
+            if abs(M[i, p]) > abs(M[best, p]):
                 best = i
-        if best != p:
-            for c in range(m):
-                G[p, c], G[best, c] = G[best, c], G[p, c]
-            for c in range(n):
-                T[p, c], T[best, c] = T[best, c], T[p, c]
-        inverse = G[p, p].conjugate() * (1.0 / square(G[p, p]))
-        for c in range(p, m):
-            G[p, c] *= inverse
-        for c in range(n):
-            T[p, c] *= inverse
+        pivot = M[best, p]
+        inverse = pivot.conjugate() * (1.0 / (pivot.real * pivot.real + pivot.imag * pivot.imag))
+        for c in range(p, n):
+            M[p, c], M[best, c] = M[best, c], M[p, c]
+            M[p, c] *= inverse
         for i in range(m):
             if i != p:
-                factor = G[i, p]
-                for c in range(p, m):
-                    G[i, c] -= factor * G[p, c]
-                for c in range(n):
-                    T[i, c] -= factor * T[p, c]
+                factor = M[i, p]
+                for c in range(p, n):
+                    M[i, c] -= factor * M[p, c]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def square(x):  # type: ignore[no-untyped-def]
     """|x|²."""
     return x.real * x.real + x.imag * x.imag
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def factorize(F, pivots):  # type: ignore[no-untyped-def]
     """F ← its triangular factors, with partial pivoting, the diagonal inverted; a singular F gives NaN."""
     n = len(F)
@@ -63,29 +58,26 @@ def factorize(F, pivots):  # type: ignore[no-untyped-def]
                     F[i, c] -= factor * F[p, c]
 
 
-@njit(cache=True, error_model="numpy")
-def substitute(F, pivots, R):  # type: ignore[no-untyped-def]
-    """R ← F⁻¹ R with the factors that `factorize` left; R (n, q)."""
-    n, columns = R.shape
+@njit(cache=True, error_model="numpy", inline="always")
+def substitute(F, pivots, R, first, last):  # type: ignore[no-untyped-def]
+    """Columns first ≤ q < last of R (n, ·) ← F⁻¹ R with the factors that `factorize` left."""
+    n = len(F)
     for p in range(n):
         best = pivots[p]
-        for q in range(columns):
+        for q in range(first, last):
             R[p, q], R[best, q] = R[best, q], R[p, q]
-    for p in range(n):
-        for i in range(p + 1, n):
-            factor = F[i, p]
-            if factor != 0.0:
-                for q in range(columns):
-                    R[i, q] -= factor * R[p, q]
-    for i in range(n):
-        p = n - 1 - i
-        for q in range(columns):
-            R[p, q] *= F[p, p]
-        for above in range(p):
-            factor = F[above, p]
-            if factor != 0.0:
-                for q in range(columns):
-                    R[above, q] -= factor * R[p, q]
+    for turn in range(2):
+        # down through the lower factor, up through the upper one
+        for step in range(n):
+            p = step if turn == 0 else n - 1 - step
+            if turn == 1:
+                for q in range(first, last):
+                    R[p, q] *= F[p, p]
+            for i in range(p + 1 if turn == 0 else 0, n if turn == 0 else p):
+                factor = F[i, p]
+                if factor != 0.0:
+                    for q in range(first, last):
+                        R[i, q] -= factor * R[p, q]
 
 
 @njit(cache=True, error_model="numpy")
@@ -94,12 +86,12 @@ def solve_each(F, R):  # type: ignore[no-untyped-def]
     pivots = np.empty(F.shape[1], dtype=np.int64)
     for p in range(len(F)):
         factorize(F[p], pivots)
-        substitute(F[p], pivots, R[p])
+        substitute(F[p], pivots, R[p], 0, R.shape[2])
 
 
 @njit(cache=True, error_model="numpy")
 def wall_determinant(W, dW, Y, dY):  # type: ignore[no-untyped-def]
-    """det[W Y] and its σ-derivative; W, dW (k, n), Y, dY (n, k), real or complex."""
+    """det[W Y] and its σ-derivative; W, dW (k, n), Y, dY (n, k), complex."""
     k, n = W.shape
     M, dM = np.zeros((k, k), dtype=np.complex128), np.zeros((k, k), dtype=np.complex128)
     for a in range(k):
@@ -111,24 +103,27 @@ def wall_determinant(W, dW, Y, dY):  # type: ignore[no-untyped-def]
     return det_with_slope(M, dM)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def det_with_slope(M, dM):  # type: ignore[no-untyped-def]
     """det M and its derivative, the sum of the determinants with one column differentiated; complex k×k.
 
     It holds where M is singular, and elimination keeps the accuracy of rows of very different size.
     """
     k = len(M)
-    F, slope = M.copy(), 0j
-    det = determinant(F)
-    for j in range(k):
+    F, det, slope = np.empty_like(M), 0j, 0j
+    for j in range(-1, k):
         for a in range(k):
             for b in range(k):
                 F[a, b] = dM[a, b] if b == j else M[a, b]
-        slope += determinant(F)
+        value = determinant(F)
+        if j < 0:
+            det = value
+        else:
+            slope += value
     return det, slope
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def determinant(F):  # type: ignore[no-untyped-def]
     """det F, by elimination with partial pivoting; F is destroyed."""
     k = len(F)
@@ -139,7 +134,8 @@ def determinant(F):  # type: ignore[no-untyped-def]
             if square(F[i, p]) > square(F[best, p]):
                 best = i
         if F[best, p] == 0j:
-            return 0j
+            det = 0j
+            break
         if best != p:
             det = -det
             for c in range(p, k):

@@ -2,153 +2,143 @@
 
 On a fixed mesh every operation but the orthonormalization is a rational function of σ, and of that one the R factors are carried
 along: D(σ) computed here is analytic to rounding, whatever the accuracy of the mesh. Arrays are real or complex, as the system's are.
+
+Numba compiles each kernel once for real and once for complex numbers, in seconds that somebody waits: memory is made outside, and every
+loop stands at one place.
 """
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
-from shootstab.kernels.elimination import solve_small, square
-from shootstab.kernels.reduced_system import add_carried, evaluate, multiply, multiply_with_slope, small_entry, workspace
-from shootstab.kernels.stages import combine, reals
+from shootstab.kernels.elimination import LANES
+from shootstab.kernels.reduced_system import ReducedSystem, add_carried, evaluate, multiply
+from shootstab.kernels.stages import combine
 from shootstab.kernels.step_control import FLOOR, local_error
 from shootstab.kernels.tableau import STAGES, WEIGHTS
 from shootstab.kernels.tableau import A as RK_A
 
-
-@njit(cache=True, error_model="numpy")
-def orthonormalize(Y, R):  # type: ignore[no-untyped-def]
-    """Y = QR in place (n×k), by modified Gram–Schmidt; returns ln det R. A column of zeros gives −∞ or NaN."""
-    n, k = Y.shape
-    log_det = 0.0
-    for j in range(k):
-        for i in range(j):
-            r = 0 * R[i, j]
-            for c in range(n):
-                r += Y[c, i].conjugate() * Y[c, j]
-            R[i, j] = r
-            for c in range(n):
-                Y[c, j] -= r * Y[c, i]
-        square = 0.0
-        for c in range(n):
-            square += Y[c, j].real ** 2 + Y[c, j].imag ** 2
-        size = np.sqrt(square)
-        R[j, j] = size
-        log_det += np.log(size)
-        inverse = 1.0 / size
-        for c in range(n):
-            Y[c, j] *= inverse
-    return log_det
+TABLE = np.concatenate((RK_A, WEIGHTS))  # derived: what the stages are combined with: for each of them, for the end of the step, its errors
 
 
-@njit(cache=True, error_model="numpy")
-def reduce_tangent(Y, dY, R):  # type: ignore[no-untyped-def]
-    """dY ← dY R⁻¹ less what lies in the span of Y: that changes ln D by its trace only, which is returned, and would grow if it stayed.
-
-    R is overwritten.
-    """
-    n, k = Y.shape
-    for j in range(k):
-        for i in range(j):
-            for c in range(n):
-                dY[c, j] -= R[i, j] * dY[c, i]
-        inverse = 1.0 / R[j, j].real
-        for c in range(n):
-            dY[c, j] *= inverse
-    trace = 0 * R[0, 0]
-    for j in range(k):
-        for i in range(k):
-            along = 0 * R[0, 0]
-            for c in range(n):
-                along += Y[c, i].conjugate() * dY[c, j]
-            R[i, j] = along
-        trace += R[j, j]
-    for j in range(k):
-        for i in range(k):
-            for c in range(n):
-                dY[c, j] -= R[i, j] * Y[c, i]
-    return trace
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
-def transport(system, sigma, Y, dY, tangent, errors):  # type: ignore[no-untyped-def]
+def transport(
+    system: ReducedSystem, sigma: complex, Y: NDArray[Any], dY: NDArray[Any], tangent: bool, errors: NDArray[np.float64]
+) -> tuple[float, complex]:
     """Carry Y (n×k), and dY if tangent, through all steps; both are overwritten, Y by an orthonormal frame.
 
     errors (N,) receives the local error of every step, each row of the frame relative to its own size. Returns (log_det, trace):
     what Y stands for is Y·R with ln det R = log_det, and d ln D/dσ = trace + what Y and dY give.
     """
-    start, column, linear, higher, powers, carries, P, V, G = system
     n, k = Y.shape
-    m = G.shape[3]
-    K, L = np.empty((STAGES, n, k), Y.dtype), np.empty((STAGES, n, k), Y.dtype)
-    Z, W = np.empty_like(Y), np.empty_like(Y)
-    t, dt = np.empty((1, m, k), Y.dtype), np.empty((1, m, k), Y.dtype)
-    E = np.empty((2, n, k), Y.dtype)
-    R = np.zeros((k, k), Y.dtype)
-    values, slopes, small, _, _ = workspace(system, n)
+    m, kind = system.G.shape[3], Y.dtype
+    width = (len(system.column) - int(system.start[n])) // m if m else 0
+    columns = 2 * k if tangent else k
+    frame = np.zeros((2, n, columns + -columns % LANES), kind)  # [Y, dY] and zeros, and zeros to begin a sum with
+    frame[0, :, :k] = Y
+    if tangent:
+        frame[0, :, k : 2 * k] = dY
+    sums = np.empty((4, *frame.shape[1:]), kind)
+    stages = np.empty((STAGES, n + m, frame.shape[2]), kind)
+    entries = np.empty((2, len(system.column)), kind)
+    small = np.empty((m, 2 * (m + width)), kind)
     # the same memory as real numbers, for what is real-linear
-    y, dy, z, w, fifth, third = reals(Y), reals(dY), reals(Z), reals(W), reals(E[0]), reals(E[1])
-    ks, ls, t0, dt0 = reals(K).reshape(STAGES, -1), reals(L).reshape(STAGES, -1), t[0], dt[0]
-    log_det = orthonormalize(Y, R)
-    trace = reduce_tangent(Y, dY, R) if tangent else 0 * R[0, 0]
-    for s in range(len(errors)):
-        for i in range(STAGES):
-            evaluate(P, G, linear, higher, powers, s, i, sigma, values, slopes, small)
-            combine(y, ks, RK_A, i, i, z)
-            if not tangent:
-                multiply(start, column, 0, values, Z, K, i)
-                if m > 0:
-                    multiply(start, column, n, values, Z, t, 0)
-                    solve_small(small, t0)
-                    add_carried(V, carries, s, i, t0, K)
-                continue
-            combine(dy, ls, RK_A, i, i, w)
-            multiply_with_slope(start, column, 0, values, slopes, Z, W, K, L, i)
-            if m > 0:
-                # γ t = τ Z and γ dt = τ W + τ′ Z − γ′ t
-                multiply_with_slope(start, column, n, values, slopes, Z, W, t, dt, 0)
-                solve_small(small, t0)
-                for a in range(m):
-                    for b in range(m):
-                        small[a, b], turn = small_entry(G, s, i, a, b, sigma)
-                        for d in range(k):
-                            dt0[a, d] -= turn * t0[b, d]
-                solve_small(small, dt0)
-                add_carried(V, carries, s, i, t0, K)
-                add_carried(V, carries, s, i, dt0, L)
-        E[:] = 0.0
-        combine(fifth, ks, WEIGHTS, 1, STAGES, fifth)
-        combine(third, ks, WEIGHTS, 2, STAGES, third)
-        errors[s] = _error_of_step(Y, K, E)
-        combine(y, ks, WEIGHTS, 0, STAGES, y)
-        log_det += orthonormalize(Y, R)
-        if tangent:
-            combine(dy, ls, WEIGHTS, 0, STAGES, dy)
-            trace += reduce_tangent(Y, dY, R)
+    f, s, r = (a.view(np.float64).reshape(len(a), -1) for a in (frame, sums, stages))
+    values, slopes = entries
+    lists, numbers = system[:6], system[6:]
+    result: tuple[float, complex] = carry(
+        *lists, *numbers, sigma, k, tangent, frame[0], sums, stages, f, s, r, values, slopes, small, errors
+    )
+    Y[:] = frame[0, :, :k]
+    if tangent:
+        dY[:] = frame[0, :, k : 2 * k]
+    return result
+
+
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def carry(start, column, linear, higher, powers, carries, P, V, G, sigma, k, tangent, F, sums, K, f, s, r, values, slopes, small, errors):  # type: ignore[no-untyped-def] # fmt: skip
+    """The steps of `transport` for F = [Y, dY]; f, s and r are F and zeros, sums and K as real numbers."""
+    n = F.shape[0]
+    log_det, trace = 0.0, 0 * sigma
+    for step in range(len(errors) + 1):
+        size, along = orthonormalize(F, k, tangent)
+        log_det += size
+        trace += along
+        if step == len(errors):
+            break
+        for i in range(STAGES + 3):
+            # a stage from sums[0], then the end of the step and its two errors in the three others
+            combine(f, 1 if i > STAGES else 0, r, TABLE, i, min(i, STAGES), s, max(0, i - STAGES + 1))
+            if i < STAGES:
+                evaluate(P, G, linear, higher, powers, step, i, sigma, values, slopes, small)
+                multiply(start, column, values, slopes, sums, 0, k, tangent, K, i)
+                add_carried(V, carries, step, i, K, n)
+        errors[step] = error_of_step(F, K, sums, k)
+        for p in range(f.shape[1]):
+            f[0, p] = s[1, p]
     return log_det, trace
 
 
-@njit(cache=True, error_model="numpy")
-def _error_of_step(Y, K, E):  # type: ignore[no-untyped-def]
+@njit(cache=True, error_model="numpy", inline="always")
+def orthonormalize(F, k, tangent):  # type: ignore[no-untyped-def]
+    """Y = QR in place, F = [Y, dY], Y (n×k), by modified Gram–Schmidt, and if tangent dY ← dY R⁻¹ less what lies in the span of Q.
+
+    What is left out of dY changes ln D by its trace only, and would grow if it stayed. Returns ln det R and this trace. A column of zeros
+    gives −∞ or NaN.
+    """
+    n = F.shape[0]
+    log_det, trace = 0.0, 0 * F[0, 0]
+    for j in range(2 * k if tangent else k):
+        for i in range(min(j, k)):
+            along = 0 * trace
+            for c in range(n):
+                along += F[c, i].conjugate() * F[c, j]
+            for c in range(n):
+                F[c, j] -= along * F[c, i]
+                if tangent and j < k:
+                    F[c, k + j] -= along * F[c, k + i]
+            if j == k + i:
+                trace += along
+        if j < k:
+            square = 0.0
+            for c in range(n):
+                square += F[c, j].real * F[c, j].real + F[c, j].imag * F[c, j].imag
+            size = np.sqrt(square)
+            log_det += np.log(size)
+            inverse = 1.0 / size
+            for c in range(n):
+                F[c, j] *= inverse
+                if tangent:
+                    F[c, k + j] *= inverse
+    return log_det, trace
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def error_of_step(F, K, sums, k):  # type: ignore[no-untyped-def]
     """The estimate of Dormand & Prince, largest over the components, each relative to the size of its row in the frame."""
-    n, k = Y.shape
+    n = F.shape[0]
     worst, floor = 0.0, 0.0
     for c in range(n):
         for d in range(k):
-            floor = max(floor, square(Y[c, d]))
-    floor *= FLOOR * FLOOR
+            x = F[c, d]
+            floor = max(floor, x.real * x.real + x.imag * x.imag)
     for c in range(n):
-        size, e5, e3 = floor, 0.0, 0.0
+        size, e5, e3 = floor * (FLOOR * FLOOR), 0.0, 0.0
         for d in range(k):
-            # a row that starts from zero is as large as the step makes it
-            size = max(size, square(Y[c, d]), square(K[0, c, d]), square(K[STAGES - 1, c, d]))
-            size5, size3 = square(E[0, c, d]), square(E[1, c, d])
-            # written so that a NaN wins
-            if e5 == e5 and not size5 <= e5:
-                e5 = size5
-            if e3 == e3 and not size3 <= e3:
-                e3 = size3
+            for which in range(5):
+                # a row that starts from zero is as large as the step makes it
+                x = sums[2 + which, c, d] if which < 2 else F[c, d] if which == 2 else K[0 if which == 3 else STAGES - 1, c, d]
+                square = x.real * x.real + x.imag * x.imag
+                # written so that a NaN wins
+                if which == 0:
+                    e5 = e5 if e5 != e5 or square <= e5 else square
+                elif which == 1:
+                    e3 = e3 if e3 != e3 or square <= e3 else square
+                else:
+                    size = max(size, square)
         error = 0.0 if e5 == 0.0 else local_error(e5, e3) / np.sqrt(size)
         if worst == worst and not error <= worst:
             worst = error

@@ -2,39 +2,53 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from shootstab.kernels.elimination import factorize, substitute
+from shootstab.kernels.elimination import LANES, factorize, substitute
 
 
-class Sparse(NamedTuple):
-    """Matrices A_m + σ B_m, m < M, without what is zero in all of them: entry e stands at (row[e], column[e]).
+class Recurrence(NamedTuple):
+    """D_j and −C_j, each A_j + σ B_j for j < M, without what is zero in all of them: entry e stands at (row[e], column[e]).
 
-    values (E, M) are those of A_m; slopes (E1, M) those of B_m, which has no entry but the first E1. Real or complex.
+    The first `fluxes` entries are those of D. values (E, M) are of A_j, slopes (E1, M) of B_j, for the entries listed in moving (E1,).
+    Real or complex.
     """
 
     row: NDArray[np.uint64]
     column: NDArray[np.uint64]
+    moving: NDArray[np.uint64]
+    fluxes: int
     values: NDArray[np.inexact]
     slopes: NDArray[np.inexact]
 
 
-def sparse(matrices: NDArray[np.inexact]) -> Sparse:
-    """From (2, M, n, n)."""
-    present = (matrices != 0).any(axis=1)
-    row, column = (
-        np.concatenate(at).astype(np.uint64) for at in zip(np.nonzero(present[1]), np.nonzero(present[0] & ~present[1]), strict=True)
+def recurrence(C: NDArray[np.inexact], D: NDArray[np.inexact]) -> Recurrence:
+    """From the matrices C and D, each (2, M, n, n)."""
+    places = [np.nonzero((matrices != 0).any(axis=(0, 1))) for matrices in (D, C)]
+    row, column = (np.concatenate(at) for at in zip(*places, strict=True))
+    values, slopes = (
+        np.concatenate([sign * matrices[power][:, *at].T for sign, matrices, at in zip((1, -1), (D, C), places, strict=True)])
+        for power in range(2)
     )
-    values, slopes = np.ascontiguousarray(matrices[:, :, row, column].swapaxes(1, 2))
-    return Sparse(row, column, values, slopes[: np.count_nonzero(present[1])])
+    moving = np.flatnonzero(slopes.any(axis=1))
+    numbers = np.ascontiguousarray(values), np.ascontiguousarray(slopes[moving])
+    return Recurrence(row.astype(np.uint64), column.astype(np.uint64), moving.astype(np.uint64), len(places[0][0]), *numbers)
 
 
-@njit(cache=True, error_model="numpy")
-def series_terms(C, D, sigma, rate, left, right, P, dP, tangent):  # type: ignore[no-untyped-def]
+def series_terms(
+    system: Recurrence,
+    sigma: complex,
+    rate: float,
+    left: NDArray[Any],
+    right: NDArray[Any],
+    P: NDArray[Any],
+    dP: NDArray[Any],
+    tangent: bool,
+) -> None:
     """Fill P and, if tangent, dP (M, n, k), whose first terms are given, by
 
         (m C_0 − D_0) P_m + C_0 P_m Λ = Σ_{j≥1} [D_j P_{m−j} − C_j S_{m−j}],   S_m = m P_m + P_m Λ,
@@ -43,118 +57,71 @@ def series_terms(C, D, sigma, rate, left, right, P, dP, tangent):  # type: ignor
     P_m = F⁻¹ (R − C_0 F⁻¹ R N). dP is the derivative with respect to σ.
     """
     terms, n, k = P.shape
-    c, d = _at(C, sigma), _at(D, sigma)
-    S, dS = np.zeros_like(P), np.zeros_like(P)
-    R, dR = np.empty((n, k), P.dtype), np.empty((n, k), P.dtype)
-    F, pivots = np.empty((n, n), P.dtype), np.empty(n, dtype=np.int64)
-    f = np.empty((n, 1), P.dtype)
-    for m in range(terms):
-        if m > 0:
-            clear(R)
-            convolve(D, d, 1.0, P, m, 1, R)
-            convolve(C, c, -1.0, S, m, 1, R)
-            clear(F)
-            for e in range(len(C.row)):
-                F[C.row[e], C.column[e]] += (m + rate) * c[e, 0]
-            for e in range(len(D.row)):
-                F[D.row[e], D.column[e]] -= d[e, 0]
-            factorize(F, pivots)
-            _solve_order(C, c, left, right, F, pivots, f, R)
-            keep(R, P, m)
-        _shifted(P, S, m, m + rate, left, right)
-        if m > 0 and tangent:
-            # the derivative of the equation, its left side's dependence on σ moved to the right
-            clear(dR)
-            convolve(D, d, 1.0, dP, m, 1, dR)
-            convolve(C, c, -1.0, dS, m, 1, dR)
-            convolve(D, D.slopes, 1.0, P, m, 0, dR)
-            convolve(C, C.slopes, -1.0, S, m, 0, dR)
-            _solve_order(C, c, left, right, F, pivots, f, dR)
-            keep(dR, dP, m)
-        if tangent:
-            _shifted(dP, dS, m, m + rate, left, right)
-
-
-# Loops: assignments to slices would take seconds to compile
-
-
-@njit(cache=True, error_model="numpy")
-def clear(R):  # type: ignore[no-untyped-def]
-    """R = 0, in two dimensions."""
-    for a in range(R.shape[0]):
-        for q in range(R.shape[1]):
-            R[a, q] = 0.0
-
-
-@njit(cache=True, error_model="numpy")
-def keep(R, P, m):  # type: ignore[no-untyped-def]
-    """P[m] = R."""
-    for a in range(R.shape[0]):
-        for q in range(R.shape[1]):
-            P[m, a, q] = R[a, q]
-
-
-@njit(cache=True, error_model="numpy")
-def _at(M, sigma):  # type: ignore[no-untyped-def]
-    """The entries (E, terms) at a σ."""
-    out = M.values.copy()
-    for e in range(len(M.slopes)):
-        for m in range(out.shape[1]):
-            out[e, m] += sigma * M.slopes[e, m]
-    return out
+    kind = P.dtype
+    values: NDArray[Any] = system.values.copy()
+    values[system.moving] += sigma * system.slopes
+    X = np.zeros((2 if tangent else 1, 2, terms, n, k + -k % LANES), kind)  # of P, and of dP: the terms, and S
+    for part, given in zip(X, (P, dP), strict=False):
+        part[0, 0, :, :k] = given[0]
+    work = np.empty((n, X.shape[4] + 1), kind)
+    vectors = np.zeros((2, X.shape[4]), kind)
+    vectors[:, :k] = left, right
+    F, pivots = np.empty((n, n), kind), np.empty(n, np.int64)
+    row, column, moving, fluxes, _, slopes = system
+    every = np.arange(len(values), dtype=np.uint64)
+    fill_terms(row, column, every, moving, fluxes, values, slopes, rate, vectors[0], vectors[1], X, work, F, pivots)
+    P[:] = X[0, 0, :, :, :k]
+    if tangent:
+        dP[:] = X[1, 0, :, :, :k]
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
-def convolve(matrices, values, factor, P, m, first, out):  # type: ignore[no-untyped-def]
-    """out ← out + factor Σ_j M_j P[m−j] over first ≤ j ≤ m, M_j the entries values[:, j]; P (M, n, k), up to four columns at a time."""
-    k = P.shape[2]
-    for q in range(0, k, 4):
-        width = min(4, k - q)
-        for e in range(len(values)):
-            r, s = matrices.row[e], matrices.column[e]
-            w, x, y, z = 0 * P[0, 0, 0], 0 * P[0, 0, 0], 0 * P[0, 0, 0], 0 * P[0, 0, 0]
-            for j in range(first, m + 1):
-                v = values[e, j]
-                w += v * P[m - j, s, q]
-                if width > 1:
-                    x += v * P[m - j, s, q + 1]
-                if width > 2:
-                    y += v * P[m - j, s, q + 2]
-                if width > 3:
-                    z += v * P[m - j, s, q + 3]
-            out[r, q] += factor * w
-            if width > 1:
-                out[r, q + 1] += factor * x
-            if width > 2:
-                out[r, q + 2] += factor * y
-            if width > 3:
-                out[r, q + 3] += factor * z
-
-
-@njit(cache=True, error_model="numpy")
-def _shifted(P, S, m, exponent, left, right):  # type: ignore[no-untyped-def]
-    """S[m] = exponent·P[m] + P[m] N."""
-    for a in range(P.shape[1]):
-        along = 0 * left[0]
-        for q in range(P.shape[2]):
-            along += P[m, a, q] * left[q]
-        for q in range(P.shape[2]):
-            S[m, a, q] = exponent * P[m, a, q] + along * right[q]
-
-
-@njit(cache=True, error_model="numpy")
-def _solve_order(C, c, left, right, F, pivots, f, R):  # type: ignore[no-untyped-def]
-    """R ← F⁻¹ (R − C_0 F⁻¹ R N), F factorized; f (n, 1) is work."""
-    n, k = R.shape
-    for a in range(n):
-        f[a, 0] = 0.0
-        for q in range(k):
-            f[a, 0] += R[a, q] * left[q]
-    substitute(F, pivots, f)
-    for e in range(len(C.row)):
-        for q in range(k):
-            R[C.row[e], q] -= c[e, 0] * f[C.column[e], 0] * right[q]
-    substitute(F, pivots, R)
+def fill_terms(row, column, every, moving, fluxes, values, slopes, rate, left, right, X, R, F, pivots):  # type: ignore[no-untyped-def] # fmt: skip
+    """The terms of `series_terms` in X (parts, 2, M, n, q), q a multiple of LANES; R (n, q + 1), F (n, n) and pivots (n,) are work."""
+    parts, _, terms, n, q = X.shape
+    for m in range(terms):
+        for a in range(n):
+            for b in range(n):
+                F[a, b] = 0.0
+        for e in range(len(every)):
+            F[row[e], column[e]] -= values[e, 0] * (1.0 if e < fluxes else m + rate)
+        if m > 0:
+            factorize(F, pivots)
+        for part in range(parts):
+            if m > 0:
+                for a in range(n):
+                    for b in range(q + 1):
+                        R[a, b] = 0.0
+                # for the derivative the dependence of the left side on σ is moved to the right
+                for turn in range(part + 1):
+                    entries, numbers = (every, values) if turn == 0 else (moving, slopes)
+                    for p in range(len(entries)):
+                        e = entries[p]
+                        r, c, kind = row[e], column[e], 0 if e < fluxes else 1
+                        for d in range(0, q, LANES):
+                            w, x, y, z = R[r, d], R[r, d + 1], R[r, d + 2], R[r, d + 3]
+                            for j in range(1 - turn, m + 1):
+                                v = numbers[p, j]
+                                w += v * X[part - turn, kind, m - j, c, d]
+                                x += v * X[part - turn, kind, m - j, c, d + 1]
+                                y += v * X[part - turn, kind, m - j, c, d + 2]
+                                z += v * X[part - turn, kind, m - j, c, d + 3]
+                            R[r, d], R[r, d + 1], R[r, d + 2], R[r, d + 3] = w, x, y, z
+                # F⁻¹ R, and then F⁻¹ of −C_0 F⁻¹ R left, in the last column
+                for turn in range(2):
+                    substitute(F, pivots, R, q * turn, q + turn)
+                    for e in range(fluxes if turn == 0 else len(every), len(every)):
+                        for d in range(q):
+                            R[row[e], q] += values[e, 0] * R[column[e], d] * left[d]
+                for a in range(n):
+                    for d in range(q):
+                        X[part, 0, m, a, d] = R[a, d] + R[a, q] * right[d]
+            for a in range(n):
+                along = 0 * left[0]
+                for d in range(q):
+                    along += X[part, 0, m, a, d] * left[d]
+                for d in range(q):
+                    X[part, 1, m, a, d] = (m + rate) * X[part, 0, m, a, d] + along * right[d]
 
 
 @njit(cache=True, error_model="numpy")
@@ -173,7 +140,8 @@ def series_value(P, x):  # type: ignore[no-untyped-def]
 def row_sizes(P, sizes):  # type: ignore[no-untyped-def]
     """sizes (M,) ← of each term the largest max_q |P_m[a, q]|/max_q |P_0[a, q]| over the rows a."""
     terms, n, k = P.shape
-    sizes[:] = 0.0
+    for m in range(terms):
+        sizes[m] = 0.0
     for a in range(n):
         base = 1e-300
         for q in range(k):

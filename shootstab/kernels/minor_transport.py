@@ -46,20 +46,20 @@ def transport_minors(system, sigma, subsets, row, column, sign, start, y, dy, ta
     exponent = halve(y, dy)
     for s in range(len(errors)):
         for i in range(STAGES):
-            combine(reals_of_y, stages, RK_A, i, i, z)
-            system_matrix(system, s, i, sigma, A, dA, work, tangent)
+            combine(reals_of_y, 0, stages, RK_A, i, i, z, 0)
+            system_matrix(system, s, i, sigma, A, dA, work)
             for c in range(size):
                 K[i, c] = 0.0
                 L[i, c] = 0.0
             apply(A, row, column, sign, start, Z, K, i)
             if tangent:
-                combine(reals_of_dy, slopes, RK_A, i, i, w)
+                combine(reals_of_dy, 0, slopes, RK_A, i, i, w, 0)
                 apply(A, row, column, sign, start, W, L, i)
                 apply(dA, row, column, sign, start, Z, L, i)
         before[:] = y
-        combine(reals_of_y, stages, WEIGHTS, 0, STAGES, reals_of_y)
+        combine(reals_of_y, 0, stages, WEIGHTS, 0, STAGES, reals_of_y, 0)
         if tangent:
-            combine(reals_of_dy, slopes, WEIGHTS, 0, STAGES, reals_of_dy)
+            combine(reals_of_dy, 0, slopes, WEIGHTS, 0, STAGES, reals_of_dy, 0)
         errors[s] = error_of_step(K, before, y, subsets, scales)
         exponent += halve(y, dy)
     return LOG_2 * exponent

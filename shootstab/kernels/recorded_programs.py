@@ -81,7 +81,7 @@ def series_terms_of(program, inputs, parameters, out):  # type: ignore[no-untype
             out[s, m] = values[program[6][s], m]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def carry_out(program, parameters, inputs, m, values):  # type: ignore[no-untyped-def]
     """values[:, m], the coefficients of order m of all nodes, from those of lower order and inputs (i, N) up to order m."""
     operation, left, right, a, b, shared, _ = program

@@ -22,9 +22,10 @@ class ReducedSystem(NamedTuple):
     """The reduced system at the 12 abscissae of each of N steps, the length of the step multiplied into X and V.
 
     [X; τ], n + m rows, is stored by rows without what is zero at every abscissa: entry e of row i stands in column[e] for start[i] ≤ e <
-    start[i + 1]. P (N, 12, E + E1 + E2) are the entries at σ = 0, then the factors of σ of those entries that have one, E1 of them listed
-    in linear, and of higher powers, E2 listed in higher with their exponents in powers. Likewise V by its rows carries (v,) that are not
-    zero, V (N, 12, v, m). G (N, 12, g, m, m) are the coefficients of γ, the constant one first, g ≥ 2. The lists are unsigned.
+    start[i + 1]; all rows of τ have the same columns. P (N, 12, E + E1 + E2) are the entries at σ = 0, then the factors of σ of those
+    entries that have one, E1 of them listed in linear, and of higher powers, E2 listed in higher with their exponents in powers. Likewise V
+    by its rows carries (v,) that are not zero, V (N, 12, v, m). G (N, 12, g, m, m) are the coefficients of γ, the constant one first,
+    g ≥ 2. The lists are unsigned.
     """
 
     start: NDArray[np.uint64]
@@ -64,147 +65,116 @@ class ReducedSystem(NamedTuple):
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")
 def evaluate(P, G, linear, higher, powers, s, i, sigma, values, slopes, small):  # type: ignore[no-untyped-def]
-    """The entries of [X; τ] (E,), their σ-derivatives, and γ (m, m), at abscissa i of step s."""
-    E, E1 = len(values), len(linear)
-    q = 0
+    """The entries (E,) of X and of γ⁻¹τ, and their σ-derivatives, at abscissa i of step s.
+
+    small (m, 2m + 2w) is work, w the entries of a row of τ.
+    """
+    E, E1, m, top = len(values), len(linear), small.shape[0], G.shape[2] - 1
     for e in range(E):
-        value, slope = P[s, i, e], 0 * sigma
-        if q < E1 and linear[q] == e:
-            slope = P[s, i, E + q]
-            value += sigma * slope
-            q += 1
-        values[e], slopes[e] = value, slope
+        values[e], slopes[e] = P[s, i, e], 0.0
+    for q in range(E1):
+        slope = P[s, i, E + q]
+        values[linear[q]] += sigma * slope
+        slopes[linear[q]] = slope
     for q in range(len(higher)):
         factor, power = sigma * P[s, i, E + E1 + q], int(powers[q])
         for _ in range(power - 2):
             factor *= sigma
         values[higher[q]] += sigma * factor
         slopes[higher[q]] += float(power) * factor
-    for a in range(small.shape[0]):
-        for b in range(small.shape[0]):
-            small[a, b], _ = small_entry(G, s, i, a, b, sigma)
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")
-def small_entry(G, s, i, a, b, sigma):  # type: ignore[no-untyped-def]
-    """γ_ab and its σ-derivative, by Horner's rule."""
-    top = G.shape[2] - 1
-    value, slope = G[s, i, top, a, b], 0 * sigma
-    for j in range(top):
-        slope = value + sigma * slope
-        value = G[s, i, top - 1 - j, a, b] + sigma * value
-    return value, slope
+    if m == 0:
+        return
+    # γ U = τ, γ U′ = τ′ − γ′ U: [γ, γ′, τ, τ′] is solved at once
+    width = small.shape[1] // 2 - m
+    first = E - m * width
+    for a in range(m):
+        for b in range(m):
+            value, slope = G[s, i, top, a, b], 0 * sigma
+            for j in range(top):
+                slope = value + sigma * slope
+                value = G[s, i, top - 1 - j, a, b] + sigma * value
+            small[a, b], small[a, m + b] = value, slope
+        for c in range(width):
+            e = first + a * width + c
+            small[a, 2 * m + c], small[a, 2 * m + width + c] = values[e], slopes[e]
+    solve_small(small)
+    for a in range(m):
+        for c in range(width):
+            e = first + a * width + c
+            values[e], slope = small[a, 2 * m + c], small[a, 2 * m + width + c]
+            for b in range(m):
+                slope -= small[a, m + b] * small[b, 2 * m + c]
+            slopes[e] = slope
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def system_matrix(system, s, i, sigma, A, dA, work, tangent):  # type: ignore[no-untyped-def]
-    """hA(σ) (n, n) and, if tangent, its σ-derivative at abscissa i of step s; work is for `workspace` to make."""
+def system_matrix(system, s, i, sigma, A, dA, work):  # type: ignore[no-untyped-def]
+    """hA(σ) (n, n) and its σ-derivative at abscissa i of step s; work is for `workspace` to make."""
     start, column, linear, higher, powers, carries, P, V, G = system
-    values, slopes, small, right, slope = work
+    values, slopes, small = work
     n, m = A.shape[0], G.shape[3]
     evaluate(P, G, linear, higher, powers, s, i, sigma, values, slopes, small)
     for r in range(n):
         for c in range(n):
             A[r, c] = 0.0
             dA[r, c] = 0.0
-    for r in range(m):
-        for c in range(n):
-            right[r, c] = 0.0
-            slope[r, c] = 0.0
-    for r in range(n + m):
         for e in range(start[r], start[r + 1]):
-            if r < n:
-                A[r, column[e]], dA[r, column[e]] = values[e], slopes[e]
-            else:
-                right[r - n, column[e]], slope[r - n, column[e]] = values[e], slopes[e]
-    if m == 0:
-        return
-    solve_small(small, right)
-    if tangent:
-        # (γ⁻¹ τ)′ = γ⁻¹ (τ′ − γ′ γ⁻¹ τ)
-        for a in range(m):
-            for b in range(m):
-                small[a, b], turn = small_entry(G, s, i, a, b, sigma)
-                for j in range(n):
-                    slope[a, j] -= turn * right[b, j]
-        solve_small(small, slope)
+            A[r, column[e]], dA[r, column[e]] = values[e], slopes[e]
     for c in range(len(carries)):
         for q in range(m):
             v = V[s, i, c, q]
-            for j in range(n):
-                A[carries[c], j] += v * right[q, j]
-                if tangent:
-                    dA[carries[c], j] += v * slope[q, j]
+            for e in range(start[n + q], start[n + q + 1]):
+                A[carries[c], column[e]] += v * values[e]
+                dA[carries[c], column[e]] += v * slopes[e]
 
 
 @njit(cache=True, error_model="numpy")
 def workspace(system, n):  # type: ignore[no-untyped-def]
-    """Memory for `system_matrix`: values and slopes (E,), γ (m, m), γ⁻¹ τ and its derivative (m, n)."""
+    """Memory for `system_matrix`: values and slopes (E,), and [γ, γ′, τ, τ′] (m, 2m + 2w)."""
     P, m, E = system.P, system.G.shape[3], len(system.column)
-    return np.empty(E, P.dtype), np.empty(E, P.dtype), np.empty((m, m), P.dtype), np.empty((m, n), P.dtype), np.empty((m, n), P.dtype)
+    width = (E - int(system.start[n])) // m if m > 0 else 0
+    return np.empty(E, P.dtype), np.empty(E, P.dtype), np.empty((m, 2 * (m + width)), P.dtype)
 
 
 # The loops below index whole arrays: slices of them would be counted references, which cost more than the arithmetic.
-# So do the arguments of calls: what has much to pass and little to do is inlined.
+# So do the arguments of calls: what has much to pass and little to do is inlined, and called at one place only, for every place is
+# compiled anew.
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")
-def multiply(start, column, first, values, Z, out, place):  # type: ignore[no-untyped-def]
-    """out[place] = AZ, A the rows from the first on; Z (n, k), up to four columns at a time."""
-    k, zero = Z.shape[1], 0 * Z[0, 0]
-    for d in range(0, k, 4):
-        width = min(4, k - d)
-        for r in range(out.shape[1]):
+def multiply(start, column, values, slopes, Z, at, k, tangent, out, place):  # type: ignore[no-untyped-def]
+    """out[place] = AZ, Z = Z[at] (n, q), q a multiple of four; if tangent Z is [Y, Y′, …], Y (n, k), and A′Y is added to AY′.
+
+    A by its rows, the entries values (E,), and A′ likewise.
+    """
+    columns, zero = Z.shape[2], 0 * Z[0, 0, 0]
+    for r in range(out.shape[1]):
+        for d in range(0, columns, 4):
             a, b, c, f = zero, zero, zero, zero
-            for e in range(start[first + r], start[first + r + 1]):
+            for e in range(start[r], start[r + 1]):
                 x, j = values[e], column[e]
-                a += x * Z[j, d]
-                if width > 1:
-                    b += x * Z[j, d + 1]
-                if width > 2:
-                    c += x * Z[j, d + 2]
-                if width > 3:
-                    f += x * Z[j, d + 3]
+                a += x * Z[at, j, d]
+                b += x * Z[at, j, d + 1]
+                c += x * Z[at, j, d + 2]
+                f += x * Z[at, j, d + 3]
             out[place, r, d] = a
-            if width > 1:
-                out[place, r, d + 1] = b
-            if width > 2:
-                out[place, r, d + 2] = c
-            if width > 3:
-                out[place, r, d + 3] = f
+            out[place, r, d + 1] = b
+            out[place, r, d + 2] = c
+            out[place, r, d + 3] = f
+        if tangent:
+            for e in range(start[r], start[r + 1]):
+                x, j = slopes[e], column[e]
+                if x != 0.0:
+                    for d in range(k):
+                        out[place, r, k + d] += x * Z[at, j, d]
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")
-def multiply_with_slope(start, column, first, values, slopes, Z, W, out, slope, place):  # type: ignore[no-untyped-def]
-    """out[place] = AZ and slope[place] = AW + A′Z, A and A′ the rows from the first on; two columns at a time."""
-    k, zero = Z.shape[1], 0 * Z[0, 0]
-    for d in range(0, k, 2):
-        pair = d + 1 < k
-        for r in range(out.shape[1]):
-            a, b, da, db = zero, zero, zero, zero
-            for e in range(start[first + r], start[first + r + 1]):
-                x, dx, j = values[e], slopes[e], column[e]
-                z = Z[j, d]
-                a += x * z
-                da += x * W[j, d]
-                da += dx * z
-                if pair:
-                    z = Z[j, d + 1]
-                    b += x * z
-                    db += x * W[j, d + 1]
-                    db += dx * z
-            out[place, r, d], slope[place, r, d] = a, da
-            if pair:
-                out[place, r, d + 1], slope[place, r, d + 1] = b, db
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
-def add_carried(V, carries, s, i, t, out):  # type: ignore[no-untyped-def]
-    """out[i] ← out[i] + V t with V = V[s, i], t (m, k)."""
-    m, k = t.shape
+def add_carried(V, carries, s, i, out, n):  # type: ignore[no-untyped-def]
+    """out[i, :n] ← out[i, :n] + V t with V = V[s, i], t (m, q) the rows of out[i] from n on."""
     for c in range(len(carries)):
         r = carries[c]
-        for q in range(m):
+        for q in range(V.shape[3]):
             v = V[s, i, c, q]
-            for d in range(k):
-                out[i, r, d] += v * t[q, d]
+            for d in range(out.shape[2]):
+                out[i, r, d] += v * out[i, n + q, d]

@@ -80,19 +80,19 @@ def transport_chart(system, sigma, units, order, S, dS, tangent, errors, swaps, 
         if s == steps:
             break
         for stage in range(STAGES):
-            combine(reals_of_S, stages, RK_A, stage, stage, z)
-            system_matrix(system, s, stage, sigma, A, dA, work, tangent)
+            combine(reals_of_S, 0, stages, RK_A, stage, stage, z, 0)
+            system_matrix(system, s, stage, sigma, A, dA, work)
             gather(A, order, ratios, B)
             traces[stage] = riccati(B, Z, M, K, stage)
             log_det += RK_B[stage] * traces[stage]
             if tangent:
-                combine(reals_of_dS, slopes, RK_A, stage, stage, w)
+                combine(reals_of_dS, 0, slopes, RK_A, stage, stage, w, 0)
                 gather(dA, order, ratios, dB)
                 dlog_det += RK_B[stage] * riccati_tangent(B, dB, Z, W, M, L, stage)
         errors[s] = error_of_step(K, traces, S)
-        combine(reals_of_S, stages, WEIGHTS, 0, STAGES, reals_of_S)
+        combine(reals_of_S, 0, stages, WEIGHTS, 0, STAGES, reals_of_S, 0)
         if tangent:
-            combine(reals_of_dS, slopes, WEIGHTS, 0, STAGES, reals_of_dS)
+            combine(reals_of_dS, 0, slopes, WEIGHTS, 0, STAGES, reals_of_dS, 0)
     return log_det, dlog_det, largest, swaps[:made]
 
 
@@ -193,12 +193,12 @@ def enter_chart(Y, dY, units, order):  # type: ignore[no-untyped-def]
     det, slope = det_with_slope(U, dU)
     factorize(F, pivots)
     # Uᵀ Sᵀ = Y_qᵀ and Uᵀ dSᵀ = dY_qᵀ − dUᵀ Sᵀ
-    substitute(F, pivots, S)
+    substitute(F, pivots, S, 0, n - k)
     for d in range(k):
         for a in range(k):
             for c in range(n - k):
                 dS[d, c] -= dU[a, d] * S[a, c]
-    substitute(F, pivots, dS)
+    substitute(F, pivots, dS, 0, n - k)
     return S.T.copy(), dS.T.copy(), det, slope
 
 

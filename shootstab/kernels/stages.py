@@ -6,19 +6,19 @@ import numpy as np
 from numba import njit
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
-def combine(y, K, weights, row, count, out):  # type: ignore[no-untyped-def]
-    """out = y + Σ_j weights[row, j] K_j over the first count stages, all as real numbers: y, out (p,), K (12, p)."""
-    for p in range(len(out)):
-        out[p] = y[p]
+@njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")
+def combine(y, base, K, weights, row, count, out, place):  # type: ignore[no-untyped-def]
+    """out[place] = y[base] + Σ_j weights[row, j] K_j over the first count stages, all as real numbers: y, out (·, p), K (12, p)."""
+    for p in range(y.shape[1]):
+        out[place, p] = y[base, p]
     for j in range(count):
         w = weights[row, j]
         if w != 0.0:
-            for p in range(len(out)):
-                out[p] += w * K[j, p]
+            for p in range(y.shape[1]):
+                out[place, p] += w * K[j, p]
 
 
 @njit(cache=True, error_model="numpy")
 def reals(a):  # type: ignore[no-untyped-def]
-    """The real numbers in a contiguous array, real and imaginary parts in turn: a view (p,)."""
-    return a.reshape(-1).view(np.float64)
+    """The real numbers in a contiguous array, real and imaginary parts in turn: a view (1, p)."""
+    return a.reshape(1, -1).view(np.float64)

@@ -31,14 +31,18 @@ def terms_for(tolerance: float) -> int:
     return math.ceil(1.0 - 0.5 * math.log(tolerance)) + 1
 
 
-@njit(cache=True, error_model="numpy")
-def expand(program, parameters, values, y, sizes):  # type: ignore[no-untyped-def]
-    """Fill y (n, N), the Taylor coefficients of the solution from y[:, 0] on, and sizes (n,). values (r, N) is memory for the nodes.
+# What is called from one place is inlined there: numba would compile it by itself, and with its caller once more. Assignments to slices
+# would take seconds to compile.
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def expand(program, parameters, values, y, sizes, terms):  # type: ignore[no-untyped-def]
+    """Fill y (n, N), so many Taylor coefficients of the solution from y[:, 0] on, and sizes (n,). values (r, N) is memory for the nodes.
 
     Returns the function that stops, at the centre.
     """
     result = program[6]
-    n, terms = y.shape
+    n = y.shape[0]
     for m in range(terms):
         carry_out(program, parameters, y, m, values)
         if m + 1 < terms:
@@ -49,7 +53,7 @@ def expand(program, parameters, values, y, sizes):  # type: ignore[no-untyped-de
     return values[result[2 * n], 0].real
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def radius(y, sizes, tolerance):  # type: ignore[no-untyped-def]
     """Where the last two terms of y (n, N) reach the tolerance; NaN where they are no numbers."""
     n, terms = y.shape
@@ -58,50 +62,24 @@ def radius(y, sizes, tolerance):  # type: ignore[no-untyped-def]
         for m in range(terms - 2, terms):
             term = abs(y[c, m])
             if not term < np.inf:
-                return np.nan
-            if term > 0.0:
+                least = np.nan
+            elif term > 0.0 and least == least:
                 least = min(least, (tolerance * sizes[c] / term) ** (1.0 / m))
     return least
 
 
-@njit(cache=True, error_model="numpy")
-def value(y, t, out):  # type: ignore[no-untyped-def]
-    """out (n,) = Σ y[:, m] t^m."""
-    n, terms = y.shape
+@njit(cache=True, error_model="numpy", inline="always")
+def value(pieces, k, t, out, place):  # type: ignore[no-untyped-def]
+    """out[place] (n,) = Σ y[:, m] t^m, y = pieces[k]."""
+    _, n, terms = pieces.shape
     for c in range(n):
-        total = y[c, terms - 1] + 0 * t
+        total = pieces[k, c, terms - 1] + 0 * t
         for m in range(terms - 2, -1, -1):
-            total = total * t + y[c, m]
-        out[c] = total
+            total = total * t + pieces[k, c, m]
+        out[place, c] = total
 
 
-@njit(cache=True, error_model="numpy")
-def _stop(program, parameters, values, piece, t, limits, point, sizes):  # type: ignore[no-untyped-def]
-    """The function that stops at a place t of a piece; NaN where a component is beyond its limits. point (n, 1) is the value there."""
-    value(piece, t, point[:, 0])
-    for c in range(len(point)):
-        if not limits[0, c] < point[c, 0] < limits[1, c]:
-            return np.nan
-    return expand(program, parameters, values, point, sizes)
-
-
-@njit(cache=True, error_model="numpy")
-def _place(program, parameters, values, piece, near, far, limits, point, sizes):  # type: ignore[no-untyped-def]
-    """Where the function that stops vanishes between t = −near and −far, by false position with halved weights (Illinois)."""
-    low, high = near, far
-    f_low = _stop(program, parameters, values, piece, -low, limits, point, sizes)
-    f_high = _stop(program, parameters, values, piece, -high, limits, point, sizes)
-    for _ in range(FALSE_POSITIONS):
-        if f_high == 0.0 or abs(high - low) <= CLOSED_PLACE * abs(high):
-            break
-        t = high - f_high * (high - low) / (f_high - f_low)
-        f = _stop(program, parameters, values, piece, -t, limits, point, sizes)
-        if (f > 0.0) != (f_high > 0.0):
-            low, f_low = high, f_high
-        else:
-            f_low *= 0.5
-        high, f_high = t, f
-    return high
+LOOK, SEEK, NODE, LAST = range(4)  # exact: what `integrate` expands the solution for
 
 
 @njit(cache=True, error_model="numpy")
@@ -110,137 +88,160 @@ def integrate(program, parameters, start, tolerance, longest, limits, nodes, pie
 
     limits (2, n) are what the components of a solution must stay above and below. Fills nodes (m,), pieces (m, n, N) and radii (m,), the
     place of the change of sign with the piece around it last. Returns their number, and whether there was such a change.
+
+    The function is looked at in LOOKS places of a piece, for which one term of the solution there is enough. Where it has changed its sign
+    since the last look, its zero is sought by false position with halved weights (Illinois).
     """
     n, terms = pieces.shape[1:]
-    values, sizes, point = np.empty((len(program[0]), terms)), np.empty(n), np.empty((n, 1))
-    pieces[0, :, 0] = start
+    values, sizes, point, local = np.empty((len(program[0]), terms)), np.empty(n), np.empty((1, n)), np.empty((n, terms))
+    for c in range(n):
+        point[0, c] = start[c]
     nodes[0] = 0.0
-    sign, first = 0.0, 0.0
-    for k in range(len(nodes)):
-        stop = expand(program, parameters, values, pieces[k], sizes)
-        radii[k] = radius(pieces[k], sizes, tolerance)
-        if k == 0:
-            sign, first = stop, radii[0]
-        if k == len(nodes) - 1 or not radii[k] > LEAST_RADIUS * first:
-            return k + 1, False
-        h, near = min(radii[k], longest), 0.0
-        while near < h:
-            far = near + h / LOOKS if near + 1.5 * h / LOOKS < h else h
-            stop = _stop(program, parameters, values, pieces[k], -far, limits, point, sizes)
-            if np.isnan(stop):  # beyond a limit: as near to it as a shorter piece comes
-                h, near = 0.5 * far, 0.0
+    why, k, tries = NODE, 0, 0
+    first, sign, at_node = 0.0, 0.0, 0.0  # the first radius; the function at the first node and at the last one
+    h, t, near, f_near, far, f_far = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0  # the piece to −h; a look at −t; what brackets a zero, and f there
+    while True:
+        for c in range(n):
+            local[c, 0] = point[0, c]
+        stop = expand(program, parameters, values, local, sizes, terms if why >= NODE else 1)
+        if why >= NODE:
+            for c in range(n):
+                for m in range(terms):
+                    pieces[k, c, m] = local[c, m]
+            radii[k] = radius(local, sizes, tolerance)
+            if why == LAST:
+                return k + 1, True
+            if k == 0:
+                first, sign = radii[0], stop
+            if k == len(nodes) - 1 or not radii[k] > LEAST_RADIUS * first:
+                return k + 1, False
+            at_node = stop
+            h, near, f_near = min(radii[k], longest), 0.0, at_node
+        else:
+            for c in range(n):
+                if not limits[0, c] < point[0, c] < limits[1, c]:
+                    stop = np.nan
+            if why == SEEK:
+                if (stop > 0.0) != (f_far > 0.0):
+                    near, f_near = far, f_far
+                else:
+                    f_near *= 0.5
+                far, f_far, tries = t, stop, tries + 1
+            elif np.isnan(stop):  # beyond a limit: as near to it as a shorter piece comes
+                h, near, f_near = 0.5 * t, 0.0, at_node
                 if not h > LEAST_RADIUS * first:
                     return k + 1, False
             elif (stop > 0.0) != (sign > 0.0):
-                h = _place(program, parameters, values, pieces[k], near, far, limits, point, sizes)
-                nodes[k + 1] = nodes[k] - h
-                value(pieces[k], -h, pieces[k + 1, :, 0])
-                expand(program, parameters, values, pieces[k + 1], sizes)
-                radii[k + 1] = radius(pieces[k + 1], sizes, tolerance)
-                return k + 2, True
+                why, far, f_far, tries = SEEK, t, stop, 0
             else:
-                near = far
-        nodes[k + 1] = nodes[k] - h
-        value(pieces[k], -h, pieces[k + 1, :, 0])
-    return len(nodes), False
+                near, f_near = t, stop
+        if why == SEEK:
+            if f_far == 0.0 or abs(far - near) <= CLOSED_PLACE * abs(far) or tries == FALSE_POSITIONS:
+                why, t = LAST, far
+            else:
+                t = far - f_far * (far - near) / (f_far - f_near)
+        elif near < h:
+            why, t = LOOK, near + h / LOOKS if near + 1.5 * h / LOOKS < h else h
+        else:
+            why, t = NODE, h
+        value(pieces, k, -t, point, 0)
+        if why >= NODE:
+            k += 1
+            nodes[k] = nodes[k - 1] - t
 
 
 @njit(cache=True, error_model="numpy")
-def _from_piece(nodes, pieces, radii, place, z, out):  # type: ignore[no-untyped-def]
-    """The solution at z from a piece, True; or False where no piece has z in its disc.
+def from_pieces(nodes, pieces, radii, places, z, out, known):  # type: ignore[no-untyped-def]
+    """out (p, n), the solution at points z (p,) from the pieces, and known (p,), whether a piece has the point in its disc.
 
-    place is that of the node next above Re z. A real point has the piece of this node, a complex one that of this or of the next, in whose
-    disc it lies deeper.
+    nodes (m,) fall, pieces (m, n, N), radii (m,); places (p,) are those of the nodes next above Re z. A real point has the piece of
+    this node, a complex one that of this or of the next, in whose disc it lies deeper.
     """
-    if z.imag == 0.0:
-        t = z.real - nodes[place]
-        if not abs(t) <= OWN_PIECE * radii[place]:
-            return False
-        n, terms = pieces.shape[1:]
-        for c in range(n):
-            total = pieces[place, c, terms - 1]
-            for m in range(terms - 2, -1, -1):
-                total = total * t + pieces[place, c, m]
-            out[c] = total
-        return True
-    best, depth = place, abs(z - nodes[place]) / radii[place]
-    if place + 1 < len(nodes) and abs(z - nodes[place + 1]) / radii[place + 1] < depth:
-        best, depth = place + 1, abs(z - nodes[place + 1]) / radii[place + 1]
-    if not depth <= 1.0:
-        return False
-    value(pieces[best], z - nodes[best], out)
-    return True
+    n, terms = pieces.shape[1:]
+    for p in range(len(z)):
+        best = places[p]
+        if z[p].imag == 0.0:
+            t = z[p].real - nodes[best]
+            known[p] = abs(t) <= OWN_PIECE * radii[best]
+            if known[p]:
+                for c in range(n):
+                    total = pieces[best, c, terms - 1]
+                    for m in range(terms - 2, -1, -1):
+                        total = total * t + pieces[best, c, m]
+                    out[p, c] = total
+            continue
+        depth = abs(z[p] - nodes[best]) / radii[best]
+        if best + 1 < len(nodes) and abs(z[p] - nodes[best + 1]) / radii[best + 1] < depth:
+            best += 1
+            depth = abs(z[p] - nodes[best]) / radii[best]
+        known[p] = depth <= 1.0
+        if known[p]:
+            value(pieces, best, z[p] - nodes[best], out, p)
 
 
-@njit(cache=True, error_model="numpy")
-def _on_one_branch(program, values, t):  # type: ignore[no-untyped-def]
+@njit(cache=True, error_model="numpy", inline="always")
+def on_one_branch(program, values, t):  # type: ignore[no-untyped-def]
     """Whether powers continued to a place t of a piece are the principal ones still, which the formulas take there."""
     operation, left, right, _, _, _, _ = program
-    terms = values.shape[1]
+    terms, same = values.shape[1], True
     for k in range(len(operation)):
         if operation[k] == POWER:
             base, power = values[left[k], terms - 1], values[k, terms - 1]
             for m in range(terms - 2, -1, -1):
                 base, power = base * t + values[left[k], m], power * t + values[k, m]
-            if not abs(power - base ** values[right[k], 0]) <= SAME_SHEET * abs(power):
-                return False
-    return True
+            same = same and abs(power - base ** values[right[k], 0]) <= SAME_SHEET * abs(power)
+    return same
 
 
 @njit(cache=True, error_model="numpy")
-def along_path(program, parameters, nodes, pieces, radii, places, tolerance, z, out):  # type: ignore[no-untyped-def]
-    """out (p, n): the solution at points z (p,), followed one after the other, from the piece next to the first one on.
+def along_path(program, parameters, radii, tolerance, terms, beginning, start, z, known, out):  # type: ignore[no-untyped-def]
+    """out (p, n): the solution at points z (p,), followed one after the other; what is known (p,) of it stands there already.
 
-    nodes (m,) fall, pieces (m, n, N), radii (m,); places (p,) are those of the nodes next above. Outside the discs of the
-    pieces the solution is continued by pieces of its own along the path. Returns how many points were reached.
+    Where it is not known the solution is continued by pieces of its own, of so many terms, from the point before, and at the first one from
+    the solution start (n,) at a beginning; until what is known agrees with it again. radii (p,) are those of pieces of the solution
+    near by: shorter ones stand at a singularity. Returns how many points were reached.
     """
-    n, terms = pieces.shape[1:]
-    values, sizes = np.empty((len(program[0]), terms), np.complex128), np.empty(n)
-    local, known, numbers = np.empty((n, terms), np.complex128), np.empty(n, np.complex128), parameters.astype(np.complex128)
-    apart, centre, reach, first = False, 0j, 0.0, 0.0
+    n = out.shape[1]
+    values, sizes, point = np.empty((len(program[0]), terms), np.complex128), np.empty(n), np.empty((1, n), np.complex128)
+    pieces = np.empty((1, n, terms), np.complex128)
+    local = pieces[0]
+    apart, centre, reach, first = False, beginning, 0.0, 0.0
     for p in range(len(z)):
-        within = _from_piece(nodes, pieces, radii, places[p], z[p], known)
-        if not apart and within:
-            out[p] = known
+        if known[p] and not apart:
             continue
-        if not apart:
-            if p > 0:
-                centre, local[:, 0] = z[p - 1], out[p - 1]
-            else:
-                centre = complex(max(z[p].real, nodes[places[p]] - radii[places[p]]))
-                _from_piece(nodes, pieces, radii, places[p], centre, local[:, 0])
-            expand(program, numbers, values, local, sizes)
-            apart, reach, first = True, radius(local, sizes, tolerance), radii[places[p]]
-        tries = 0
-        while not abs(z[p] - centre) <= reach:
-            tries += 1
-            if not reach > LEAST_RADIUS * first or tries > MOST_STEPS:
-                return p
-            t = (z[p] - centre) * (reach / abs(z[p] - centre))
-            if not _on_one_branch(program, values, t):
-                return p
-            value(local, t, local[:, 0])
-            centre += t
-            expand(program, numbers, values, local, sizes)
-            reach = radius(local, sizes, tolerance)
-        value(local, z[p] - centre, out[p])
-        if not _on_one_branch(program, values, z[p] - centre):
-            return p
-        if within:
+        begins, tries = not apart, 0
+        if begins:
+            apart, first, centre = True, radii[p], z[p - 1] if p > 0 else beginning
+            for c in range(n):
+                point[0, c] = out[p - 1, c] if p > 0 else start[c]
+        while True:
+            if not begins:
+                t = z[p] - centre
+                distance = abs(t)
+                arrives = distance <= reach
+                if not arrives:
+                    tries += 1
+                    if not reach > LEAST_RADIUS * first or tries > MOST_STEPS:
+                        return p
+                    t *= reach / distance
+                if not on_one_branch(program, values, t):
+                    return p
+                value(pieces, 0, t, point, 0)
+                if arrives:
+                    break
+                centre += t
+            for c in range(n):
+                local[c, 0] = point[0, c]
+            expand(program, parameters, values, local, sizes, terms)
+            reach, begins = radius(local, sizes, tolerance), False
+        difference = np.inf
+        if known[p]:
             difference = 0.0
             for c in range(n):
-                difference = max(difference, abs(known[c] - out[p, c]) / sizes[c])
-            if difference <= SAME_SHEET:
-                out[p], apart = known, False
-    return len(z)
-
-
-@njit(cache=True, error_model="numpy")
-def at_each(program, parameters, nodes, pieces, radii, places, tolerance, z, out):  # type: ignore[no-untyped-def]
-    """The same for points each of which is reached from the real axis by a path of its own. Returns how many were reached."""
-    for p in range(len(z)):
-        one = slice(p, p + 1)
-        known = _from_piece(nodes, pieces, radii, places[p], z[p], out[p])
-        if not known and along_path(program, parameters, nodes, pieces, radii, places[one], tolerance, z[one], out[one]) < 1:
-            return p
+                difference = max(difference, abs(out[p, c] - point[0, c]) / sizes[c])
+        if difference <= SAME_SHEET:
+            apart = False
+        else:
+            for c in range(n):
+                out[p, c] = point[0, c]
     return len(z)

@@ -126,7 +126,9 @@ def _reduced(
     ]
     for power in range(3):
         parts[power] |= {(n + i, j): v for (i, j), v in T[power].items()}
-    places = sorted({place for part in parts for place, v in part.items() if not _vanishes(v)})
+    present = {place for part in parts for place, v in part.items() if not _vanishes(v)}
+    # the rows of τ have the same columns: γ⁻¹ mixes them
+    places = sorted(present | {(i, j) for i in range(n, n + m) for row, j in present if row >= n})
     linear, quadratic = ([e for e, k in enumerate(places) if not _vanishes(parts[power].get(k, 0))] for power in (1, 2))
     carries = sorted({i for (i, _), v in V.items() if not _vanishes(v)})
     results = [parts[0].get(k, 0) for k in places]

@@ -136,7 +136,7 @@ def test_sampled_system_equals_its_dense_form(m: int, degree: int) -> None:
     sampled, dense = random_system(n, m, degree, 1)
     A, dA = np.empty((n, n), complex), np.empty((n, n), complex)
     for kernel in (system.system_matrix, system.system_matrix.py_func):
-        kernel(sampled, 0, 7, sigma, A, dA, system.workspace(sampled, n), True)
+        kernel(sampled, 0, 7, sigma, A, dA, system.workspace(sampled, n))
         np.testing.assert_allclose(A, dense(sigma), rtol=1e-11)
         np.testing.assert_allclose(dA, (dense(sigma + 1e-5) - dense(sigma - 1e-5)) / 2e-5, rtol=1e-6, atol=1e-8)
 
@@ -199,12 +199,12 @@ def test_series_at_a_regular_singular_point(monkeypatch: pytest.MonkeyPatch) -> 
     Lam = rate * np.eye(k) + np.outer(left, right)
     assert abs(left @ right) < 1e-15
     P0, dP0 = random_complex(n, k), random_complex(n, k)
-    lists = regular_singular.sparse(C), regular_singular.sparse(D)
+    system = regular_singular.recurrence(C, D)
 
     def solve(sigma: complex, kernel=regular_singular.series_terms) -> tuple[np.ndarray, np.ndarray]:
         P, dP = np.zeros((terms, n, k), complex), np.zeros((terms, n, k), complex)
         P[0], dP[0] = P0 + sigma * dP0, dP0
-        kernel(*lists, sigma, rate, left, right, P, dP, True)
+        kernel(system, sigma, rate, left, right, P, dP, True)
         return P, dP
 
     sigma = 0.2 - 0.4j

@@ -21,8 +21,9 @@ Lists = tuple[Any, ...]
 
 
 @lru_cache
-def equations(radial: int) -> Lists:
-    """The program of the flow with this radial distribution, in lists for a kernel; parameters are those of `Chute.numbers`.
+def equations(radial: int, real: bool = True) -> Lists:
+    """The program of the flow with this radial distribution, in lists for a kernel, in real or complex numbers; parameters are those of
+    `Chute.numbers`.
 
     Its results are the slopes of the state, the sizes its errors are measured against, and the energy defect of the base.
     """
@@ -38,7 +39,7 @@ def equations(radial: int) -> Lists:
     rates = (decay, T_z, u_z, Q_z, -pressure, -nu * u, -nu)
     sizes = (1.0, T, T**0.5, HEAT * nu * T**0.5, state[4], nu * T**1.5, state[6])
     recorded = program(recorder, [*rates, *sizes, defect(nu, T, u_z, Q, g0, ep, tan_theta, r, delta)])
-    return recorded.lists(real=True)
+    return recorded.lists(real)
 
 
 def defect(nu: Any, T: Any, u_z: Any, Q: Any, g0: Any, ep: Any, tan_theta: Any, r: Any, delta: Any) -> Any:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from shootstab.core.series import Series, constant
 from shootstab.core.straight_line import Program, Recorder, program
-from shootstab.kernels.frobenius import Sparse, row_sizes, series_terms, series_value, sparse
+from shootstab.kernels.frobenius import Recurrence, recurrence, row_sizes, series_terms, series_value
 from shootstab.kernels.recorded_programs import series
 from shootstab.models.chute.balance import slopes
 from shootstab.models.chute.first_order_system import DECAYING, SIZE
@@ -95,8 +95,7 @@ class FarField:
         of_system = equations.conj()[:, None] * states
         of_frame = states.conj()[:, None] * solutions
         of_flow = _Series(
-            sparse(of_system * matrices[:2]),
-            sparse(of_system * matrices[2:]),
+            recurrence(of_system * matrices[:2], of_system * matrices[2:]),
             self.exponents[3, 3].real,
             solutions.conj() * (2 * left - basis @ left),  # the inverse of basis, applied
             -far_temperature / (7 * math.hypot(kx, ky)) * (left @ basis) * solutions,
@@ -133,7 +132,7 @@ class FarField:
 
     def at(self, nu: float, sigma: complex) -> tuple[ComplexArray, ComplexArray, float]:
         """Σ P_m ν0^m and its σ-derivative, each (8, 4), and a bound on its relative error from the last terms."""
-        P, dP = self.terms(sigma)
+        P, dP = (terms.astype(np.complex128, copy=False) for terms in self.terms(sigma))
         sizes = _row_sizes(P)
         tail = max(sizes[m] * nu**m for m in range(FAR_TERMS - 4, FAR_TERMS))
         return series_value(P, nu) * self._back, series_value(dP, nu) * self._back, float(tail)
@@ -142,8 +141,7 @@ class FarField:
 class _Series(NamedTuple):
     """What the series is made of, all real or all complex; P_0 = constant + pole/Ω."""
 
-    C: Sparse
-    D: Sparse
+    system: Recurrence
     rate: float
     left: NDArray[np.inexact]
     right: NDArray[np.inexact]
@@ -156,16 +154,16 @@ class _Series(NamedTuple):
         dP = np.zeros_like(P)
         first = self.pole / omega
         P[0], dP[0] = self.constant + first, first / -omega
-        series_terms(self.C, self.D, sigma, self.rate, self.left, self.right, P, dP, tangent)
+        series_terms(self.system, sigma, self.rate, self.left, self.right, P, dP, tangent)
         return P, dP
 
     def in_real_numbers(self) -> _Series | None:
         """None if it is not real."""
-        arrays = (*self.C[2:], *self.D[2:], *self[3:])
-        if any(a.imag.any() for a in arrays):
+        numbers, vectors = (self.system.values, self.system.slopes), self[2:]
+        if any(a.imag.any() for a in (*numbers, *vectors)):
             return None
-        C, D = (Sparse(*lists[:2], *(a.real.copy() for a in lists[2:])) for lists in (self.C, self.D))
-        return _Series(C, D, self.rate, *(a.real.copy() for a in self[3:]))
+        values, slopes = (a.real.copy() for a in numbers)
+        return _Series(self.system._replace(values=values, slopes=slopes), self.rate, *(a.real.copy() for a in vectors))
 
 
 def _turns(count: int, turned: list[int]) -> ComplexArray:
@@ -185,5 +183,5 @@ def decay_matrix(kx: float, ky: float) -> ComplexArray:
 def _row_sizes(P: Terms) -> NDArray[np.float64]:
     """The size of each term (m,): the largest entry of each row against that row's largest entry in the first."""
     sizes = np.empty(len(P))
-    row_sizes(P, sizes)
+    row_sizes(P.astype(np.complex128, copy=False), sizes)
     return sizes

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.errors import ConvergenceError, InputError, NoFlowError
-from shootstab.kernels.taylor_pieces import along_path, at_each, integrate, terms_for
+from shootstab.kernels.taylor_pieces import along_path, from_pieces, integrate, terms_for
 from shootstab.models.chute import constitutive as law
 from shootstab.models.chute import descent
 from shootstab.models.chute.balance import slip, slopes
@@ -84,17 +84,27 @@ class Flow:
         if not below.all():
             out[~below] = self._beyond_top(flat[~below])
         inside = np.flatnonzero(below)
-        kernel = along_path if order == "path" else at_each
-        found = np.empty((inside.size, DESCENT_SIZE), dtype=np.complex128)
-        points = flat[inside]
-        lists = descent.equations(self.chute.radial_law[0])
-        reached = kernel(lists, self.chute.numbers, self.nodes, self.pieces, self.radii, places[inside], self.tolerance, points, found)
-        if reached < inside.size:
-            z_lost = points[reached]
-            why = "a singularity of the flow lies there, or a root in its equations changes its branch"
-            raise ConvergenceError(f"the steady flow cannot be continued to z = {z_lost:.6g}: {why}")
-        out[inside] = found
+        out[inside] = self._by_pieces(flat[inside], places[inside], order)
         return out[:, :6].reshape(*z.shape, 6)
+
+    def _by_pieces(self, z: NDArray[np.complex128], places: NDArray[np.int64], order: str) -> NDArray[np.complex128]:
+        """States (p, 7) at points z (p,) below the top; places (p,) are those of the nodes next above Re z."""
+        out, known = np.empty((z.size, DESCENT_SIZE), dtype=np.complex128), np.empty(z.size, dtype=np.bool_)
+        from_pieces(self.nodes, self.pieces, self.radii, places, z, out, known)
+        if known.all():
+            return out
+        equations = descent.equations(self.chute.radial_law[0], real=False), self.chute.numbers.astype(np.complex128)
+        radii, terms = self.radii[places], self.pieces.shape[2]
+        for p in range(1) if order == "path" else np.flatnonzero(~known).tolist():
+            path = slice(p, None if order == "path" else p + 1)
+            beginning = complex(max(z[p].real, self.nodes[places[p]] - radii[p]))
+            start = self._by_pieces(np.array([beginning]), places[p : p + 1], order)[0]
+            reached = along_path(*equations, radii[path], self.tolerance, terms, beginning, start, z[path], known[path], out[path])
+            if reached < len(z[path]):
+                z_lost = z[p + reached]
+                why = "a singularity of the flow lies there, or a root in its equations changes its branch"
+                raise ConvergenceError(f"the steady flow cannot be continued to z = {z_lost:.6g}: {why}")
+        return out
 
     def at(self, z: Any) -> Fields:
         """The fields at heights z, real or complex, each of the shape of z."""

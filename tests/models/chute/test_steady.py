@@ -496,7 +496,7 @@ def test_pieces_meet():
 # ------------------------------------------------------------------------------------------------ compiled and not
 def test_equations_are_those_of_the_balance():
     """The recorded program gives the slopes of `balance.slopes` and the energy defect of (A 18), compiled and not, at complex states."""
-    lists, rng = descent.equations(PAPER.radial_law[0]), np.random.default_rng(5)
+    lists, rng = descent.equations(PAPER.radial_law[0], real=False), np.random.default_rng(5)
     flow = flow_of(PAPER, 0.2)
     for z in (0.0, 0.7, 5.0):
         y = np.append(flow.states_at(z), 0.3) * (1 + 1e-3j * rng.normal(size=7))
@@ -504,7 +504,7 @@ def test_equations_are_those_of_the_balance():
         for kernel in (taylor_pieces.expand, taylor_pieces.expand.py_func):
             out, sizes = np.zeros((7, 6), complex), np.empty(7)
             out[:, 0] = y
-            stop = kernel(lists, PAPER.numbers.astype(complex), np.empty((len(lists[0]), 6), complex), out, sizes)
+            stop = kernel(lists, PAPER.numbers.astype(complex), np.empty((len(lists[0]), 6), complex), out, sizes, 6)
             outs.append((out, sizes, stop))
         assert np.all(np.abs(outs[0][0] - outs[1][0]) <= 1e-13 * np.abs(outs[0][0]))
         assert np.allclose(outs[0][1], outs[1][1], rtol=1e-14, atol=0.0)
