@@ -15,10 +15,10 @@ import mpmath
 
 from shootstab.formulation.evaluation import Evaluator
 from shootstab.formulation.expression import Expression
+from shootstab.formulation.null_space import null_space
 from shootstab.formulation.regular_digits import RegularStart
 from shootstab.formulation.series_digits import on_numbers, on_series
 from shootstab.formulation.state_pencil import Powers, StatePencil
-from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
 from shootstab.multiprecision.integration import Base, Entries, Expansion, Progress, UnknownRows
 from shootstab.multiprecision.settings import Settings
@@ -94,7 +94,7 @@ class EquationIntegration:
         if self._augmented:
             identity = [[self._arithmetic.number(int(i == j)) for j in range(n)] for i in range(n)]
             return [*identity, *[list(row) for row in identity]], one
-        return _null_space(self._arithmetic, self._start_rows[0], n), one
+        return null_space(self._arithmetic, self._start_rows[0], n), one
 
     def expand(self, longest: float) -> Expansion:
         arithmetic = self._arithmetic
@@ -159,24 +159,3 @@ class EquationIntegration:
         at = on_numbers(self._arithmetic, self._arithmetic.number(z))
         nothing = self._arithmetic.number(0)
         return [[[at(part[i, j]) if (i, j) in part else nothing for j in range(self._system.size)] for i in range(count)] for part in parts]
-
-
-def _null_space(arithmetic: Arithmetic, rows: Matrix, n: int) -> Matrix:
-    """A basis (n, n − m) of the solutions of m independent rows, by elimination with the largest pivots."""
-    work, pivots = [list(row) for row in rows], []
-    for r in range(len(work)):
-        i, j = max(
-            ((i, j) for i in range(r, len(work)) for j in range(n) if j not in pivots), key=lambda at: arithmetic.log2(work[at[0]][at[1]])
-        )
-        work[r], work[i] = work[i], work[r]
-        work[r] = [x / work[r][j] for x in work[r]]
-        pivots.append(j)
-        for other in range(len(work)):
-            if other != r and not matrices.vanishes(work[other][j]):
-                factor = work[other][j]
-                work[other] = [x - factor * y for x, y in zip(work[other], work[r], strict=True)]
-    free = [j for j in range(n) if j not in pivots]
-    basis = [[arithmetic.number(int(i == j)) for j in free] for i in range(n)]
-    for r, pivot in enumerate(pivots):
-        basis[pivot] = [arithmetic.rounded(-work[r][j]) for j in free]
-    return basis

@@ -1,73 +1,148 @@
-"""Which way to many digits a problem in equations has, by its ends."""
+"""Which way to many digits a problem in equations has, by its ends and interfaces."""
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Sequence
 from fractions import Fraction
 
 from shootstab.core.errors import InputError
 from shootstab.formulation.axis import RegularSpace
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
-from shootstab.formulation.digits import EquationDigits, Shown
+from shootstab.formulation.digits import EquationDigits
 from shootstab.formulation.exponentials import exponential_end
-from shootstab.formulation.first_order import FirstOrder
+from shootstab.formulation.expression import number
 from shootstab.formulation.gaussian import Gaussian
-from shootstab.formulation.line_digits import InfiniteSide, LineDigits
+from shootstab.formulation.joint_conditions import on_side, rows_over_states
+from shootstab.formulation.joints import INTERFACE_SIDES, Joint
+from shootstab.formulation.reduced_layers import ReducedLayer
 from shootstab.formulation.regular_digits import RegularStart
-from shootstab.formulation.state_pencil import StatePencil
+from shootstab.formulation.state_pencil import Powers, StatePencil, by_powers
 from shootstab.formulation.stated_unknowns import shown_in_states
 from shootstab.formulation.statement import Statement
+from shootstab.formulation.subdomain_digits import (
+    Arrival,
+    AtInfinity,
+    AtSingularEnd,
+    AtWall,
+    Augmented,
+    Begin,
+    DigitSubdomain,
+    SubdomainDigits,
+)
 from shootstab.multiprecision.integration import MultiprecisionProblem
+from shootstab.problems.decaying_space import StartingSpace
 from shootstab.problems.ends import INFINITIES, Infinity
 from shootstab.problems.two_point import TwoPointReduction
 
 
-def digits_of(statement: Statement, first: FirstOrder, system: StatePencil, reduction: TwoPointReduction) -> MultiprecisionProblem:
+def digits_of(
+    statement: Statement, system: StatePencil, layers: Sequence[ReducedLayer], reduction: TwoPointReduction
+) -> MultiprecisionProblem:
     """The problem in any precision. Raises InputError, with the reason, where there is no such way."""
     try:
         if statement.domain.given:
             raise InputError(f"{', '.join(statement.domain.given)} are given to doubles only: allowed are formulas")
+        if isinstance(statement.left, Periodic):
+            raise InputError("that is not offered between periodic ends: allowed are others")
         if statement.joints:
-            raise InputError("that is not offered in layers: allowed is a problem without interfaces")
-        if all(statement.finite):
-            return _between_finite_ends(statement, shown_in_states(statement.names.unknowns, first), system, reduction)
-        return _on_a_line(statement, system, reduction)
+            return _in_layers(statement, system, layers, reduction)
+        places = [_place(end) for end in (statement.left, statement.right) if not isinstance(end, Infinity)]
+        if all(statement.holding):
+            return EquationDigits(system, (places[0], places[1]), shown_in_states(statement.names.unknowns, layers[0].first_order))
+        if any(statement.holding) and len(places) == 2:
+            space = reduction.subdomains[0].far
+            shown = shown_in_states(statement.names.unknowns, layers[0].first_order)
+            return EquationDigits(system, (places[0], places[1]), shown, _regular(space), backwards=statement.holding[0])
+        return _towards_one_place(statement, system, reduction)
     except InputError as error:
         raise InputError(f"more than 12 digits: {error}") from None
 
 
-def _between_finite_ends(statement: Statement, shown: Shown, system: StatePencil, reduction: TwoPointReduction) -> MultiprecisionProblem:
-    places = _place(statement.left), _place(statement.right)
-    if all(statement.holding):
-        return EquationDigits(system, places, shown)
-    if not any(statement.holding):
-        raise InputError("both ends are regular singular or periodic: allowed is one with conditions")
-    space = reduction.subdomains[0].far
-    if not (isinstance(space, RegularSpace) and space.end.integer):
-        raise InputError("the exponents at the regular singular end are no integers")
-    return EquationDigits(system, places, shown, RegularStart(space.end, Fraction(space.x)), backwards=statement.holding[0])
-
-
-def _on_a_line(statement: Statement, system: StatePencil, reduction: TwoPointReduction) -> MultiprecisionProblem:
-    """With one end at infinity the other holds conditions; with two the sides meet where those of the reduction do."""
-    ends = {side: end for side, end in ((-1, statement.left), (1, statement.right)) if isinstance(end, Infinity)}
-    for side, end in ends.items():
-        if end.start is not None:
-            raise InputError(f"at {INFINITIES[side]} the decaying space is that of coefficients frozen at a start: allowed is a limit")
+def _towards_one_place(statement: Statement, system: StatePencil, reduction: TwoPointReduction) -> MultiprecisionProblem:
+    """From an end at infinity to the conditions at the other end; or from two ends, at infinity or singular, to where the sides meet."""
+    n, one = system.size, number(1)
+    ends = {side: end for side, end in ((-1, statement.left), (1, statement.right)) if not isinstance(end, Conditions)}
+    spaces = {side: subdomain.far for side, subdomain in zip(_sides(reduction), reduction.subdomains, strict=True)}
     if len(ends) == 1:
         (side,) = ends
-        rows, place = (system.left, system.left_rows), _place(statement.left if side > 0 else statement.right)
-        if side < 0:
-            rows = system.right, system.right_rows
-        return LineDigits(system, [InfiniteSide(exponential_end(system, side), system.size - rows[1])], place, rows)
+        rows, count = (system.left, system.left_rows) if side > 0 else (system.right, system.right_rows)
+        target = _place(statement.left if side > 0 else statement.right)
+        begin = _at_end(ends[side], side, system, spaces[side])
+        return SubdomainDigits([DigitSubdomain(system, begin, target)], [Arrival(rows, count, target)])
     first = reduction.subdomains[0]
     meeting = Fraction(first.offset + first.scale * reduction.end)
-    sides = []
-    for subdomain in reduction.subdomains:
-        side = 1 if subdomain.scale * (reduction.start - reduction.end) > 0 else -1
-        sides.append(InfiniteSide(exponential_end(system, side), subdomain.far.columns))
-    return LineDigits(system, sides, meeting, ((), 0))
+    subdomains = [DigitSubdomain(system, _at_end(end, side, system, spaces[side]), meeting) for side, end in ends.items()]
+    same = {(i, i): one for i in range(n)} | {(i, n + i): -one for i in range(n)}
+    return SubdomainDigits(subdomains, [Arrival((same,), n, meeting)])
+
+
+def _in_layers(
+    statement: Statement, system: StatePencil, layers: Sequence[ReducedLayer], reduction: TwoPointReduction
+) -> MultiprecisionProblem:
+    """A subdomain a layer, to the interface next to it. Where all arrive the conditions at interfaces hold, and those with σ in them."""
+    n, places = system.size, [Fraction(Gaussian.of(joint.at).re) for joint in statement.joints]
+    systems = [system, *(layer.states for layer in layers[1:])]
+    subdomains, arrivals, first = [], [], 0
+    own: list[tuple[int, int]] = []  # of each layer, its first component where it meets the layer before and the one behind
+    for j, layer in enumerate(systems):
+        side = -1 if j == 0 else 1
+        outer = j in (0, len(systems) - 1)
+        target = places[0] if j == 0 else places[-1] if outer else places[j]
+        begin: Begin = Augmented(places[j - 1])
+        if outer:
+            end, rows, count = (
+                (statement.left, system.left, system.left_rows) if j == 0 else (statement.right, system.right, system.right_rows)
+            )
+            if isinstance(end, Conditions) and any(rows[1:]):
+                begin = Augmented(_place(end))
+                arrivals.append(Arrival(_shifted(rows, first), count, _place(end)))
+            elif isinstance(end, Conditions):
+                begin = AtWall(_place(end), rows[0], count)
+            else:
+                begin = _at_end(end, side, layer, reduction.subdomains[0 if j == 0 else -1].far)
+        subdomains.append(DigitSubdomain(layer, begin, target))
+        last = first + subdomains[-1].size - n
+        own.append((last, last) if outer else (first, last))
+        first += subdomains[-1].size
+    for joint, place, (before, behind), pair in zip(
+        statement.joints, places, itertools.pairwise(own), itertools.pairwise(layers), strict=True
+    ):
+        arrivals.append(Arrival(_joint_rows(joint, pair, before[1], behind[0]), n, place))
+    return SubdomainDigits(subdomains, arrivals)
+
+
+def _joint_rows(joint: Joint, layers: tuple[ReducedLayer, ReducedLayer], before: int, behind: int) -> Powers:
+    """The conditions over the components of all subdomains, of which the states on the two sides begin at these."""
+    pair = layers[0].first_order, layers[1].first_order
+    shifts = zip(INTERFACE_SIDES, pair, (before, behind), strict=True)
+    places = {on_side(side, state): shift + i for side, layer, shift in shifts for i, state in enumerate(layer.states)}
+    return by_powers({(r, places[at]): c for r, row in enumerate(rows_over_states(joint, pair)) for at, c in row.items()})
+
+
+def _shifted(rows: Powers, by: int) -> Powers:
+    return tuple({(i, j + by): entry for (i, j), entry in part.items()} for part in rows)
+
+
+def _at_end(end: object, side: int, system: StatePencil, space: StartingSpace) -> Begin:
+    if isinstance(end, Infinity):
+        if end.start is not None:
+            raise InputError(f"at {INFINITIES[side]} the decaying space is that of coefficients frozen at a start: allowed is a limit")
+        return AtInfinity(exponential_end(system, side), space.columns)
+    return AtSingularEnd(_place(end), -side, _regular(space))
+
+
+def _regular(space: StartingSpace) -> RegularStart:
+    if not (isinstance(space, RegularSpace) and space.end.integer):
+        raise InputError("the exponents at the regular singular end are no integers")
+    return RegularStart(space.end, Fraction(space.x))
+
+
+def _sides(reduction: TwoPointReduction) -> list[int]:
+    """Of each subdomain, the side of the domain that it begins at."""
+    return [1 if subdomain.scale * (reduction.start - reduction.end) > 0 else -1 for subdomain in reduction.subdomains]
 
 
 def _place(end: object) -> Fraction:
-    assert isinstance(end, Conditions | Axis | Periodic)
+    assert isinstance(end, Conditions | Axis)
     return Fraction(Gaussian.of(end.at).re)

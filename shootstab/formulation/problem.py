@@ -106,7 +106,7 @@ class EquationProblem(LinearProblem):
     @property
     def multiprecision(self) -> Callable[[], MultiprecisionProblem]:
         """The same expressions on power series. What it returns raises InputError, with the reason, where there is no such way."""
-        return partial(digits_of, self.statement, self.first_order, self.states, self.reduction)
+        return partial(digits_of, self.statement, self.states, self.layers, self.reduction)
 
     @property
     def enclosable(self) -> Enclosable | None:

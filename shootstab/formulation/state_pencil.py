@@ -47,6 +47,11 @@ def in_states(rows: list[tuple[str, Row]], first: FirstOrder) -> list[Condition]
     return out
 
 
+def by_powers(entries: Entries) -> Powers:
+    """Entries by powers of σ, up to the highest that occurs."""
+    return _powers(entries, max(map(degree, entries.values()), default=0))
+
+
 def _powers(entries: Entries, highest: int) -> Powers:
     out: Powers = tuple({} for _ in range(highest + 1))
     for at, entry in entries.items():

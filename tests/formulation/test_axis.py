@@ -89,6 +89,13 @@ def test_many_digits_from_the_axis() -> None:
         assert abs(found[0].sigma - found[1].sigma) < 2e-20
 
 
+def test_many_digits_between_two_singular_ends() -> None:
+    """Legendre functions of order 2: 4·5."""
+    problem = st.equations(["y"], ["(1-z**2)*d(y,2) - 2*z*d(y) - 4/(1-z**2)*y + sigma*y"], st.Axis(-1), st.Axis(1))
+    mode = st.refine(problem, 20.1, digits=25)
+    assert abs(mode.sigma - 20) <= mode.error < 1e-25
+
+
 def test_many_digits_are_refused_where_exponents_are_no_integers() -> None:
     with pytest.raises(InputError, match="more than 12 digits"):
         st.refine(bessel(0.3), guess=8.0, digits=20)

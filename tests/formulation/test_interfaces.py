@@ -5,6 +5,7 @@ from __future__ import annotations
 import tomllib
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -120,5 +121,13 @@ def test_lists_are_as_long_as_there_are_layers() -> None:
         two_layers(0.0, (1, 1, 2))  # type: ignore[arg-type]
     with pytest.raises(InputError, match=r"ends and interfaces lie at z = -1, 1\.5, 1"):
         st.equations(**POISEUILLE, interfaces=[{"at": 1.5, "conditions": []}], parameters={"R": 1, "a": 1, "mu": 1})
-    with pytest.raises(InputError, match="more than 12 digits: that is not offered in layers"):
-        st.refine(two_layers(0.0), 0.0037 - 0.2375j, digits=20)
+
+
+def test_twenty_digits_in_two_layers() -> None:
+    """The mode of plane Poiseuille flow, and waves on water that is cut in three: σ² stands in the condition at its surface."""
+    mode = st.refine(two_layers(0.0), 0.0037 - 0.2375j, digits=16)
+    with mpmath.workdps(30):
+        assert abs(mode.sigma - mpmath.mpc("0.0037396706229794099322", "-0.23752648882047010745")) < 1e-16
+        cuts = [st.InterfaceConditions(z, ["jump(f)", "jump(d(f)) = 0"]) for z in (-0.7, -0.2)]
+        water = st.equations(["f"], ["d(f,2) - f"], st.Conditions(-1, ["d(f)"]), st.Conditions(0, ["sigma**2*f + d(f)"]), interfaces=cuts)
+        assert abs(st.refine(water, 0.87j, digits=25).sigma - 1j * mpmath.sqrt(mpmath.tanh(1))) < 1e-24

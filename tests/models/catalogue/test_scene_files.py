@@ -85,7 +85,10 @@ CLOSED_FORMS: dict[str, Callable[[Any], Any]] = {
     "taylor-goldstein": internal_wave,
     "water-waves": lambda s: s**2 + mp.tanh(1),
 }
-MANY = ("eady", 40), ("kink", 30), ("mri", 40), ("taylor-goldstein", 40), ("water-waves", 40), ("double-diffusion", 20)
+MANY = (
+    *(("eady", 40), ("mri", 40), ("taylor-goldstein", 40), ("water-waves", 40)),
+    *(("holmboe", 20), ("interfacial-waves", 20), ("double-diffusion", 20)),
+)
 
 
 def published(name: str) -> Known:

@@ -1,0 +1,243 @@
+"""Problems in equations to any number of digits whose solutions are carried through several subdomains, or from an end at infinity.
+
+Each subdomain goes from its beginning to its target in its own z = z_begin + t (target − z_begin), 0 ≤ t ≤ 1, all of them as one system in
+blocks, as in problems.subdomains. It begins with what its end allows: with the decaying space at infinity, with the regular solutions at a
+singular end, with the solutions that conditions without the eigenvalue leave; or, between two interfaces and where the eigenvalue stands in
+the conditions, with all solutions beside their starting values a = ψ(z_begin), as components before ψ. Where all arrive conditions hold.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, Protocol
+
+from shootstab.core.errors import InputError
+from shootstab.formulation.decaying_digits import DecayingSpace
+from shootstab.formulation.exponentials import ExponentialEnd
+from shootstab.formulation.expression import Expression
+from shootstab.formulation.null_space import null_space
+from shootstab.formulation.regular_digits import RegularStart
+from shootstab.formulation.series_digits import on_numbers, on_series
+from shootstab.formulation.state_pencil import Powers, StatePencil
+from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
+from shootstab.multiprecision.integration import Base, Expansion, Progress, UnknownRows
+from shootstab.multiprecision.settings import Settings
+from shootstab.multiprecision.taylor import Taylor, real_series
+
+
+class Beginning(Protocol):
+    """How a subdomain begins, in one arithmetic."""
+
+    @property
+    def place(self) -> Fraction:
+        """z where it does."""
+        ...
+
+    def begin(self, sigma: Any) -> None:
+        """Choose the place, so that the frame holds there at σ."""
+        ...
+
+    def frame(self, sigma: Any) -> tuple[Matrix, Any]:
+        """Its solutions (n, k), or (2n, n) beside their starting values, and the factor by which their determinant counts."""
+        ...
+
+
+class Begin(Protocol):
+    """What a subdomain begins with, in any arithmetic."""
+
+    def beginning(self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction) -> Beginning:
+        """The same in one arithmetic."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class AtInfinity:
+    """An end at infinity at which so many solutions decay."""
+
+    end: ExponentialEnd
+    columns: int
+
+    def beginning(self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction) -> Beginning:
+        return DecayingSpace(arithmetic, settings, self.end, system.size, self.columns, target)
+
+
+@dataclass(frozen=True, eq=False)
+class AtSingularEnd:
+    """A regular singular end; the domain goes from it in this direction."""
+
+    at: Fraction
+    direction: int
+    start: RegularStart
+
+    def beginning(self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction) -> Beginning:
+        place = self.at + self.direction * self.start.x / Fraction(2) ** round(settings.far_shift)
+        return _Fixed(place, lambda sigma: self.start.frame(arithmetic, settings, sigma), arithmetic.number(1))
+
+
+@dataclass(frozen=True, eq=False)
+class AtWall:
+    """A place with so many conditions that do not hold the eigenvalue."""
+
+    at: Fraction
+    rows: Mapping[tuple[int, int], Expression]
+    count: int
+
+    def beginning(self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction) -> Beginning:
+        at, nothing, n = on_numbers(arithmetic, arithmetic.number(self.at)), arithmetic.number(0), system.size
+        found = null_space(
+            arithmetic, [[at(self.rows[i, j]) if (i, j) in self.rows else nothing for j in range(n)] for i in range(self.count)], n
+        )
+        return _Fixed(self.at, lambda sigma: found, arithmetic.number(1))
+
+
+@dataclass(frozen=True, eq=False)
+class Augmented:
+    """A place at which all solutions begin, beside their starting values."""
+
+    at: Fraction
+
+    def beginning(self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction) -> Beginning:
+        identity = [[arithmetic.number(int(i == j)) for j in range(system.size)] for i in range(system.size)]
+        return _Fixed(self.at, lambda sigma: [*identity, *[list(row) for row in identity]], arithmetic.number(1))
+
+
+class _Fixed:
+    """See Beginning: one whose place does not depend on σ."""
+
+    def __init__(self, place: Fraction, made: Any, factor: Any) -> None:
+        self.place, self._made, self._factor = place, made, factor
+
+    def begin(self, sigma: Any) -> None:
+        """There is nothing to choose."""
+
+    def frame(self, sigma: Any) -> tuple[Matrix, Any]:
+        return self._made(sigma), self._factor
+
+
+@dataclass(frozen=True, eq=False)
+class DigitSubdomain:
+    """One subdomain: the system that holds in it, what it begins with, and where it arrives."""
+
+    system: StatePencil
+    begin: Begin
+    target: Fraction
+
+    @property
+    def size(self) -> int:
+        """Components."""
+        return self.system.size * (1 + isinstance(self.begin, Augmented))
+
+
+@dataclass(frozen=True, eq=False)
+class Arrival:
+    """Conditions where all arrive: by powers of σ, entries by (row, component of all subdomains); the coordinate in them is at."""
+
+    rows: Powers
+    count: int
+    at: Fraction
+
+
+class SubdomainDigits:
+    """See multiprecision.integration.MultiprecisionProblem."""
+
+    real = False
+
+    def __init__(self, subdomains: Sequence[DigitSubdomain], arrivals: Sequence[Arrival]) -> None:
+        self._subdomains, self._arrivals = subdomains, arrivals
+        self.size = sum(subdomain.size for subdomain in subdomains)
+
+    def base(self, arithmetic: Arithmetic, settings: Settings, progress: Progress) -> Base:
+        return ()
+
+    def integration(self, arithmetic: Arithmetic, settings: Settings, base: Base) -> SubdomainIntegration:
+        return SubdomainIntegration(arithmetic, settings, self._subdomains, self._arrivals)
+
+
+class SubdomainIntegration:
+    """See multiprecision.integration.Integration."""
+
+    def __init__(
+        self, arithmetic: Arithmetic, settings: Settings, subdomains: Sequence[DigitSubdomain], arrivals: Sequence[Arrival]
+    ) -> None:
+        self._arithmetic, self._settings, self._subdomains, self._arrivals = arithmetic, settings, subdomains, arrivals
+        self._beginnings = [s.begin.beginning(arithmetic, settings, s.system, s.target) for s in subdomains]
+        self._t = arithmetic.number(0)
+        self._step = arithmetic.number(1) / settings.order  # a first trial; steps double from there
+
+    def begin(self, sigma: Any) -> None:
+        for beginning in self._beginnings:
+            beginning.begin(sigma)
+
+    def far_frame(self, sigma: Any) -> tuple[Matrix, Any]:
+        found = [beginning.frame(sigma) for beginning in self._beginnings]
+        width, before, whole = sum(len(frame[0]) for frame, _ in found), 0, []
+        factor, nothing = self._arithmetic.number(1), self._arithmetic.number(0)
+        for frame, own in found:
+            after = width - before - len(frame[0])
+            whole += [[*[nothing] * before, *row, *[nothing] * after] for row in frame]
+            before += len(frame[0])
+            factor = factor * own
+        return whole, self._arithmetic.rounded(factor)
+
+    def expand(self, longest: float) -> Expansion:
+        arithmetic = self._arithmetic
+        left = 1 - self._t
+        limit = arithmetic.number(longest) if longest < 1.0 else left
+        h = min((self._step, limit, left), key=arithmetic.log2)
+        self._h = h
+        powers = max(len(subdomain.system.C) for subdomain in self._subdomains)
+        C: list[dict[tuple[int, int], Taylor]] = [{} for _ in range(powers)]
+        D: list[dict[tuple[int, int], Taylor]] = [{} for _ in range(powers)]
+        shift = 0
+        for subdomain, beginning in zip(self._subdomains, self._beginnings, strict=True):
+            system = subdomain.system
+            way = arithmetic.number(subdomain.target - beginning.place)
+            here = arithmetic.number(beginning.place) + way * self._t
+            z = real_series(arithmetic, [here, way * h] + [arithmetic.number(0)] * (self._settings.order - 2))
+            at = on_series(arithmetic, z)
+            for still in range(subdomain.size - system.size):
+                C[0][shift + still, shift + still] = 0 * z + 1
+            shift += subdomain.size - system.size
+            for out, parts, factor in ((C, system.C, 1), (D, system.D, way)):
+                for whole, part in zip(out, parts, strict=False):
+                    whole.update({(i + shift, j + shift): factor * e for (i, j), e in _evaluated(part, at, z).items()})
+            shift += system.size
+        return Expansion(h, C, D, arithmetic.log2(left - h) == float("-inf"))
+
+    def advance(self) -> None:
+        self._t = self._arithmetic.rounded(self._t + self._h)
+        self._step = 2 * self._h
+
+    def unknowns(self, sigma: Any) -> UnknownRows:
+        told = "an eigenfunction in many digits is not offered with an end at infinity, in layers, or between two singular ends"
+        raise InputError(f"{told}: allowed are finite ends of which one holds conditions, or doubles")
+
+    def farther(self, sigma: Any, c: Matrix, distance: Any) -> None:
+        """No solution is kept."""
+
+    @property
+    def wall(self) -> Any:
+        """Where all subdomains arrive, in t."""
+        return self._arithmetic.number(1)
+
+    def wall_rows(self) -> list[Matrix]:
+        arithmetic, width = self._arithmetic, sum(subdomain.size for subdomain in self._subdomains)
+        powers = max(len(arrival.rows) for arrival in self._arrivals)
+        out: list[Matrix] = [[] for _ in range(powers)]
+        for arrival in self._arrivals:
+            at = on_numbers(arithmetic, arithmetic.number(arrival.at))
+            for power, whole in enumerate(out):
+                part = arrival.rows[power] if power < len(arrival.rows) else {}
+                values = {place: arithmetic.number(1) * at(entry) for place, entry in part.items()}
+                whole += [[values.get((i, j), arithmetic.number(0)) for j in range(width)] for i in range(arrival.count)]
+        return out
+
+    def corrected_base(self) -> Base:
+        return ()
+
+
+def _evaluated(part: Mapping[tuple[int, int], Expression], at: Any, z: Taylor) -> dict[tuple[int, int], Taylor]:
+    values = {place: at(entry) for place, entry in part.items()}
+    return {place: value if isinstance(value, Taylor) else 0 * z + value for place, value in values.items()}
