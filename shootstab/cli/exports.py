@@ -7,6 +7,7 @@ import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from shootstab.cli.lines import with_i
 from shootstab.cli.tables import ABSENT, sentence
 from shootstab.core.records import CONFIRMED, Report
 from shootstab.io.notation import claimed_digits, held_complex
@@ -27,7 +28,7 @@ def cells(report: Report, symbol: str = "σ") -> tuple[list[str], list[list[str]
         mode = ABSENT if v.sigma is None else held_complex(v.sigma, v.error)
         error = ABSENT if v.error is None or v.sigma is None else f"{float(v.error):.1e}"
         digits = ABSENT if v.digits_agreed is None else f"{v.digits_agreed:.1f}"
-        why = "" if v.verdict == CONFIRMED else v.why
+        why = "" if v.verdict == CONFIRMED else with_i(v.why)
         rows.append([str(number), claimed_digits(v.claimed, report.digits), v.verdict, mode, error, digits, why])
     for m in report.missing:
         rows.append(["", ABSENT, "missing", held_complex(m.sigma, m.error), f"{float(m.error):.1e}", ABSENT, ""])

@@ -36,12 +36,13 @@
   filter();
   const dark = matchMedia("(prefers-color-scheme: dark)");
   const draw = () => {
+    const narrow = matchMedia("(max-width: 40rem)").matches;
     const ink = getComputedStyle(document.body).color;
     for (const script of document.querySelectorAll("script[data-figure]")) {
       const { data, layout, config } = JSON.parse(script.textContent);
       const grid = { gridcolor: "rgba(128,128,128,0.25)", zerolinecolor: "rgba(128,128,128,0.6)", exponentformat: "power" };
       const axes = { xaxis: { ...grid, ...layout.xaxis }, yaxis: { ...grid, ...layout.yaxis } };
-      const look = { paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", font: { color: ink }, margin: { t: 48 }, dragmode: "pan", modebar: { bgcolor: "rgba(0,0,0,0)", color: ink } };
+      const look = { paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", font: { color: ink }, margin: { t: 40, r: 20, l: narrow ? 48 : 70, b: narrow ? 40 : 60 }, dragmode: "pan", modebar: { bgcolor: "rgba(0,0,0,0)", color: ink } };
       Plotly.react(script.dataset.figure, data, { ...layout, ...look, ...axes }, config);
     }
   };

@@ -10,6 +10,7 @@ from __future__ import annotations
 import html
 import importlib.util
 import platform
+import re
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -21,6 +22,7 @@ import numpy as np
 
 from shootstab import __version__
 from shootstab.cli import exports, plane, plots
+from shootstab.cli.lines import with_i
 from shootstab.cli.tables import sentence
 from shootstab.core.errors import InputError
 from shootstab.core.records import VERDICTS, Mode, Report
@@ -35,6 +37,8 @@ PLOTLY_MARKS = {"o": "circle", "^": "triangle-up", "x": "x-thin", "+": "cross-th
 MARK_SIZE = 10  # chosen: of a mark, in pixels
 THIN = ("x-thin", "cross-thin")  # marks that are lines, which plotly draws in the colour of the line alone
 GREY_LINE = "#7d7d7d"  # readable on white and on black
+LEGEND = {"orientation": "h", "y": -0.25}  # chosen: below the numbers and the name of the axis, also on a phone
+UNBROKEN = re.compile(r"\d\.\d+e[-+]\d+")  # a browser breaks lines at a hyphen
 CONFIGURATION = {"responsive": True, "displaylogo": False, "scrollZoom": True}
 
 
@@ -107,7 +111,7 @@ def _verdicts(page: Page) -> str:
 
 
 def _cell(text: str, key: str, column: int) -> str:
-    inner = html.escape(text)
+    inner = UNBROKEN.sub(r"<span class=unbroken>\g<0></span>", html.escape(text))
     return f'<td data-key="{html.escape(key)}">{f"<b class={text}>{inner}</b>" if column == 2 else inner}</td>'
 
 
@@ -125,7 +129,7 @@ def _sort_keys(report: Report, place: int, row: Sequence[str]) -> list[str]:
 def _plane(page: Page) -> dict[str, Any]:
     """The claims, the modes, the continuous spectrum, and what was searched."""
     groups, near = plots.of_report(page.report, page.scene)
-    reasons = {complex(v.claimed): f"{i}: {v.verdict}<br>{html.escape(v.why)}" for i, v in enumerate(page.report.verdicts, 1)}
+    reasons = {complex(v.claimed): f"{i}: {v.verdict}<br>{html.escape(with_i(v.why))}" for i, v in enumerate(page.report.verdicts, 1)}
     traces: list[dict[str, Any]] = []
     line = plane.continuum(page.scene)
     if line is not None:
@@ -149,14 +153,15 @@ def _plane(page: Page) -> dict[str, Any]:
             ]
             points = {"x": group.points.real.tolist(), "y": group.points.imag.tolist(), "text": text, "hoverinfo": "text+name"}
             traces.append({"type": "scatter", "mode": "markers", "name": group.label, "marker": marker, **points})
-    centre, width, height = near
+    drawn = [np.empty(0, dtype=np.complex128), *(group.points for group in groups), *([] if rim is None else [rim])]
+    _, (centre, width, height) = plane.in_view(np.concatenate(drawn), near)
     symbol = page.scene.symbol
     return {
         "data": traces,
         "layout": {
             "xaxis": {"title": {"text": f"Re {symbol}"}, "range": [centre.real - width, centre.real + width]},
             "yaxis": {"title": {"text": f"Im {symbol}"}, "range": [centre.imag - height, centre.imag + height]},
-            "legend": {"orientation": "h", "y": -0.2},
+            "legend": LEGEND,
         },
     }
 
@@ -168,8 +173,8 @@ def _line(name: str, points: Any, style: Mapping[str, Any]) -> dict[str, Any]:
 
 def _eigenfunctions(page: Page) -> str:
     """Their figures, and why other modes have none."""
-    figures = "".join(_figure(_shape(f), f"mode{i}") for i, f in enumerate(page.eigenfunctions))
-    return figures + "".join(f"<p>{html.escape(why)}</p>" for why in page.left_out) or "<p>No mode was found.</p>"
+    figures = "".join(_caption(f, page.scene.symbol) + _figure(_shape(f), f"mode{i}") for i, f in enumerate(page.eigenfunctions))
+    return figures + "".join(f"<p>{html.escape(with_i(why))}</p>" for why in page.left_out) or "<p>No mode was found.</p>"
 
 
 def _shape(found: Eigenfunction) -> dict[str, Any]:
@@ -183,12 +188,15 @@ def _shape(found: Eigenfunction) -> dict[str, Any]:
             label = f"{part} {name} / {largest:.3g}"
             trace = _line(label, of / largest + 1j * z, {"color": colour, "dash": dash, "width": 2})
             traces.append({**trace, "hoverinfo": "x+y+name"})
+    layout = {"xaxis": {"title": {"text": "each unknown over its largest value"}}, "yaxis": {"title": {"text": "z"}}, "legend": LEGEND}
+    return {"data": traces, "layout": layout}
+
+
+def _caption(found: Eigenfunction, symbol: str) -> str:
+    """What an eigenfunction belongs to, and how well it is known."""
     sigma = held_complex(found.mode.sigma, found.mode.error)
-    title = f"{sigma}{f', {found.kind}' if found.kind else ''}: error {found.error:.1e}, each unknown over its largest value"
-    return {
-        "data": traces,
-        "layout": {"title": {"text": title, "font": {"size": 13}}, "xaxis": {"title": {"text": ""}}, "yaxis": {"title": {"text": "z"}}},
-    }
+    kind = f", {found.kind}" if found.kind else ""
+    return f"<h3>{html.escape(f'{symbol} = {sigma}{kind}')}</h3><p>Error {found.error:.1e} of the largest value of each unknown.</p>"
 
 
 def _figure(figure: Mapping[str, Any], name: str) -> str:
@@ -206,7 +214,7 @@ def _budgets(modes: Sequence[Mode]) -> str:
     head = "".join(f"<th>{h.replace('_', ' ')}</th>" for h in ("mode", "error", *parts, "path"))
     rows = "".join(
         f"<tr><td>{held_complex(m.sigma, m.error)}</td><td>{float(m.error):.1e}</td>"
-        + "".join(f"<td>{float(value):.0e}</td>" for value in m.budget.as_dict().values())
+        + "".join(f"<td>{f'{float(value):.0e}' if value else '0'}</td>" for value in m.budget.as_dict().values())
         + f"<td>{html.escape(m.path)}</td></tr>"
         for m in modes
     )
@@ -214,8 +222,8 @@ def _budgets(modes: Sequence[Mode]) -> str:
 
 
 def _searched(report: Report) -> str:
-    undecided = "".join(f" Not searched: {what}." for what in report.undecided)
-    return f"{sentence(report)}{undecided}"
+    undecided = " ".join(f"Not searched: {with_i(what)}." for what in report.undecided)
+    return f"{sentence(report)} {undecided}".strip()
 
 
 def _provenance(page: Page) -> str:

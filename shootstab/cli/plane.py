@@ -50,11 +50,8 @@ def picture(scene: Scene, groups: Sequence[Group], near: Box, title: str, outlin
     everything = np.concatenate([np.empty(0, dtype=np.complex128), *(group.points for group in groups)])
     if outline is not None:
         everything = np.concatenate([everything, outline])
-    two = _spreads(everything, near)
+    two, near = in_view(everything, near)
     if not two:
-        centre, width, height = near
-        corners = [centre + complex(a * width, b * height) / 1.2 for a, b in ((-1, -1), (1, 1))]
-        near = around(np.concatenate([everything, corners]), 0.0)
         centre, width, height = near
         if line is not None and not ((np.abs(line.real - centre.real) < width) & (np.abs(line.imag - centre.imag) < height)).any():
             line = None  # out of sight, and nothing for a legend
@@ -74,6 +71,15 @@ def picture(scene: Scene, groups: Sequence[Group], near: Box, title: str, outlin
     if labels:
         figure.legend(handles, labels, loc="outside lower center", ncols=6 if two else 4, frameon=False, fontsize="small")
     return figure
+
+
+def in_view(points: Points, near: Box) -> tuple[bool, Box]:
+    """Whether the points reach far beyond the box, which is then magnified beside all of them; else the box grows to hold them."""
+    if _spreads(points, near):
+        return True, near
+    centre, width, height = near
+    corners = [centre + complex(a * width, b * height) / 1.2 for a, b in ((-1, -1), (1, 1))]
+    return False, around(np.concatenate([points, corners]), 0.0)
 
 
 def fill(panel: Any, scene: Scene, groups: Sequence[Group], line: Points | None, outline: Points | None = None) -> None:

@@ -117,9 +117,10 @@ def sentence(found: Report) -> str:
     others = "".join(f", {n} {verdict}" for verdict, n in counts.items() if n)
     said = f"{confirmed} of {total} eigenvalue{'s' * (total != 1)} confirmed to {found.digits} digits{others}."
     lost = "no mode is missing" if missing == 0 else f"{missing} mode{'s are' if missing > 1 else ' is'} missing"
+    searched = with_i(found.searched[:1].upper() + found.searched[1:])
     if found.region is None:
-        return f"{said} {found.searched[:1].upper()}{found.searched[1:]}{f'; {lost}' if missing else ''}."
-    return f"{said} {found.searched[:1].upper()}{found.searched[1:]}: {lost}."
+        return f"{said} {searched}{f'; {lost}' if missing else ''}."
+    return f"{said} {searched}: {lost}."
 
 
 def mode(found: Mode, scene: Scene) -> Parts:

@@ -62,6 +62,9 @@ def test_the_page_is_whole_and_asks_for_nothing(made: str) -> None:
     assert len(figures) == 2
     marked = [point for trace in figures[0]["data"] if trace["mode"] == "markers" for point in zip(trace["x"], trace["y"], strict=True)]
     assert (CLAIMS[1].real, CLAIMS[1].imag) in marked
+    (left, right), (low, high) = (figures[0]["layout"][axis]["range"] for axis in ("xaxis", "yaxis"))
+    assert all(left < x < right and low < y < high for x, y in marked)  # nothing is out of sight where all is near
+    assert "<span class=unbroken>7.1e-03</span>" in own
 
 
 def test_words_of_a_user_are_words_and_no_markup(made: str) -> None:
