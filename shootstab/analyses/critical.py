@@ -14,11 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from shootstab.analyses.refine import refine
+from shootstab.analyses.sweep.following import FollowedMode
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.problems.protocol import Problem
 
 ALPHA_POINTS = 12  # chosen: points on a circle in α, whose Fourier coefficients are σ and its first two α-derivatives
 ALPHA_RADIUS = 0.05  # chosen: radius of that circle; what the points leave out of σ′ is of the order 0.05^12
+WAY_OUT = (0.25, 0.5)  # chosen: of that radius, places on the way from its middle, so that no mode is guessed
+NOT_ANALYTIC = 1e-2  # chosen: of the change of σ over the radius, by what its mean over the circle may miss σ in the middle
 SHIFT = 1e-3  # chosen: relative change of R for the second circle
 CRITICAL_STEPS = 12  # chosen: of Newton in (α, R); from a guess of two digits it takes some 5
 ROUGH_RTOL = 1e-9  # chosen: relative accuracy of the modes on the way
@@ -68,15 +71,30 @@ def critical(
 def _circle(
     family: Callable[[float, complex], Problem], reynolds: float, alpha: float, guess: complex, rtol: float
 ) -> tuple[np.ndarray, float]:
-    """σ^(m)/m! for m = 0, 1, 2 at a real α, and the largest error of the modes around it."""
+    """σ^(m)/m! for m = 0, 1, 2 at a real α, and the largest error of the modes around it.
+
+    The guess means a mode at α itself; from there on every one is foreseen by the polynomial through those before. Raises ConvergenceError
+    where a mode is lost, or those around the circle are not values of one analytic function.
+    """
     radius = ALPHA_RADIUS * alpha
     turns = np.exp(2j * np.pi * np.arange(ALPHA_POINTS) / ALPHA_POINTS)
-    sigmas, error, sigma = [], 0.0, guess
-    for turn in turns.tolist():
-        mode = refine(family(reynolds, alpha + radius * turn), sigma, rtol)
+    way = FollowedMode()  # in the complex plane of α
+    error = 0.0
+    for place in [0.0, *WAY_OUT, *turns.tolist()]:
+        point = alpha + radius * place
+        mode = refine(family(reynolds, point), way.predicted(place) if way.places else guess, rtol)
         if not math.isfinite(mode.error):
-            raise ConvergenceError(f"the mode is lost at reynolds = {reynolds:.6g}, alpha = {alpha + radius * turn:.6g}: {mode.status}")
-        sigma, error = complex(mode.sigma), max(error, float(mode.error))
-        sigmas.append(sigma)
+            raise ConvergenceError(f"the mode is lost at reynolds = {reynolds:.6g}, alpha = {point:.6g}: {mode.status}")
+        error = max(error, float(mode.error))
+        way.add(place, complex(mode.sigma))
+    coefficients = np.fft.fft(way.sigmas[-ALPHA_POINTS:]) / ALPHA_POINTS
+    # σ^(m) r^m/m! of an analytic function: those of the middle order are small, and the 0th is σ(α) itself, which was computed too
+    left, whole = abs(coefficients[0] - way.sigmas[0]), float(np.abs(coefficients[1:3]).max())
+    if left > max(NOT_ANALYTIC * whole, 1e2 * error):
+        raise ConvergenceError(
+            f"the mode {way.sigmas[0]:.6g} is not followed around alpha = {alpha:.6g} at reynolds = {reynolds:.6g}: "
+            f"another one, or a branch point, is as near as the circle of {ALPHA_RADIUS:.0%} of alpha; "
+            "allowed is a guess nearer to the critical point"
+        )
     m = np.arange(3)
-    return np.fft.fft(sigmas)[:3] / ALPHA_POINTS / radius**m, error
+    return coefficients[:3] / radius**m, error

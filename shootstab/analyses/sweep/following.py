@@ -5,6 +5,7 @@ from __future__ import annotations
 import cmath
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 from shootstab.core.discriminant import Discriminant
 from shootstab.core.errors import ConvergenceError
@@ -22,12 +23,12 @@ ARRIVED, FADED, LOST = "arrived", "faded", "lost"
 
 @dataclass
 class FollowedMode:
-    """A mode at the places (on the line) where it is known, in the order in which it was followed."""
+    """A mode at the places, real or complex, where it is known, in the order in which it was followed."""
 
-    places: list[float] = field(default_factory=list)
+    places: list[Any] = field(default_factory=list)
     sigmas: list[complex] = field(default_factory=list)
 
-    def add(self, place: float, sigma: complex) -> None:
+    def add(self, place: complex, sigma: complex) -> None:
         """One more place."""
         self.places.append(place)
         self.sigmas.append(sigma)
@@ -37,12 +38,12 @@ class FollowedMode:
         """σ where the followed has got to."""
         return self.sigmas[-1]
 
-    def predicted(self, place: float) -> complex:
+    def predicted(self, place: complex) -> complex:
         """Extrapolation by the polynomial through the last places, at most HISTORY."""
         xs, ys = self.places[-HISTORY:], self.sigmas[-HISTORY:]
         total = 0j
         for i, (x, y) in enumerate(zip(xs, ys, strict=True)):
-            weight = 1.0
+            weight: complex = 1.0
             for j, other in enumerate(xs):
                 if j != i:
                     weight *= (place - other) / (x - other)
