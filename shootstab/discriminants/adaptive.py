@@ -19,7 +19,7 @@ from shootstab.discriminants.shooting import Shooting
 from shootstab.discriminants.subsystems import decouple
 from shootstab.problems.protocol import ComplexArray, Problem
 
-CELL_LEVELS = 4  # chosen: of cells: what a cell of 2.6 % in |σ| and 1.5° does not serve has a mesh of its own
+CELL_LEVELS = 2  # chosen: of cells: what a cell of 8 % in |σ| and 4.4° does not serve has a mesh of its own
 CIRCLE_POINTS = 4  # chosen: points of a circle at which its mesh must hold: those at which a count samples it first
 MOST_MESHES = 64  # chosen: kept at a time; those that were asked for longest ago are made again if they are needed
 
@@ -89,15 +89,19 @@ class SubsystemMeshes:
         return self._kept[key]
 
     def _make(self, key: Key, coarser: Shooting | None) -> Shooting | ConvergenceError:
-        anchor = self._centre if key is None else key.anchor if isinstance(key, Cell) else key
-        assert anchor is not None
+        smallest: complex | None = None
+        if isinstance(key, complex):
+            sigma: complex | None = key
+        else:
+            sigma, smallest = (self._centre, None) if key is None else (key.anchor, key.smallest)
+            if coarser is not None and all(_serves(coarser, end, False) for end in (sigma, smallest) if end is not None):
+                return coarser
+        assert sigma is not None
         begin: Shooting | SampledSystem | None = coarser
         if begin is None and not isinstance(key, complex) and key in self._begin:
             begin = sample_system(self.problem, self._begin[key])
-        if coarser is not None and _serves(coarser, anchor, False):
-            return coarser
         try:
-            return made_for(self.problem, self.propagator, self.path, anchor, begin)
+            return made_for(self.problem, self.propagator, self.path, sigma, begin, smallest)
         except ConvergenceError as error:
             return error
 
@@ -126,9 +130,10 @@ class Adaptive:
     ) -> None:
         self.problem, self.path = problem, path
         self._decoupling = decouple(problem)
-        parts: Sequence[Problem] = (problem,) if self._decoupling is None else self._decoupling.members
+        subsystems: Sequence[Problem] = (problem,) if self._decoupling is None else self._decoupling.members
         self._members = tuple(
-            SubsystemMeshes(part, propagator, path, centre, _of_member(begin, i, len(parts))) for i, part in enumerate(parts)
+            SubsystemMeshes(subsystem, propagator, path, centre, _of_member(begin, i, len(subsystems)))
+            for i, subsystem in enumerate(subsystems)
         )
         self._products: OrderedDict[tuple[int, ...], Product] = OrderedDict()
 

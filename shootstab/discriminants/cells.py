@@ -1,6 +1,6 @@
 """Cells of the σ-plane, and the σ of each for which its mesh is made.
 
-At level ℓ a cell is an interval of ln|σ| of length ln 2/3^ℓ times a sector of 40°/3^ℓ; it falls into nine of the next level. The mesh that
+At level ℓ a cell is an interval of ln|σ| of length ln 2/9^ℓ times a sector of 40°/9^ℓ; it falls into 81 of the next level. The mesh that
 serves a σ follows from the cells that σ lies in and from nothing else, so that D(σ) does not depend on what was asked before.
 """
 
@@ -12,13 +12,13 @@ from dataclasses import dataclass
 
 OCTAVE = 1.0371  # chosen: the cells of level 0 end at |σ| = OCTAVE·2^i, numbers that no mode is likely to be
 SECTOR = math.radians(40.0)  # chosen: sector 0 holds the positive real axis in its middle, and no sector has ±i in its own
-CELL_PARTS = 3  # chosen: along |σ| and along arg σ; odd, so that the middle of a cell is the middle of one of its parts
+CELL_PARTS = 9  # chosen: along |σ| and along arg σ; odd, so that the middle of a cell is the middle of one of its parts
 SMALLEST_POWER = -80  # chosen: |σ| below 2^−80 counts as so large: σ = 0 lies in a cell too
 
 
 @dataclass(frozen=True)
 class Cell:
-    """The σ with OCTAVE·2^(size/3^level) ≤ |σ| < OCTAVE·2^((size+1)/3^level), in the sector around the angle sector·40°/3^level."""
+    """The σ with OCTAVE·2^(size/9^level) ≤ |σ| < OCTAVE·2^((size+1)/9^level), in the sector around the angle sector·40°/9^level."""
 
     level: int
     size: int
@@ -40,6 +40,15 @@ class Cell:
     @property
     def anchor(self) -> complex:
         """The σ that the mesh is made for: the largest of the cell, in the middle of its sector. Large σ need short steps."""
+        return self._in_the_middle(self.size + 1)
+
+    @property
+    def smallest(self) -> complex:
+        """The smallest σ of the cell, in the middle of its sector. A far frame of small σ is good farther out only."""
+        return self._in_the_middle(self.size)
+
+    def _in_the_middle(self, size: int) -> complex:
+        """The σ of modulus OCTAVE·2^(size/9^level) in the middle of the sector."""
         fine = CELL_PARTS**self.level
-        size = OCTAVE * 2.0 ** ((self.size + 1) / fine)
-        return cmath.rect(size, self.sector * SECTOR / fine) if self.sector else complex(size)
+        modulus = OCTAVE * 2.0 ** (size / fine)
+        return cmath.rect(modulus, self.sector * SECTOR / fine) if self.sector else complex(modulus)

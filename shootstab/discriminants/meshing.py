@@ -38,15 +38,22 @@ Regrid = Callable[[ComplexArray, NDArray[np.float64], float], ComplexArray]
 
 
 def made_for(
-    problem: Problem, propagator: Propagator, path: DeformedPath | None, sigma: complex, coarser: Shooting | SampledSystem | None = None
+    problem: Problem,
+    propagator: Propagator,
+    path: DeformedPath | None,
+    sigma: complex,
+    coarser: Shooting | SampledSystem | None = None,
+    smallest: complex | None = None,
 ) -> Shooting:
     """D on a mesh on which the local errors hold at σ: cut from the coarser one, or spread from the problem's own first mesh.
 
-    Where they are rounding, they are held to that. Raises ConvergenceError where no mesh is found, InputError where the pencil is not
-    analytic between the path and the real axis.
+    Where they are rounding, they are held to that. smallest is the other end of the cell whose largest σ is meant: the mesh begins as far
+    out as both need, and is cut once where it does not serve that end. Raises ConvergenceError where no mesh is found for σ, InputError
+    where the pencil is not analytic between the path and the real axis.
     """
-    start = problem.start(sigma, far_tolerance(propagator.rtol))
+    start = _start(problem, propagator, sigma, smallest)
     noise = coarser.noise if isinstance(coarser, Shooting) else 0.0
+    known = coarser if isinstance(coarser, Shooting) and coarser.propagator is propagator else None
     if coarser is None:
         straight = problem.mesh(start)
         if path is not None:
@@ -60,14 +67,15 @@ def made_for(
     knots: NDArray[np.float64] = np.zeros(0)
     failed: ComplexArray | None = None
     for turn in range(MESH_ATTEMPTS):
-        shooting = Shooting(problem, propagator, sampled, noise=noise)
+        shooting = known if known is not None and sampled is known.sampled else Shooting(problem, propagator, sampled, noise=noise)
         errors = shooting.propagated(sigma, False).errors
         if turn >= len(regrids):
             if before is not None:
                 noise = max(noise, _noise(before, shooting, sigma))
                 shooting = shooting.allowing(noise)
             if (errors <= shooting.asked).all():
-                return _settled(shooting, sigma)
+                settled = _settled(shooting, sigma)
+                return settled if smallest is None else _cut_once(settled, smallest)
             if before is not None:
                 knots = _overlooked(before, shooting, sigma)
             before = shooting
@@ -109,6 +117,36 @@ def cut_for(shooting: Shooting, sigmas: list[complex]) -> Shooting:
         sampled = _regridded(shooting, errors, subdivide, sigmas[0])
         shooting = Shooting(shooting.problem, shooting.propagator, sampled, noise=shooting.noise)
     raise ConvergenceError(f"local errors of {shooting.asked:.1e} cannot be held around sigma = {sigmas[0]:.6g}")
+
+
+def _start(problem: Problem, propagator: Propagator, sigma: complex, smallest: complex | None) -> float:
+    """Where a mesh for σ begins; one for a whole cell where its smallest σ needs it, if that is farther out and has such a place."""
+    asked = far_tolerance(propagator.rtol)
+    start = problem.start(sigma, asked)
+    if smallest is None:
+        return start
+    try:
+        other = problem.start(smallest, asked)
+    except ConvergenceError:
+        return start
+    wall = float(problem.mesh(start)[-1])
+    return max(start, other, key=lambda z: abs(z - wall))
+
+
+def _cut_once(shooting: Shooting, sigma: complex) -> Shooting:
+    """The same, cut once where the local errors miss at another σ what it may serve with; itself where no value there tells."""
+    try:
+        propagation = shooting.propagated(sigma, False)
+    except ConvergenceError:
+        return shooting
+    errors = propagation.errors
+    if not (propagation.sound and np.isfinite(errors).all()) or (errors <= MESH_SLACK * shooting.asked).all():
+        return shooting
+    try:
+        sampled = _regridded(shooting, errors, subdivide, sigma)
+    except ConvergenceError:
+        return shooting
+    return Shooting(shooting.problem, shooting.propagator, sampled, noise=shooting.noise)
 
 
 def _settled(shooting: Shooting, sigma: complex) -> Shooting:

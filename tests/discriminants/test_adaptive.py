@@ -91,6 +91,23 @@ def test_cells_are_nested_and_their_anchors_lie_in_their_closure() -> None:
                 assert abs(turn) <= 0.5 * width * (1 + 1e-9)
 
 
+@pytest.mark.parametrize("method", METHODS, ids=lambda m: m.name)
+def test_the_mesh_of_a_cell_serves_both_of_its_ends(scenes, method) -> None:
+    for problem, sigma in ((scenes["mid"], 0.00102), (scenes["high"], 0.004), (orr_sommerfeld(), 0.05 - 0.3j)):
+        cell, D = Cell.of(sigma, 0), method.on(problem)
+        assert D.at(cell.smallest * (1 + 1e-9)) is D.at(cell.anchor * (1 - 1e-9))
+
+
+@pytest.mark.parametrize("scene", ["high", "mid"])
+@pytest.mark.parametrize("rtol", [10**-9.75, 1e-11, 1e-12, 1e-13])
+def test_the_iterates_of_a_search_share_their_meshes(scenes, scene: str, rtol: float) -> None:
+    """By compound matrices one step errs now and then by more than the mesh was made for; its cell has a mesh then, not every iterate."""
+    guess = {"high": 0.004, "mid": 0.001}[scene]
+    mode, other = st.refine(scenes[scene], guess, rtol=1e-9, method=st.Compound(rtol=rtol)), st.refine(scenes[scene], guess)
+    assert mode.evaluations < 40  # 18 where one mesh serves all
+    assert abs(mode.sigma - other.sigma) <= mode.error + other.error
+
+
 @pytest.mark.parametrize("method", [st.Frame, st.Compound, st.Riccati])
 @pytest.mark.parametrize("rtol", [0.0, -1.0, float("inf"), float("nan"), 1e-17, 2.0, "1e-9"])
 def test_a_tolerance_that_no_step_can_hold_is_refused(method, rtol) -> None:
