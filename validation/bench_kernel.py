@@ -1,4 +1,4 @@
-"""One D(σ): its floating-point operations, its time, and how far the kernel is from what the machine can do; parts against the whole.
+"""One D(σ): its floating-point operations, its time, and how far the kernel is from what the machine can do; subsystems against the whole.
 
 `python validation/bench_kernel.py`, one thread. A complex multiplication with addition counts as 8 operations, a real one as 2. The
 machine's speed is that of a product of 512×512 matrices in LAPACK's BLAS, the best that this machine does on one thread.
@@ -85,12 +85,12 @@ def main() -> None:
     table = Table("scene", "orders", "numbers", "steps", "10⁶ flop", "ms", "with dD/dσ, ms", "Gflop/s", "of the machine", box=None)
     for name, sigma in GUESS.items():
         D = st.Frame(rtol=1e-10).on(problem(name)).at(sigma)
-        parts = members(D)
-        real = sigma.imag == 0.0 and all(p.sampled.real is not None for p in parts)
-        systems = ((p.sampled.real if real else p.sampled.system, p.problem.decaying) for p in parts)
+        subsystems = members(D)
+        real = sigma.imag == 0.0 and all(p.sampled.real is not None for p in subsystems)
+        systems = ((p.sampled.real if real else p.sampled.system, p.problem.decaying) for p in subsystems)
         flop = sum(operations(system, k) for system, k in systems if system is not None)
         plain, slope = seconds(D, sigma), seconds(D.with_derivative, sigma)
-        orders = " + ".join(str(p.problem.size) for p in parts)
+        orders = " + ".join(str(p.problem.size) for p in subsystems)
         row = (orders, "real" if real else "complex", str(D.steps), f"{flop / 1e6:.2f}", f"{1e3 * plain:.3f}", f"{1e3 * slope:.3f}")
         table.add_row(name, *row, f"{flop / plain / 1e9:.1f}", f"{100 * flop / plain / 1e9 / peak:.0f} %")
     console.print(table)
@@ -102,8 +102,8 @@ def main() -> None:
             counts.append(str(st.Frame(rtol=1e-10).on(begun).at(sigma).steps))
         table.add_row(name, *counts)
     console.print(table)
-    console.print("\nthe parts that a scene requires, against the whole of order 8 in complex numbers: time of D(σ) with dD/dσ")
-    table = Table("scene", "method", "whole, ms", "parts, ms", "ratio", box=None)
+    console.print("\nthe subsystems that a scene requires, against the whole of order 8 in complex numbers: time of D(σ) with dD/dσ")
+    table = Table("scene", "method", "whole, ms", "subsystems, ms", "ratio", box=None)
     methods = st.Frame(rtol=1e-10), st.Compound(rtol=1e-10), st.Riccati(rtol=1e-10)
     for name in ("high", "low", "fig2"):
         for method in methods:

@@ -1,8 +1,8 @@
-"""Load: ten thousand claims, files of a million entries, a sweep of many points; memory is flat and the time a piece is constant.
+"""Load: ten thousand claims, files of a million entries, a sweep of many points; memory is flat and the time for each is constant.
 
-`python validation/load.py` prints the figures: each question in a process of its own, seconds of processor time a piece and the peak of
+`python validation/load.py` prints the figures: each question in a process of its own, seconds of processor time for each and the peak of
 memory over what the program takes by itself. `--quick` a hundredth of each. Exit status 1 if memory grows with the number of claims or of
-points by more than what the answers themselves take, or the time a piece by more than half, or a file is not refused in words.
+points by more than what the answers themselves take, or the time for each by more than half, or a file is not refused in words.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def claims(number: int) -> list[complex]:
     return [complex(kinds[i % 3](modes[i % 8], s)) for i, s in enumerate(shifts)]
 
 
-def judge(number: int) -> dict[str, int]:
+def verdicts(number: int) -> dict[str, int]:
     """Verdicts on so many claims."""
     import shootstab as st
 
@@ -83,7 +83,7 @@ def _peak() -> int:
 
 
 def _asked(question: Callable[..., Any], given: tuple[Any, ...], out: Any) -> None:
-    judge(3)  # what the program takes by itself
+    verdicts(3)  # what the program takes by itself
     before, began = _peak(), time.process_time()
     answer = question(*given)
     out.send((answer, time.process_time() - began, _peak() - before))
@@ -107,7 +107,7 @@ def main() -> int:
     part = 100 if parser.parse_args().quick else 1
     failed = False
     for name, question, numbers in (
-        ("claims", judge, (1000 // part, 10_000 // part)),
+        ("claims", verdicts, (1000 // part, 10_000 // part)),
         ("points of a sweep", sweep, (1000 // part, 10_000 // part)),
     ):
         few, many = (measured(question, max(n, 50)) for n in numbers)
@@ -116,7 +116,7 @@ def main() -> int:
         if part == 1:
             flat = many[2] - few[2] <= OWN * (numbers[1] - numbers[0])
             constant = many[1] / numbers[1] <= 1.5 * few[1] / numbers[0]
-            print(f"        memory {'is flat' if flat else 'GROWS'}, the time a piece {'is constant' if constant else 'GROWS'}")
+            print(f"        memory {'is flat' if flat else 'GROWS'}, the time for each {'is constant' if constant else 'GROWS'}")
             failed |= not (flat and constant)
     for kind in ("npy", "json", "text"):
         answer, seconds, grown = measured(read, kind, 1_000_000)

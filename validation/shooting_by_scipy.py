@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 
 from shootstab.models.chute import ChuteProblem
 
-PIECES = 20  # between orthonormalizations
+SUBINTERVALS = 20  # between orthonormalizations
 SECANTS = 20
 
 
@@ -30,7 +30,7 @@ class Shooting:
         start = p.start(sigma, 1e-14)
         far = p.far_frame(start, sigma)
         Y, log_det = far.frame.copy(), complex(far.log_scale)
-        heights = np.linspace(start, 0.0, PIECES + 1)
+        heights = np.linspace(start, 0.0, SUBINTERVALS + 1)
 
         def rhs(z: float, y: NDArray[np.complex128]) -> NDArray[np.complex128]:
             M = p.pencil(np.array([z + 0j]))

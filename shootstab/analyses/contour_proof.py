@@ -1,4 +1,4 @@
-"""Exactly n zeros in a rectangle: D is one polynomial on a disc around it, its phase is followed along the boundary in proved pieces."""
+"""Exactly n zeros in a rectangle: D is one polynomial on a disc around it, its phase is followed along the boundary in proved segments."""
 
 from __future__ import annotations
 

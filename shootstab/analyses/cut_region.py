@@ -23,7 +23,7 @@ from shootstab.core.discriminant import Value
 from shootstab.core.regions import Disc, Region
 from shootstab.discriminants.continuation import Branch, Continuation, Undecidable
 from shootstab.essential_spectrum.interior import SampledContinuum
-from shootstab.roots.winding import Pieces, change, follow, whole_turns
+from shootstab.roots.winding import Legs, change, follow, whole_turns
 
 END_RADIUS = 1e-5  # chosen: radius of the circles around the ends, in the extent of the curve
 OFF = 1e-9  # chosen: how far from a crossing, in t or in z, the two sides are told apart
@@ -34,7 +34,7 @@ CLOSURE_SLACK = 1e-2  # chosen, of a turn: the legs of the contour meet to OFF o
 class RegionCount:
     """count modes in the region outside the discs left_out, which surround ends of the continuous spectrum.
 
-    closure is how far from a whole number the turns of D's phase were; evaluations how often D was computed; pieces the contour; cut says
+    closure is how far from a whole number the turns of D's phase were; evaluations how often D was computed; legs the contour; cut says
     whether the continuous spectrum enters the region.
     """
 
@@ -42,7 +42,7 @@ class RegionCount:
     closure: float
     left_out: tuple[Disc, ...]
     evaluations: int
-    pieces: Pieces = field(default=(), repr=False)
+    legs: Legs = field(default=(), repr=False)
     cut: bool = False
 
 

@@ -212,14 +212,14 @@ def _turns(continuation: Continuation, polygon: Polygon) -> float:
     """About how often the phase of D turns along the boundary, or ln |D| changes by 2π: a measure of its cost."""
     turns = 0.0
     for a, b in pairwise((*polygon.vertices, polygon.vertices[0])):
-        pieces = max(1, round(HULL_POINTS * abs(b - a) / size(polygon)))
-        for k in range(pieces):
-            sigma = a + (k + 0.5) / pieces * (b - a)
+        segments = max(1, round(HULL_POINTS * abs(b - a) / size(polygon)))
+        for k in range(segments):
+            sigma = a + (k + 0.5) / segments * (b - a)
             try:
                 slope = continuation.at(sigma).discriminant.with_derivative(sigma).logarithmic_derivative
             except ConvergenceError:
                 continue  # a part of the region that cannot be searched, which will be said
-            turns += abs(slope) * abs(b - a) / pieces / (2 * math.pi)
+            turns += abs(slope) * abs(b - a) / segments / (2 * math.pi)
     return turns
 
 

@@ -1,6 +1,6 @@
 """One mode to any number of digits: double precision finds and proves it, Taylor series give the digits.
 
-σ climbs a ladder of precisions, by secants, each rung about twice as precise as the one below. At the top everything is done
+σ is computed by secants at rising precisions, each about twice as high as the one before. At the last everything is done
 otherwise once (working precision, order and step, far field, base flow), and what σ moves by is its error.
 """
 
@@ -33,11 +33,11 @@ METHOD = "taylor"
 START = 1e-11  # chosen: relative accuracy of the double-precision mode
 GUESS_RADIUS = 0.5  # chosen: of the larger of the two, how far a mode may lie from the guess that means it
 DOUBLE = 12.5  # chosen: digits that it is taken to have
-LOWEST = 20.0  # chosen: digits of the first rung
-RISE = 2.3  # chosen: of digits from rung to rung; two secants double them and add those of the slope
+LOWEST = 20.0  # chosen: digits of the first precision
+RISE = 2.3  # chosen: of digits from one precision to the next; two secants double them and add those of the slope
 BY_THREE = 2.7  # chosen: times the digits known are reached by three secants
 SPARE_TO_DIGITS = 2  # chosen: digits computed beyond those asked for
-STAGE = 1.7  # chosen: time of a rung over that of an integration; the progress shown rests on it, and nothing else
+STAGE = 1.7  # chosen: time of a precision over that of an integration; the progress shown rests on it, and nothing else
 VARIANTS = 4  # derived: integrations at the last precision that make the bound, for the share of work done that is shown
 CHANGE_SAFETY = 2.0  # chosen: on the changes that make the bound
 MODE_WANDER = 100.0  # chosen: double-precision error bounds that the mode may move by

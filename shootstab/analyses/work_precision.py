@@ -1,9 +1,9 @@
-"""Work against accuracy: every way to one mode, each on a ladder of resolutions, against a value of many digits, in one run.
+"""Work against accuracy: every way to one mode, each at a sequence of resolutions, against a value of many digits, in one run.
 
-The ladders: QZ and inverse iteration over the truncation M of the pseudospectral reference, on its own grid and on the paper's; the three
-shooting methods over the tolerance of their local errors; Taylor series over digits. Each rung starts from the problem with its steady flow
-in memory and a guess of three digits, makes everything else anew, the choice of a grid or mesh too, and ends with one number. It is run
-until it has taken a while, and the shortest run counts; its memory is measured in a run of its own, for measuring slows down.
+The sequences: QZ and inverse iteration over the truncation M of the pseudospectral reference, on its own grid and on the paper's; the three
+shooting methods over the tolerance of their local errors; Taylor series over digits. Each measurement starts from the problem with its
+steady flow in memory and a guess of three digits, makes everything else anew, the choice of a grid or mesh too, and ends with one number.
+It is run until it has taken a while, and the shortest run counts; its memory is measured in a run of its own, for measuring slows down.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ from shootstab.problems.protocol import Problem
 TRUNCATIONS = (12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)  # chosen: of pseudospectral runs, in steps of a half octave
 TOLERANCES = tuple(10.0**-k for k in range(2, 14))  # chosen: of shooting, decade by decade
 REFERENCE_DIGITS = (15, 20, 25)  # chosen: the last one is what all others are measured against
-SLOWEST = 5.0  # chosen: seconds that a rung may take; the next one is not climbed
-ENOUGH = 0.3  # chosen: seconds over which a rung is repeated
+SLOWEST = 5.0  # chosen: seconds that a measurement may take; no finer one is made then
+ENOUGH = 0.3  # chosen: seconds over which a measurement is repeated
 MOST_RUNS = 20  # chosen: repetitions of something quick, of which the least time counts
-STALLED = 3  # chosen: measurements without a gain of a factor 2 that end a ladder
+STALLED = 3  # chosen: measurements without a gain of a factor 2 that end a sequence
 FOUND = 1e-2  # chosen: a value with a larger relative error is another number
 TARGETS = (4, 8, 11)  # chosen: digits that the recommendation speaks of
 Progress = Callable[[int, int], None]
@@ -76,12 +76,12 @@ class WorkPrecision:
     guess: complex
 
     def cheapest(self, digits: float) -> Measurement | None:
-        """The quickest rung whose error is below 10^−digits."""
+        """The quickest measurement whose error is below 10^−digits."""
         good = [r for r in self.measurements if r.relative <= 10.0**-digits]
         return min(good, key=lambda r: r.seconds, default=None)
 
     def quickest(self, method: str, digits: float) -> Measurement | None:
-        """The quickest rung of a method that is so good."""
+        """The quickest measurement of a method that is so good."""
         good = [r for r in self.measurements if r.method == method and r.relative <= 10.0**-digits]
         return min(good, key=lambda r: r.seconds, default=None)
 
@@ -104,35 +104,35 @@ class WorkPrecision:
 
 
 def trade(problem: Problem, guess: complex | None = None, progress: Progress | None = None) -> WorkPrecision:
-    """Climb every ladder. The mode is the one next to guess, by default the fastest-growing one of the bundled reference.
+    """Measure every method. The mode is the one next to guess, by default the fastest-growing one of the bundled reference.
 
     Raises InputError where a problem has no reference and no guess is given, or no evaluation in many digits; ConvergenceError where no
     mode is found next to the guess.
     """
     start = _three_digits(complex(reference.claims(problem, 6)[0]) if guess is None else guess)
-    ladders = [*spectral_ladders(problem), *_shooting()]
+    curves = [*spectral_curves(problem), *_shooting()]
     told = progress or (lambda done, total: None)
-    told(0, len(ladders) + len(REFERENCE_DIGITS))
+    told(0, len(curves) + len(REFERENCE_DIGITS))
     began = perf_counter()
     truth = refine(problem, start, digits=REFERENCE_DIGITS[-1])
     if not truth.converged:
         raise ConvergenceError(f"no value of {REFERENCE_DIGITS[-1]} digits next to {start:.6g}: {truth.status}")
     measurements = [_series(truth, perf_counter() - began, REFERENCE_DIGITS[-1], truth)]
     for i, digits in enumerate(REFERENCE_DIGITS[:-1]):
-        told(i + 1, len(ladders) + len(REFERENCE_DIGITS))
+        told(i + 1, len(curves) + len(REFERENCE_DIGITS))
         began = perf_counter()
         mode = refine(problem, start, digits=digits)
         measurements.insert(i, _series(mode, perf_counter() - began, digits, truth))
-    for i, ladder in enumerate(ladders):
-        told(len(REFERENCE_DIGITS) + i, len(ladders) + len(REFERENCE_DIGITS))
-        measurements += climb(ladder, problem, start, truth.sigma)
-    told(len(ladders) + len(REFERENCE_DIGITS), len(ladders) + len(REFERENCE_DIGITS))
+    for i, curve in enumerate(curves):
+        told(len(REFERENCE_DIGITS) + i, len(curves) + len(REFERENCE_DIGITS))
+        measurements += measured(curve, problem, start, truth.sigma)
+    told(len(curves) + len(REFERENCE_DIGITS), len(curves) + len(REFERENCE_DIGITS))
     return WorkPrecision(tuple(measurements), truth.sigma, float(truth.error), start)
 
 
 @dataclass(frozen=True)
-class Ladder:
-    """A method and its resolutions, from coarse to fine."""
+class Curve:
+    """A method and its resolutions, from coarse to fine: one curve of the diagram."""
 
     method: str
     parameter: str
@@ -140,7 +140,7 @@ class Ladder:
     at: Callable[[float], Run]
 
 
-def spectral_ladders(problem: Problem) -> Iterator[Ladder]:
+def spectral_curves(problem: Problem) -> Iterator[Curve]:
     """Every way that the pseudospectral twin has to one eigenvalue; none where there is no twin."""
 
     def at(name: str) -> Callable[[float], Run]:
@@ -148,10 +148,10 @@ def spectral_ladders(problem: Problem) -> Iterator[Ladder]:
 
     twin: Pseudospectral | None = PSEUDOSPECTRAL.of(problem)
     for name in {} if twin is None else twin.ways:
-        yield Ladder(name, "M", TRUNCATIONS, at(name))
+        yield Curve(name, "M", TRUNCATIONS, at(name))
 
 
-def _shooting() -> Iterator[Ladder]:
+def _shooting() -> Iterator[Curve]:
     """From the first mesh to the zero, without the error bound."""
 
     def shoot(make: Callable[[float], Method]) -> Callable[[float], Run]:
@@ -164,18 +164,18 @@ def _shooting() -> Iterator[Ladder]:
 
         return at
 
-    yield Ladder("frame", "rtol", TOLERANCES, shoot(lambda rtol: Frame(rtol=rtol)))
-    yield Ladder("compound", "rtol", TOLERANCES, shoot(lambda rtol: Compound(rtol=rtol)))
-    yield Ladder("riccati", "rtol", TOLERANCES, shoot(lambda rtol: Riccati(rtol=rtol)))
+    yield Curve("frame", "rtol", TOLERANCES, shoot(lambda rtol: Frame(rtol=rtol)))
+    yield Curve("compound", "rtol", TOLERANCES, shoot(lambda rtol: Compound(rtol=rtol)))
+    yield Curve("riccati", "rtol", TOLERANCES, shoot(lambda rtol: Riccati(rtol=rtol)))
 
 
-def climb(ladder: Ladder, problem: Problem, guess: complex, truth: Any) -> list[Measurement]:
-    """Measurement after rung, until one is slow or several have gained nothing; measurements that find another number are left out."""
+def measured(curve: Curve, problem: Problem, guess: complex, truth: Any) -> list[Measurement]:
+    """One measurement after the other, until one is slow or several have gained nothing. What finds another number is left out."""
     measurements: list[Measurement] = []
     with suppress(ConvergenceError):
-        ladder.at(ladder.resolutions[0])(_fresh(problem), guess)  # compile
-    for resolution in ladder.resolutions:
-        run = ladder.at(resolution)
+        curve.at(curve.resolutions[0])(_fresh(problem), guess)  # compile
+    for resolution in curve.resolutions:
+        run = curve.at(resolution)
         try:
             sigma, work, seconds = _timed(run, problem, guess)
         except ConvergenceError:
@@ -183,7 +183,7 @@ def climb(ladder: Ladder, problem: Problem, guess: complex, truth: Any) -> list[
         error = _distance(sigma, truth)
         if error <= FOUND * abs(complex(truth)):
             measurements.append(
-                Measurement(ladder.method, ladder.parameter, resolution, sigma, error, seconds, _peak(run, problem, guess), work)
+                Measurement(curve.method, curve.parameter, resolution, sigma, error, seconds, _peak(run, problem, guess), work)
             )
         if seconds > SLOWEST or _idle(measurements) >= STALLED:
             break
@@ -227,7 +227,7 @@ def _fresh(problem: Problem) -> Problem:
 
 
 def _series(mode: Any, seconds: float, digits: int, truth: Any) -> Measurement:
-    """A rung of the Taylor series; the memory of its own kind of numbers is not seen."""
+    """A measurement of the Taylor series; the memory of its own kind of numbers is not seen."""
     same = mode is truth
     error = float(mode.error) if same else _distance(mode.sigma, truth.sigma)
     return Measurement("taylor series", "digits", digits, mode.sigma, error, seconds, 0, mode.evaluations, same)

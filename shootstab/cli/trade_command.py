@@ -1,6 +1,6 @@
 """`shootstab trade`: work against accuracy of every method, as table, JSON and picture.
 
-JSON: {"truth": {"re", "im"}, "bound", "guess": {"re", "im"}, "rungs": [{"method", "parameter", "resolution", "sigma": {"re", "im"},
+JSON: {"truth": {"re", "im"}, "bound", "guess": {"re", "im"}, "measurements": [{"method", "parameter", "resolution", "sigma": {"re", "im"},
 "error", "relative_error", "by_bound", "seconds", "memory", "work"}], "recommendation"}. memory is in bytes, null where it is not known.
 """
 
@@ -68,7 +68,7 @@ def document(found: WorkPrecision) -> dict[str, Any]:
         "truth": as_strings(found.truth, found.bound),
         "bound": found.bound,
         "guess": as_strings(found.guess),
-        "rungs": [
+        "measurements": [
             {
                 "method": r.method,
                 "parameter": r.parameter,
@@ -88,7 +88,7 @@ def document(found: WorkPrecision) -> dict[str, Any]:
 
 
 def tables(found: WorkPrecision, scene: Scene) -> list[RenderableType]:
-    """Every rung, and what follows."""
+    """Every measurement, and what follows."""
     from shootstab.cli.tables import heading, paragraph, ruled
 
     table = ruled("", "method", "resolution", "error", "time", "memory", "work", numbered=False)
@@ -109,11 +109,11 @@ def duration(seconds: float) -> str:
     return f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else f"{seconds:.3g} s"
 
 
-def resolution(rung: Measurement) -> str:
+def resolution(measurement: Measurement) -> str:
     """In words: M = 48, rtol 1e-09, 15 digits."""
-    if rung.parameter == "M":
-        return f"M = {rung.resolution:.0f}"
-    return f"{rung.resolution:.0f} digits" if rung.parameter == "digits" else f"rtol {rung.resolution:.0e}"
+    if measurement.parameter == "M":
+        return f"M = {measurement.resolution:.0f}"
+    return f"{measurement.resolution:.0f} digits" if measurement.parameter == "digits" else f"rtol {measurement.resolution:.0e}"
 
 
 def draw(found: WorkPrecision, scene: Scene) -> Any:

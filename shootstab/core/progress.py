@@ -25,7 +25,7 @@ class Clock:
         self._stages, self._stage, self._ticks = list(stages), 0, 0
 
     def tick(self) -> None:
-        """A piece of a stage is done."""
+        """One step of a stage is done."""
         self._ticks += 1
         self._tell(1.0 - math.exp(-self._ticks / USUAL))
 

@@ -30,10 +30,10 @@ def redistribute(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tol
     # a step cannot know what happens in its neighbour
     near = np.maximum(np.append(density[1:], 0.0), np.insert(density[:-1], 0, 0.0))
     density = np.maximum(density, 0.5 * near)
-    pieces = [nodes[:1]]
+    legs = [nodes[:1]]
     for first, last in _legs(h, knots):
-        pieces.append(_equidistribute(nodes[first : last + 1], density[first:last]))
-    return np.concatenate(pieces)
+        legs.append(_equidistribute(nodes[first : last + 1], density[first:last]))
+    return np.concatenate(legs)
 
 
 def subdivide(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolerance: float) -> NDArray[np.complex128]:
@@ -41,14 +41,14 @@ def subdivide(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolera
 
     Each falls into as many equal ones as its error asks for, two at least.
     """
-    pieces = [nodes[:1]]
+    out = [nodes[:1]]
     for start, end, error in zip(nodes[:-1], nodes[1:], errors, strict=True):
         parts = 1
         if not error <= tolerance:
             parts = max(2, min(STEP_CUTS, math.ceil(1.0 / factor(error / tolerance)))) if np.isfinite(error) else STEP_CUTS
-        pieces.append(start + (end - start) * np.arange(1, parts + 1) / parts)
-        pieces[-1][-1] = end
-    return np.concatenate(pieces)
+        out.append(start + (end - start) * np.arange(1, parts + 1) / parts)
+        out[-1][-1] = end
+    return np.concatenate(out)
 
 
 def halved(nodes: NDArray[np.complex128], seed: int | None = None) -> NDArray[np.complex128]:

@@ -137,7 +137,7 @@ class Subsystem:
 def _require_apart(name: str, matrices: ComplexArray, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> None:
     """Raise Coupled if one of the matrices (m, p, q) has entries in these columns that are not in these rows."""
     if np.count_nonzero(matrices[:, :, columns]) != np.count_nonzero(matrices[:, rows[:, None], columns]):
-        raise Coupled(f"the {name} couples parts of the problem that are apart elsewhere: allowed is one structure for all z and sigma")
+        raise Coupled(f"the {name} couples subsystems that are apart elsewhere: allowed is one structure for all z and sigma")
 
 
 @lru_cache(maxsize=2)
@@ -155,7 +155,7 @@ class Decoupling:
 
     def applied_to(self, problem: Problem) -> tuple[Subsystem, ...]:
         """The same subsystems of another problem of the same structure."""
-        return tuple(replace(part, whole=problem) for part in self.members)
+        return tuple(replace(subsystem, whole=problem) for subsystem in self.members)
 
 
 @lru_cache(maxsize=64)

@@ -42,12 +42,12 @@ class Statement:
 
     @property
     def names(self) -> Names:
-        """Of the first layer."""
+        """Those of the first layer."""
         return self.layers[0].names
 
     @property
     def system(self) -> System:
-        """Of the first layer."""
+        """That of the first layer."""
         return self.layers[0].system
 
     @property

@@ -83,20 +83,20 @@ def _cells(line: str) -> list[str]:
     if line.startswith("(") and line.endswith(")"):
         line = line[1:-1]
     line = line.strip().rstrip(",;")
-    pieces = _with_points(re.split(r"\s*[;\t]\s*|\s+", line))
-    if pieces is not None:
-        return pieces
+    words = _with_points(re.split(r"\s*[;\t]\s*|\s+", line))
+    if words is not None:
+        return words
     cells = _SPLIT.split(line) if re.search(r"[,;\t]", line) else line.split()
     return [c.strip().strip("\"'") for c in cells]
 
 
-def _with_points(pieces: list[str]) -> list[str] | None:
+def _with_points(words: list[str]) -> list[str] | None:
     """0,004 and -0,5 as 0.004 and -0.5, where something else than a comma separates them and every comma stands between digits."""
-    if len(pieces) < 2 or not any("," in p for p in pieces):
+    if len(words) < 2 or not any("," in p for p in words):
         return None
-    if not all(_DECIMAL_COMMA.fullmatch(p) or ("," not in p and is_number(p)) for p in pieces):
+    if not all(_DECIMAL_COMMA.fullmatch(p) or ("," not in p and is_number(p)) for p in words):
         return None
-    return [p.replace(",", ".") for p in pieces]
+    return [p.replace(",", ".") for p in words]
 
 
 def _header(remark: str) -> list[str]:

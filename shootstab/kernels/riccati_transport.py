@@ -177,7 +177,7 @@ def trace(M, which):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def enter_chart(Y, dY, units, order):  # type: ignore[no-untyped-def]
-    """Of a frame Y (n, k) in these units: S (n−k, k) with Y ~ [I; S] U in the order of the chart, dS, det U and its σ-derivative."""
+    """A frame Y (n, k) in these units, in its chart: S (n−k, k) with Y ~ [I; S] U in the order of the chart, dS, det U and its slope."""
     n, k = Y.shape
     F, pivots = np.empty((k, k), dtype=np.complex128), np.empty(k, dtype=np.int64)
     U, dU = np.empty((k, k), dtype=np.complex128), np.empty((k, k), dtype=np.complex128)

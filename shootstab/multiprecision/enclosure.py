@@ -76,16 +76,16 @@ class Enclosure:
         weights = self._weights(sigma, start, wall)
         y = self._start(sigma)
         total = _largest([abs(y[i, 0]) / arb(w) for i, w in enumerate(weights)]).log()
-        piece = (wall - start) / GROWTH_SUBINTERVALS
+        length = (wall - start) / GROWTH_SUBINTERVALS
         for i in range(GROWTH_SUBINTERVALS):
-            z = (start + piece * i).union(start + piece * (i + 1))
+            z = (start + length * i).union(start + length * (i + 1))
             A = compound(self.problem.size, self.problem.decaying, self._system(acb(z), sigma))
             rates = []
             for row in range(len(weights)):
-                rate = (A.get((row, row), acb(0)) * piece).real
+                rate = (A.get((row, row), acb(0)) * length).real
                 for (a, b), entry in A.items():
                     if a == row and b != row:
-                        rate += abs(entry) * abs(piece) * arb(weights[b]) / arb(weights[row])
+                        rate += abs(entry) * abs(length) * arb(weights[b]) / arb(weights[row])
                 rates.append(rate)
             total += _largest(rates)
         w = self.problem.wall(sigma)

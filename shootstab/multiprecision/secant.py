@@ -15,7 +15,7 @@ import mpmath
 
 from shootstab.core.errors import ConvergenceError
 
-SECANT_STEPS = 10  # chosen: at most; each multiplies the digits by 1.6 or more, and a rung asks for 2.7 times those it has
+SECANT_STEPS = 10  # chosen: at most; each multiplies the digits by 1.6 or more, and the next precision asks for 2.7 times those it has
 Values = tuple[Any, ...]  # F and, if wanted, more functions of x: mpmath numbers
 
 
@@ -41,7 +41,7 @@ class Secant:
         self.others: Values = ()
         self.last: tuple[Any, Values] = (x, ())
         self._slope: Slope | None = None
-        self._bend: Any = None
+        self._curvature: Any = None
 
     @property
     def slopes(self) -> Values:
@@ -81,8 +81,8 @@ class Secant:
 
     def _off(self, slope: Slope, place: Any) -> Any:
         """The relative error of a slope used at a place; as long as nothing is known of K, it is taken to be 1/|x|."""
-        bend = 1 / abs(self.x) if self._bend is None else self._bend
-        return 2 * bend * abs(slope.middle - place) + slope.noise
+        curvature = 1 / abs(self.x) if self._curvature is None else self._curvature
+        return 2 * curvature * abs(slope.middle - place) + slope.noise
 
     def _learn(self, one: tuple[Any, Values], other: tuple[Any, Values], goal: Any) -> None:
         """The slope between two points, if it is better than the one known."""
@@ -91,6 +91,6 @@ class Secant:
         new = Slope(rates, (one[0] + other[0]) / 2, goal * abs(self.x) / abs(gap))
         old = self._slope
         if old is not None and old.middle != new.middle and new.noise < 1:
-            self._bend = abs(new.rates[0] - old.rates[0]) / (2 * abs(new.rates[0]) * abs(new.middle - old.middle))
+            self._curvature = abs(new.rates[0] - old.rates[0]) / (2 * abs(new.rates[0]) * abs(new.middle - old.middle))
         if old is None or self._off(new, other[0]) < self._off(old, other[0]):
             self._slope = new

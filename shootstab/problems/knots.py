@@ -3,7 +3,7 @@
 An integration of order 8 errs in a step across such a point with the order of the singularity, and no estimate of its error holds there.
 So every knot becomes a node: a pair of them, one on either side, so that no stage of a step sees the coefficients of the other side.
 
-A piece of the line is resolved where polynomials of a low degree fit all coefficients to rounding. What is not is cut in two, again and
+An interval of the line is resolved where polynomials of a low degree fit all coefficients to rounding. What is not is cut in two, again and
 again: of smooth coefficients the residual then falls with a high power of the length, of those with a jump of the p-th derivative as
 length^p, and in one of the two parts only. Noise stays in both.
 """
@@ -24,38 +24,38 @@ from shootstab.problems.protocol import ComplexArray
 Reals = NDArray[np.float64]
 Coefficients = Callable[[Reals], ComplexArray]  # z (m,) to values (m, entries)
 
-KNOT_POINTS, KNOT_DEGREE = 12, 7  # chosen: of a piece; the residual of smooth coefficients falls by 2^8 from a piece to its half
-FIRST_PIECES = 65  # chosen: pieces to begin with, in all; narrower features than a twelfth of one may be overlooked
-PIECE_CUT = 0.48773  # chosen: of a piece, where it is cut; a knot at 1/2 or 1/3 is to lie inside a piece and not between two
+KNOT_POINTS, KNOT_DEGREE = 12, 7  # chosen: of an interval; the residual of smooth coefficients falls by 2^8 from an interval to its half
+FIRST_INTERVALS = 65  # chosen: intervals to begin with, in all; narrower features than a twelfth of one may be overlooked
+INTERVAL_CUT = 0.48773  # chosen: of an interval, where it is cut; a knot at 1/2 or 1/3 is to lie inside an interval and not between two
 RESIDUAL_RESOLVED = 1e-14  # chosen: residual of a coefficient in its own size, below which it is smooth to rounding
-# chosen: a residual that falls by less from a piece to its quarter is that of a knot: it does by 4^p for a jump of the p-th derivative
+# chosen: a residual that falls by less from an interval to its quarter is that of a knot: it does by 4^p for a jump of the p-th derivative
 KNOT_FALL = 2.0**10
 POWER_FALL = 2.0**4.5  # chosen: likewise beside a knot, where nothing is left that jumps: there z^p of a power that is no integer
 LAYER_FALL = 1.1  # chosen: one that falls by less does not: there is a layer, wider than the lengths that were tried
 FALLS_ALIKE = 2.0  # chosen: by which they may differ if they are those of a power
 NOISE_RESIDUAL = 1e-9  # chosen: residuals that stay in all parts are noise below it
-NOISE_GENERATIONS = 4  # chosen: generations after which all 2^NOISE_GENERATIONS parts of a piece are not resolved, for that
+NOISE_GENERATIONS = 4  # chosen: generations after which all 2^NOISE_GENERATIONS parts of an interval are not resolved, for that
 LARGEST_ROUNDINGS = 4.0  # chosen: roundings of a coefficient's largest value, which its residuals are to exceed: 1 − tanh² rounds as 1 does
-NOISE_PIECE = 1e-6  # chosen: of a piece, a part in which coefficients vary by their noise alone
+NOISE_INTERVAL = 1e-6  # chosen: of an interval, a part in which coefficients vary by their noise alone
 NOISE_FACTOR = 8.0  # chosen: by how much noise may exceed what is seen there
 KNOT_HAIR = 2.0  # chosen: roundings of z between a knot and the node on either side of it
 ARGUMENT_ROUNDINGS = 8.0  # chosen: roundings of z that a coefficient feels where it is steep
-NARROW_PIECE = 256  # chosen: such hairs in a piece that is too narrow to be cut into pieces
+NARROW_INTERVAL = 256  # chosen: such hairs in an interval that is too narrow to be cut into intervals
 MOST_KNOTS = 512  # chosen: knots that are looked for; each costs a thousand values, and all of them a few seconds
 KNOT_GENERATIONS = 8  # chosen: after so many cuts steep coefficients tell themselves from those with many knots
 MOST_STRETCHES = 8192  # chosen: stretches of one generation; the coefficients have been computed 200,000 times by then
 NEAR_ORIGIN = 1e-3  # chosen: of the length of the line, the least |z| whose rounding counts
-MOST_GENERATIONS = 80  # chosen: generations of pieces; 64 cuts make a hair next to z = 0 of the whole line
+MOST_GENERATIONS = 80  # chosen: generations of intervals; 64 cuts make a hair next to z = 0 of the whole line
 PAIR_SPACE = 1e-6  # chosen: of the length of the line, the least distance of another node to a knot
-FIT_LENGTHS = (32, 16, 8)  # chosen: lengths beside a piece with a knot over which fits are made; from shorter ones they reach in badly
-FIT_ROUNDINGS = 16.0  # chosen: roundings by which two fits that reach into the piece may differ and be one
+FIT_LENGTHS = (32, 16, 8)  # chosen: lengths beside an interval with a knot over which fits are made; from shorter ones they reach in badly
+FIT_ROUNDINGS = 16.0  # chosen: roundings by which two fits that reach into the interval may differ and be one
 # chosen: lengths beside a knot, in that to which it is located, over which smoothness is asked for
 BESIDE_KNOT = (32, 64, 128, 256, 512, 1024)
 
 
 @dataclass(frozen=True)
 class _Pieces:
-    """Pieces of one generation (m,): ends, the size of each entry (m, entries), residuals, those of their parents, and ancestors."""
+    """Intervals of one generation (m,): ends, the size of each entry (m, entries), residuals, those of their parents, and ancestors."""
 
     low: Reals
     high: Reals
@@ -70,7 +70,7 @@ class _Pieces:
         return replace(self, **{field.name: getattr(self, field.name)[chosen] for field in fields(self)})
 
     def each(self) -> Iterator[tuple[float, float, Reals]]:
-        """Ends and sizes, piece by piece."""
+        """Ends and sizes, interval by interval."""
         return zip(self.low.tolist(), self.high.tolist(), self.size, strict=True)
 
 
@@ -85,9 +85,9 @@ def find_knots(coefficients: Coefficients, low: float, high: float, given: Reals
     found = [ends[1:-1]]
     active = _roots(coefficients, ends)
     for generation in range(MOST_GENERATIONS):
-        narrow = active.high - active.low <= NARROW_PIECE * hair(np.maximum(np.abs(active.low), np.abs(active.high)), span)
+        narrow = active.high - active.low <= NARROW_INTERVAL * hair(np.maximum(np.abs(active.low), np.abs(active.high)), span)
         _require_smooth_beside(coefficients, active.where(narrow), ends)
-        found += [_bisected(coefficients, span, *piece) for piece in active.where(narrow).each()]
+        found += [_bisected(coefficients, span, *interval) for interval in active.where(narrow).each()]
         parents = active.where(~narrow)
         if not len(parents.low):
             break
@@ -95,7 +95,7 @@ def find_knots(coefficients: Coefficients, low: float, high: float, given: Reals
         unresolved = (children.residual > RESIDUAL_RESOLVED).reshape(-1, 2)
         ended = parents.slow & ~unresolved.any(axis=1) & (KNOT_FALL * children.residual.reshape(-1, 2).max(axis=1) > parents.before)
         _require_smooth_beside(coefficients, parents.where(ended), ends)
-        found += [_between_fits(coefficients, ends, *piece) for piece in parents.where(ended).each()]
+        found += [_between_fits(coefficients, ends, *interval) for interval in parents.where(ended).each()]
         active = children.where(unresolved.ravel())
         if generation % NOISE_GENERATIONS == NOISE_GENERATIONS - 1:
             active = _without_noise(active)
@@ -134,19 +134,19 @@ def with_pairs(nodes: Reals, pairs: Reals) -> Reals:
 
 
 def _roots(coefficients: Coefficients, ends: Reals) -> _Pieces:
-    """The pieces to begin with that are not resolved, FIRST_PIECES in all or two between each pair of ends if that is more."""
+    """The intervals to begin with that are not resolved, FIRST_INTERVALS in all or two between each pair of ends if that is more."""
     lengths = np.diff(ends)
-    counts = np.maximum(2, np.ceil(FIRST_PIECES * lengths / lengths.sum())).astype(int)
+    counts = np.maximum(2, np.ceil(FIRST_INTERVALS * lengths / lengths.sum())).astype(int)
     cuts = [a + (b - a) * np.arange(n) / n for a, b, n in zip(ends[:-1], ends[1:], counts, strict=True)]
     # inner cuts off the middle by the same share
-    low = np.concatenate([np.concatenate((c[:1], c[1:] + (PIECE_CUT - 0.5) * (c[1] - c[0]))) for c in cuts])
+    low = np.concatenate([np.concatenate((c[:1], c[1:] + (INTERVAL_CUT - 0.5) * (c[1] - c[0]))) for c in cuts])
     high = np.append(low[1:], ends[-1])
     values = _values(coefficients, low, high)
     local = np.abs(values).max(axis=1)
     rounding = EPSILON / RESIDUAL_RESOLVED * local.max(axis=0)
     size = np.maximum(np.maximum(local, LARGEST_ROUNDINGS * rounding), EPSILON * local.max(initial=0.0))
-    at = low + PIECE_CUT * (high - low)
-    noise = np.abs(RESIDUAL_OPERATOR @ _values(coefficients, at, at + NOISE_PIECE * (high - low))).max(axis=1)
+    at = low + INTERVAL_CUT * (high - low)
+    noise = np.abs(RESIDUAL_OPERATOR @ _values(coefficients, at, at + NOISE_INTERVAL * (high - low))).max(axis=1)
     around = np.maximum(noise, np.maximum(np.roll(noise, 1, axis=0), np.roll(noise, -1, axis=0)))
     size = np.maximum(size, NOISE_FACTOR / RESIDUAL_RESOLVED * around)
     residual = _residuals(coefficients, low, high, size)
@@ -156,8 +156,8 @@ def _roots(coefficients: Coefficients, ends: Reals) -> _Pieces:
 
 
 def _halves(coefficients: Coefficients, parents: _Pieces) -> _Pieces:
-    """Both parts of every piece, in turn."""
-    middle = parents.low + PIECE_CUT * (parents.high - parents.low)
+    """Both parts of every interval, in turn."""
+    middle = parents.low + INTERVAL_CUT * (parents.high - parents.low)
     low, high = np.column_stack((parents.low, middle)).ravel(), np.column_stack((middle, parents.high)).ravel()
     size = np.repeat(parents.size, 2, axis=0)
     residual = _residuals(coefficients, low, high, size) if len(low) else np.zeros(0)
@@ -175,13 +175,13 @@ def _without_noise(active: _Pieces) -> _Pieces:
 
 
 def _values(coefficients: Coefficients, low: Reals, high: Reals) -> ComplexArray:
-    """The coefficients at Chebyshev's points of pieces: (m, KNOT_POINTS, entries)."""
+    """The coefficients at Chebyshev's points of intervals: (m, KNOT_POINTS, entries)."""
     z = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * PIECE_ABSCISSAE
     return coefficients(z.ravel()).reshape(len(low), KNOT_POINTS, -1)
 
 
 def _residuals(coefficients: Coefficients, low: Reals, high: Reals, size: Reals) -> Reals:
-    """Of pieces (m,) the largest residual over the entries of the fit by a polynomial, each in its size.
+    """The largest residual over the entries of the fit by a polynomial, each in its size.
 
     What is no larger than a rounding of z makes it, where the entry is steep, counts as resolved.
     """
@@ -205,7 +205,7 @@ def _bisected(coefficients: Coefficients, span: float, low: float, high: float, 
 
 
 def _between_fits(coefficients: Coefficients, ends: Reals, low: float, high: float, size: Reals) -> Reals:
-    """Where polynomials that fit the coefficients on either side of a piece take turns (1,); its middle where none do.
+    """Where polynomials that fit the coefficients on either side of an interval take turns (1,); its middle where none do.
 
     A jump of the p-th derivative is seen in the residual of a fit when it is a part of what the coefficients are off if the wrong one of
     the two is taken: stages of a step take either.

@@ -63,7 +63,7 @@ class RecordedPencil:
     selection: Selection | None = None
 
     def selected(self, selection: Selection) -> RecordedPencil:
-        """Of some states only."""
+        """The same fields of some states only."""
         return replace(self, selection=selection, size=len(selection.states))
 
     @property

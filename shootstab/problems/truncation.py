@@ -34,8 +34,8 @@ NEGLIGIBLE_RATE = 1e-20  # chosen: of the rates; so |σ| may be 1e4 times the pr
 NEAREST_TRIED, FARTHEST_TRIED = 2.0**-10, 2.0**20  # chosen: distances tried
 TAIL_SAMPLES = 64  # chosen: of the coefficients from a distance out to TAIL_LENGTH times it and 1 more
 TAIL_LENGTH = 2.0  # chosen: the tail is sampled out to so many times the distance, 1 more
-SURVEY_RATIO = 1.02  # chosen: of the distances of the survey; sech²(z − z0), 46 wide down to NEGLIGIBLE_RATE, is seen up to z0 = 2000
-SURVEY_BLOCKS = 30  # chosen: in which the survey is computed, of one octave each; what cannot be computed ends it
+SCAN_RATIO = 1.02  # chosen: of the distances of the scan; sech²(z − z0), 46 wide down to NEGLIGIBLE_RATE, is seen up to z0 = 2000
+SCAN_BLOCKS = 30  # chosen: in which the scan is computed, of one octave each; what cannot be computed ends it
 LIMIT_ROUNDING = 4 * float(np.finfo(float).eps)  # chosen: of an entry's limit, some roundings: less does not say that the limit is left
 WAY = 9  # chosen: points at which the gap is sampled between a frozen end and half the way
 LARGEST_SIGMA = 1e6  # chosen: times the reference, the largest σ for which coefficients are to be at their limit
@@ -178,10 +178,10 @@ def _survey(pencil: PencilFunction, direction: int, origin: float) -> tuple[NDAr
 
     cosh overflows at 711, and exp(2z)/(1 + exp(2z))² is no number from z = 355 on: what lies beyond is not seen.
     """
-    distances = np.exp(np.arange(math.log(NEAREST_TRIED), math.log(FARTHEST_TRIED), math.log(SURVEY_RATIO)))
+    distances = np.exp(np.arange(math.log(NEAREST_TRIED), math.log(FARTHEST_TRIED), math.log(SCAN_RATIO)))
     z = (origin + direction * distances).astype(np.complex128)
     seen: list[Pencil] = []
-    for block in np.array_split(z, SURVEY_BLOCKS):
+    for block in np.array_split(z, SCAN_BLOCKS):
         try:
             seen.append(pencil(block))
         except InputError:

@@ -94,10 +94,10 @@ def newton_steps(discriminant: Discriminant, sigma: complex) -> Iterator[Step]:
             change = slope_change(before, value)
         if before is not None and multiplicity == 1 and abs(step) < abs(step_before):
             if abs(step) < SHRINKS * abs(step_before):
-                bend = _curvature(before, value)
-                # with e the errors of both points, bend is of size e₁² and what it leaves of size e₀² e₁², times e₁/e₀² to make it one
-                if abs(bend) < SHRINKS * abs(step):
-                    step, ahead = step + bend, abs(bend) * abs(step / step_before) ** 2
+                curved = _curvature(before, value)
+                # with e the errors of both points, curved is of size e₁² and what it leaves of size e₀² e₁², times e₁/e₀² to make it one
+                if abs(curved) < SHRINKS * abs(step):
+                    step, ahead = step + curved, abs(curved) * abs(step / step_before) ** 2
             estimate_before, estimate = estimate, step_before / (step_before - step)
             fold = round(min(estimate.real, MOST_FOLD + 1.0)) if cmath.isfinite(estimate) else 0
             if 2 <= fold <= MOST_FOLD and abs(estimate - fold) < SAME_MULTIPLICITY and abs(estimate_before - fold) < SAME_MULTIPLICITY:

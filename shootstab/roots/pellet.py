@@ -23,7 +23,7 @@ from shootstab.core.errors import ConvergenceError
 
 NO_RADIUS = arb(0)
 SPARE_POINTS = 2  # chosen: of K
-FIRST_PIECE, SHORTEST_PIECE = 1 / 64, 2.0**-48  # of a side of a polygon; chosen
+FIRST_LENGTH, SHORTEST_LENGTH = 1 / 64, 2.0**-48  # of a side of a polygon; chosen
 Ball = Callable[[Any], Any]  # σ ↦ an enclosure of D(σ)
 
 
@@ -105,14 +105,14 @@ class PolynomialModel:
         return acb(value.real + wide, value.imag + wide)
 
     def margin(self, middle: Any, reach: Any) -> float:
-        """(|c_0| − spread)/(Σ_{k≥1} |c_k| s^k + 2 spread) on a piece |σ − middle| ≤ reach, c_k about its middle, s the reach in u.
+        """(|c_0| − spread)/(Σ_{k≥1} |c_k| s^k + 2 spread) on a segment |σ − middle| ≤ reach, c_k about its middle, s the reach in u.
 
         The coefficients c_k, k ≥ 0, of the varying polynomials belong to the sum.
-        Above 1, D has no zero on the piece, and its phase differs from that at the middle by less than a quarter turn.
+        Above 1, D has no zero on the segment, and its phase differs from that at the middle by less than a quarter turn.
         """
         s, u = (reach / self.radius).upper(), (middle - self.centre) / self.radius
         if not abs(u) + s <= 1:
-            return 0.0  # the piece leaves the disc
+            return 0.0  # the segment leaves the disc
         shifted = self.polynomial(acb_poly([u, 1])).coeffs()
         others = 2 * self.spread + s * _bounded(shifted[1:], s)
         for p in self.varying:
@@ -123,7 +123,7 @@ class PolynomialModel:
     def count(self, corners: Sequence[Any]) -> tuple[int, float]:
         """The zeros inside a polygon that lies in the disc, its corners counter-clockwise, and the least margin on its boundary.
 
-        Raises ConvergenceError where a piece would have to be too short.
+        Raises ConvergenceError where a segment would have to be too short.
         """
         with ctx.workprec(ctx.prec + self.polynomial.degree()):
             values, least = self._followed(corners)
@@ -134,18 +134,18 @@ class PolynomialModel:
         return int(whole), least
 
     def _followed(self, corners: Sequence[Any]) -> tuple[list[Any], float]:
-        """D at the ends and middles of the pieces, in their order, and the least margin."""
+        """D at the ends and middles of the segments, in their order, and the least margin."""
         values: list[Any] = []
         least = math.inf
         for start, end in zip(corners, [*corners[1:], corners[0]], strict=True):
-            here, length = 0.0, FIRST_PIECE
+            here, length = 0.0, FIRST_LENGTH
             while here < 1.0:
                 ahead = min(1.0, here + length)
                 a, b = (start + (end - start) * arb(x) for x in (here, ahead))
                 margin = self.margin((a + b) / 2, abs(b - a) / 2)
                 if margin <= 1.0:
                     length = 0.5 * (ahead - here)
-                    if length < SHORTEST_PIECE:
+                    if length < SHORTEST_LENGTH:
                         raise ConvergenceError(f"an eigenvalue lies on the boundary or too near to it, at {complex(a.mid()):.12g}")
                     continue
                 values += [self(a), self((a + b) / 2)]  # either half turns the phase by less than a quarter: no branch is in doubt

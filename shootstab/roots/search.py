@@ -22,7 +22,7 @@ from shootstab.core.division import divisions
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.regions import Disc, Region, size
 from shootstab.roots.iterations import newton
-from shootstab.roots.winding import Pieces, power_sums
+from shootstab.roots.winding import Legs, power_sums
 
 HANDFUL = 5  # chosen: zeros taken from the moments of one contour; the polynomial of more is ill-conditioned
 # chosen: of the region's size, distances of zeros that an iteration may confuse: such are counted one by one
@@ -45,7 +45,7 @@ class Counted(Protocol):
     def count(self) -> int: ...
 
     @property
-    def pieces(self) -> Pieces: ...
+    def legs(self) -> Legs: ...
 
 
 @dataclass(frozen=True)
@@ -148,10 +148,10 @@ def _divided(search: Search, region: Region, counted: Counted, known: list[Zero]
 def moments(counted: Counted) -> tuple[complex, list[complex]]:
     """The mean of the zeros inside, and approximations to each, from the moments of the contour."""
     n = counted.count
-    samples = [v.sigma for _, values in counted.pieces for v in values]
+    samples = [v.sigma for _, values in counted.legs for v in values]
     middle = sum(samples) / len(samples)
     scale = max(abs(s - middle) for s in samples)
-    s = power_sums(counted.pieces, middle, scale, n)
+    s = power_sums(counted.legs, middle, scale, n)
     # Newton's identities: k e_k = Σ_{i=1}^k (−1)^{i−1} e_{k−i} s_i
     e = [1.0 + 0j]
     for k in range(1, n + 1):

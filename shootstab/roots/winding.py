@@ -1,7 +1,7 @@
 """The argument principle: how many zeros of D a closed curve holds.
 
 The change of ln D between neighbouring samples is known twice: from the two values, up to a multiple of 2πi, and from the exact
-logarithmic derivatives at the two ends by the trapezoidal rule. A piece of the curve is accepted when both agree and are short,
+logarithmic derivatives at the two ends by the trapezoidal rule. A segment of the curve is accepted when both agree and are short,
 and is halved otherwise, so that no turn is missed between samples.
 """
 
@@ -23,11 +23,11 @@ from shootstab.core.scaled import Scaled
 
 LONGEST_TURN = 1.2  # chosen, far below π: |Δ ln D| over one segment
 MISMATCH = 0.3  # chosen: between its two values
-FLAT_SEGMENT = 1e-2  # chosen: |Δ ln D| by the slopes at both ends: a zero that the slopes do not see would be a hundred pieces away
-DEEPEST_SEGMENT = 40  # chosen: halvings of one piece
+FLAT_SEGMENT = 1e-2  # chosen: |Δ ln D| by the slopes at both ends: a zero that the slopes do not see would be a hundred segments away
+DEEPEST_SEGMENT = 40  # chosen: halvings of one segment
 FIRST_SEGMENTS = 4  # chosen: of a circle or of the side of a polygon, before any is halved
 
-Pieces = tuple[tuple[int, tuple[Value, ...]], ...]  # of a contour: samples, and the sign with which they count
+Legs = tuple[tuple[int, tuple[Value, ...]], ...]  # of a contour: samples, and the sign with which they count
 
 
 @dataclass(frozen=True)
@@ -44,8 +44,8 @@ class Winding:
     samples: tuple[Value, ...]
 
     @property
-    def pieces(self) -> Pieces:
-        """The closed curve as one piece."""
+    def legs(self) -> Legs:
+        """The closed curve as one leg."""
         return ((1, (*self.samples, self.samples[0])),)
 
 
@@ -70,13 +70,13 @@ class Limited:
         return self.discriminant.with_derivative(sigma)
 
 
-def wind(discriminant: Discriminant, region: Region, pieces: int = FIRST_SEGMENTS) -> Winding:
-    """Count the zeros inside a region on whose closure D is analytic; a smooth boundary is first cut into so many pieces.
+def wind(discriminant: Discriminant, region: Region, segments: int = FIRST_SEGMENTS) -> Winding:
+    """Count the zeros inside a region on whose closure D is analytic; a smooth boundary is first cut into so many segments.
 
     Raises ConvergenceError when a zero lies on the boundary, or so near to it that no sampling tells the side, and Inaccurate (one, too)
     where D is no smooth function along it.
     """
-    values = follow(lambda t: discriminant.with_derivative(region.boundary(t)), region.corners, True, pieces)
+    values = follow(lambda t: discriminant.with_derivative(region.boundary(t)), region.corners, True, segments)
     count = whole_turns(sum(change(a, b).imag for a, b in pairwise(values)))
     centre = sum(v.sigma for v in values[:-1]) / (len(values) - 1)
     total = sum(_predicted(a, b) for a, b in pairwise(values))
@@ -84,7 +84,7 @@ def wind(discriminant: Discriminant, region: Region, pieces: int = FIRST_SEGMENT
     return Winding(count, abs(total / (2j * math.pi) - count), centre, complex(moment), tuple(values[:-1]))
 
 
-def power_sums(pieces: Pieces, centre: complex, scale: float, most: int) -> NDArray[np.complex128]:
+def power_sums(legs: Legs, centre: complex, scale: float, most: int) -> NDArray[np.complex128]:
     """s_k = Σ ((z − centre)/scale)^k over the zeros z inside, (most + 1,): (1/2πi)∮ ((σ − centre)/scale)^k d ln D.
 
     Between two samples ln D is the cubic with its values and derivatives at both ends, and σ runs straight; that is integrated exactly.
@@ -92,7 +92,7 @@ def power_sums(pieces: Pieces, centre: complex, scale: float, most: int) -> NDAr
     sums = np.zeros(most + 1, dtype=np.complex128)
     nodes, weights = np.polynomial.legendre.leggauss(2 + most // 2)
     t = 0.5 + 0.5 * nodes
-    for sign, values in pieces:
+    for sign, values in legs:
         sigma = np.array([v.sigma for v in values])
         h = np.diff(sigma)
         slope = np.array([v.logarithmic_derivative for v in values])
@@ -117,14 +117,14 @@ def whole_turns(phase: float, slack: float = 1e-6) -> int:
 
 
 def follow(
-    evaluate: Callable[[float], Value], stops: Sequence[float], closed: bool = False, first_pieces: int = FIRST_SEGMENTS
+    evaluate: Callable[[float], Value], stops: Sequence[float], closed: bool = False, first_segments: int = FIRST_SEGMENTS
 ) -> list[Value]:
     """Samples of D along a curve t ↦ σ(t), from the first stop to the last, so dense that no turn of the phase is missed.
 
     The stops are those t at which the curve is not smooth, its ends included. On a closed curve the first sample serves as the last.
     """
-    pieces = first_pieces if len(stops) == 2 else 2
-    ts = [a + (b - a) * i / pieces for a, b in pairwise(stops) for i in range(pieces)]
+    segments = first_segments if len(stops) == 2 else 2
+    ts = [a + (b - a) * i / segments for a, b in pairwise(stops) for i in range(segments)]
     samples = [(t, evaluate(t)) for t in ts]
     samples.append((stops[-1], samples[0][1] if closed else evaluate(stops[-1])))
     followed = [samples[0]]
@@ -158,7 +158,7 @@ def _settled(a: Value, b: Value) -> bool:
 
 
 def _noisy(a: Value, b: Value) -> bool:
-    """Whether D changes by MISMATCH where its slopes say that it is FLAT_SEGMENT: halving a piece of that would never end."""
+    """Whether D changes by MISMATCH where its slopes say that it is FLAT_SEGMENT: halving a segment of that would never end."""
     steep = max(abs(a.logarithmic_derivative), abs(b.logarithmic_derivative)) * abs(b.sigma - a.sigma)
     return steep < FLAT_SEGMENT and not abs(change(a, b)) < MISMATCH
 

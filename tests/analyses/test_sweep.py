@@ -283,7 +283,7 @@ def test_what_was_proved_is_what_another_count_says(row: Any, scenes: dict[str, 
     assert row.summary["counted"] >= 4
 
 
-def test_a_census_finds_what_nobody_knew(scenes: dict[str, ChuteProblem]) -> None:
+def test_a_count_finds_what_nobody_knew(scenes: dict[str, ChuteProblem]) -> None:
     found = count_dominant(scenes["low"], [], 1e-8)
     assert len(found.modes) == 1
     assert abs(found.modes[0] - (0.0072756 - 0.0118650j)) < 1e-6

@@ -1,4 +1,4 @@
-"""analyses/work_precision.py and cli/trade_command.py: ladders are climbed as far as they pay, and errors are true ones."""
+"""analyses/work_precision.py and cli/trade_command.py: curves are followed as far as they pay, and errors are true ones."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from shootstab.analyses import work_precision as trade
-from shootstab.analyses.work_precision import Ladder, Measurement, WorkPrecision
+from shootstab.analyses.work_precision import Curve, Measurement, WorkPrecision
 from shootstab.cli import main as cli
 from shootstab.cli import trade_command as trading
 from shootstab.core.errors import ConvergenceError, InputError
@@ -21,7 +21,7 @@ from shootstab.models.gallery.poiseuille import PlanePoiseuille
 
 @pytest.fixture(scope="module")
 def few() -> WorkPrecision:
-    """Plane Poiseuille flow on short ladders: one that all methods climb in a few seconds."""
+    """Plane Poiseuille flow on short curves, which all methods follow in a few seconds."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(trade, "TRUNCATIONS", (24, 48, 64))
         patch.setattr(trade, "TOLERANCES", (1e-4, 1e-8, 1e-11))
@@ -38,7 +38,7 @@ def test_errors_are_true_ones(few: WorkPrecision) -> None:
     assert {r.method for r in few.measurements} == {"qz", "frame", "compound", "riccati", "taylor series"}
 
 
-def test_a_ladder_gains_from_rung_to_rung(few: WorkPrecision) -> None:
+def test_a_finer_resolution_gains(few: WorkPrecision) -> None:
     for method in ("qz", "frame", "compound", "riccati"):
         errors = [r.relative for r in few.measurements if r.method == method]
         assert min(errors) < 1e-8 < 1e-6 < max(errors)
@@ -56,35 +56,40 @@ def test_the_recommendation_is_what_was_measured(few: WorkPrecision) -> None:
     assert few.recommendation.endswith(".")
 
 
-def rung(method: str, error: float, seconds: float, resolution: float = 1.0) -> Measurement:
+def measurement(method: str, error: float, seconds: float, resolution: float = 1.0) -> Measurement:
     return Measurement(method, "M", resolution, 1 + 0j, error, seconds, 1000, 1)
 
 
 def test_the_recommendation_names_the_quickest_and_compares() -> None:
-    measurements = (rung("qz", 1e-5, 0.1), rung("qz", 1e-9, 0.8), rung("frame", 1e-6, 0.02), rung("frame", 1e-12, 0.04))
+    measurements = (
+        measurement("qz", 1e-5, 0.1),
+        measurement("qz", 1e-9, 0.8),
+        measurement("frame", 1e-6, 0.02),
+        measurement("frame", 1e-12, 0.04),
+    )
     said = WorkPrecision(measurements, 1 + 0j, 0.0, 1 + 0j).recommendation
     assert "4 digits by frame in 20 ms (5 times faster than QZ)" in said
     assert "8 digits by frame in 40 ms (20 times faster than QZ)" in said
     assert "11 digits by frame in 40 ms (which QZ does not reach)" in said
 
 
-def test_a_ladder_ends_where_nothing_is_gained(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_curve_ends_where_nothing_is_gained(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(trade, "ENOUGH", 0.0)
-    climbed: list[float] = []
+    tried: list[float] = []
 
     def at(resolution: float) -> Any:
         def run(fresh: Any, guess: complex) -> tuple[complex, int]:
-            climbed.append(resolution)
+            tried.append(resolution)
             if resolution == 2.0:
                 raise ConvergenceError("no mesh")
             return 1 + max(10.0**-resolution, 1e-6), 1
 
         return run
 
-    ladder = Ladder("frame", "M", tuple(float(k) for k in range(1, 20)), at)
-    found = trade.climb(ladder, PlanePoiseuille(), 1 + 0j, 1 + 0j)
+    curve = Curve("frame", "M", tuple(float(k) for k in range(1, 20)), at)
+    found = trade.measured(curve, PlanePoiseuille(), 1 + 0j, 1 + 0j)
     assert [r.resolution for r in found] == [3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]  # at 1 it is another number, at 2 there is none
-    assert max(climbed) == 9.0
+    assert max(tried) == 9.0
 
 
 def test_without_a_reference_a_guess_is_needed() -> None:
@@ -96,10 +101,10 @@ def test_without_a_reference_a_guess_is_needed() -> None:
             trade.trade(PlanePoiseuille(), guess)
 
 
-def test_all_spectral_ladders_of_the_chute(scenes: dict[str, ChuteProblem]) -> None:
+def test_all_spectral_curves_of_the_chute(scenes: dict[str, ChuteProblem]) -> None:
     problem = scenes["high"]
-    for ladder in trade.spectral_ladders(problem):
-        sigma, work = ladder.at(48)(problem, 0.00397)
+    for curve in trade.spectral_curves(problem):
+        sigma, work = curve.at(48)(problem, 0.00397)
         assert abs(sigma - 0.003970504638889) < 1e-10
         assert work >= 1
 
@@ -111,10 +116,10 @@ def test_table_json_and_picture(
     file = tmp_path / "a.png"
     assert cli.main(["trade", "poiseuille", "--json", "-", "--plot", str(file)]) == 0
     said = json.loads(capsys.readouterr().out)
-    own = {"truth", "bound", "guess", "rungs", "recommendation"}
+    own = {"truth", "bound", "guess", "measurements", "recommendation"}
     assert set(said) == own | {"scene", "version", "seconds", "compilation_seconds"}
     keys = {"method", "parameter", "resolution", "sigma", "error", "relative_error", "by_bound", "seconds", "memory", "work"}
-    assert all(set(r) == keys for r in said["rungs"])
+    assert all(set(r) == keys for r in said["measurements"])
     assert said["truth"]["re"].startswith("0.00373967062297940993")
     assert file.stat().st_size > 20_000
     assert cli.main(["trade", "poiseuille"]) == 0

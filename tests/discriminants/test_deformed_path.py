@@ -47,11 +47,11 @@ def test_the_side_of_the_real_axis_gives_D_itself(fig2: ChuteProblem, offset: fl
         assert abs(Frame(rtol=1e-11).on(fig2, other)(sigma).over(straight) - 1.0) > 0.1
 
 
-@pytest.mark.parametrize("bend", [BELOW, ABOVE])
-def test_the_continuation_is_analytic_across_the_curve(fig2: ChuteProblem, bend: DeformedPath) -> None:
+@pytest.mark.parametrize("path", [BELOW, ABOVE])
+def test_the_continuation_is_analytic_across_the_curve(fig2: ChuteProblem, path: DeformedPath) -> None:
     """Cauchy's formula on a circle that the continuous spectrum crosses: the mean is the value at the centre, on the curve itself."""
     centre = sigma_at(fig2, PLACE)
-    radius, continued = 0.1 * abs(centre), Frame(rtol=1e-11).on(fig2, bend)
+    radius, continued = 0.1 * abs(centre), Frame(rtol=1e-11).on(fig2, path)
     middle = continued(centre)
     ring = [continued(centre + radius * np.exp(2j * np.pi * k / 48)).at_scale(middle.log_scale) for k in range(48)]
     assert np.mean(ring) == pytest.approx(middle.mantissa, rel=1e-8)

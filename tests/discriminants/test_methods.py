@@ -1,4 +1,4 @@
-"""Three methods for one D(σ): frames, compound matrices, charts. They must agree on D, on its derivative and on its zeros."""
+"""Three methods for one D(σ): frames, compound matrices, branches. They must agree on D, on its derivative and on its zeros."""
 
 from __future__ import annotations
 
@@ -69,10 +69,10 @@ def test_the_methods_have_one_D_along_a_bent_path_too(scenes: dict[str, ChutePro
     """Next to the continuous spectrum, and on it, where the real axis leads nowhere."""
     problem = scenes["fig2"]
     sigma = complex(problem.continuum(np.array([15.0 + 0j]))[0]) * (1 + distance)
-    charts = [Continuation(problem, method).at(sigma) for method in METHODS]
-    reference, *others = (chart.discriminant.with_derivative(sigma) for chart in charts)
-    for chart, other in zip(charts[1:], others, strict=True):
-        assert chart.path != "real"
+    branches = [Continuation(problem, method).at(sigma) for method in METHODS]
+    reference, *others = (branch.discriminant.with_derivative(sigma) for branch in branches)
+    for branch, other in zip(branches[1:], others, strict=True):
+        assert branch.path != "real"
         assert other.D.over(reference.D) == pytest.approx(1.0, abs=1e-9)
         assert other.logarithmic_derivative == pytest.approx(reference.logarithmic_derivative, rel=1e-9)
 

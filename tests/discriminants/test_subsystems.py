@@ -1,4 +1,4 @@
-"""A problem falls into its parts, real where phases make it so, and D is what it was."""
+"""A problem falls into its subsystems, real where phases make it so, and D is what it was."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ SIGMA = {"high": 0.0046, "mid": 0.0013 + 0.0002j, "low": 0.008 - 0.0112j, "fig2"
 
 def test_the_chute_falls_apart_without_spanwise_wave_and_is_real_without_downslope_wave(scenes: dict[str, ChuteProblem]) -> None:
     for name in ("low", "fig2"):
-        parts = decouple(scenes[name])
-        assert parts is not None
-        assert [(part.size, part.decaying) for part in parts.members] == [(6, 3), (2, 1)]
+        subsystems = decouple(scenes[name])
+        assert subsystems is not None
+        assert [(subsystem.size, subsystem.decaying) for subsystem in subsystems.members] == [(6, 3), (2, 1)]
     for name in ("high", "mid"):
-        parts = decouple(scenes[name])
-        assert parts is not None
-        (part,) = parts.members
-        assert np.flatnonzero(part.phases[0]).tolist() == [2, 6]
-        pencil = part.pencil(np.array([10.0, 3.0], complex))
+        subsystems = decouple(scenes[name])
+        assert subsystems is not None
+        (subsystem,) = subsystems.members
+        assert np.flatnonzero(subsystem.phases[0]).tolist() == [2, 6]
+        pencil = subsystem.pencil(np.array([10.0, 3.0], complex))
         assert not any(M.imag.any() for M in (pencil.C0, pencil.C1, pencil.D0, pencil.D1))
     oblique = ChuteProblem(scenes["high"].flow, 0.003, 0.005)
     assert decouple(oblique) is None
@@ -100,9 +100,9 @@ class Chains:
 def test_parts_of_a_shuffled_problem_keep_the_sign_of_D() -> None:
     problem = Chains()
     product, whole = Frame(rtol=1e-11).on(problem), made_for(problem, Frame(rtol=1e-11), None, 3.0)
-    parts = decouple(problem)
-    assert parts is not None
-    assert len(parts.members) == 2
+    subsystems = decouple(problem)
+    assert subsystems is not None
+    assert len(subsystems.members) == 2
     for sigma in (3.0, 2.0 + 1j):
         assert product(sigma).over(whole(sigma)) == pytest.approx(1.0, abs=1e-9)
     # y″ = −σ c y, y(0) = 0: zeros where √(σc) is a multiple of π
@@ -111,7 +111,7 @@ def test_parts_of_a_shuffled_problem_keep_the_sign_of_D() -> None:
 
 
 def test_a_coupling_that_the_samples_missed_is_refused() -> None:
-    with pytest.raises(InputError, match="couples parts"):
+    with pytest.raises(InputError, match="couples subsystems"):
         Frame().on(Chains(late=True))(3.0)
 
 
@@ -124,7 +124,7 @@ def test_a_discriminant_moves_to_a_neighbouring_problem_with_its_mesh(scenes: di
         moved, fresh = Frame(rtol=1e-10).on(there, begin=here.meshes), Frame(rtol=1e-10).on(there)
         for sigma in (0.004, 0.004 - 0.001j, 1e-6 - 1e-3j, 0.3 + 0.2j):
             assert moved(sigma).over(fresh(sigma)) == pytest.approx(1.0, abs=1e-8)
-    # without spanwise wave it is in parts, with one it is not: the parts do not serve
+    # without spanwise wave it is in subsystems, with one it is not: these do not serve
     apart = Frame(rtol=1e-10).on(ChuteProblem(flow, 5e-4, 0.0))
     apart(0.002)
     oblique = ChuteProblem(flow, 5e-4, 0.002)

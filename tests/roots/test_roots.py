@@ -177,7 +177,7 @@ def test_a_handful_of_zeros_needs_few_evaluations() -> None:
 
 def test_power_sums_are_those_of_the_zeros() -> None:
     zeros = [0.3, -0.2j, 0.5 + 0.5j]
-    sums = power_sums(wind(Known([*zeros, 2.0], exponent=5 + 2j), Rectangle(-1 - 1j, 1 + 1j)).pieces, 0.1, 2.0, 3)
+    sums = power_sums(wind(Known([*zeros, 2.0], exponent=5 + 2j), Rectangle(-1 - 1j, 1 + 1j)).legs, 0.1, 2.0, 3)
     assert sums == pytest.approx([sum(((z - 0.1) / 2) ** k for z in zeros) for k in range(4)], abs=1e-3)
 
 

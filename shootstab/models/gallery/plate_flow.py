@@ -6,7 +6,7 @@ With y in √(ν_∞ x/U_∞), velocities in U_∞, temperature and viscosity in
     f′ = U/T,  U′ = S/μ,  (ln S)′ = −½ f/μ,  T′ = Pr Q/μ,  Q′ = −½ f Pr Q/μ − (γ−1) M² S²/μ
 
 (the equations of Mack, AGARD R-709 (1984), 10, without the transformation y ↦ η). Everything the stability equations need of U and T, up
-to second derivatives, follows from these five without differentiation. They are solved by Chebyshev polynomials on short pieces, to
+to second derivatives, follows from these five without differentiation. They are solved by Chebyshev polynomials on short intervals, to
 rounding.
 """
 
@@ -73,7 +73,7 @@ class Gas:
 
 @dataclass(frozen=True, eq=False)
 class PlateFlow:
-    """The state (f, U, ln S, T, Q) by Chebyshev coefficients (pieces, terms, 5) on pieces of one length; beyond the last, U = T = 1."""
+    """The state (f, U, ln S, T, Q) by Chebyshev coefficients (intervals, terms, 5) on intervals of one length; beyond them U = T = 1."""
 
     gas: Gas
     length: float
@@ -87,8 +87,8 @@ class PlateFlow:
     def at(self, y: ComplexArray) -> ComplexArray:
         """f, U, S, T, Q (5, m) at points y (m,); f, which nothing needs there, is 0 in the free stream."""
         real = np.minimum(y.real, self.end)
-        piece = np.floor(real / self.length).astype(np.int64)
-        inside = np.clip(piece, 0, len(self.coefficients) - 1)
+        interval = np.floor(real / self.length).astype(np.int64)
+        inside = np.clip(interval, 0, len(self.coefficients) - 1)
         with np.errstate(invalid="ignore"):
             x = np.where(np.isfinite(y), 2 * (y / self.length - inside) - 1, 0.0)
         below = above = np.zeros((len(y), 5), dtype=x.dtype)
@@ -97,7 +97,7 @@ class PlateFlow:
         state = (self.coefficients[inside, 0] + x[:, None] * below - above).T
         state[2] = np.exp(state[2])
         free = np.array([0.0, 1.0, 0.0, 1.0, 0.0])[:, None]
-        return np.asarray(np.where(piece >= len(self.coefficients), free, state))
+        return np.asarray(np.where(interval >= len(self.coefficients), free, state))
 
     def shortened(self, accuracy: float) -> PlateFlow:
         """With as few coefficients as leave out no more than this, relative to the largest, and each off by as much as that."""
@@ -130,33 +130,33 @@ def plate_flow(gas: Gas) -> PlateFlow:
         log_S = float(np.log(x[0]))
         return np.array([0.0, 0.0, log_S, x[1], 0.0] if gas.wall is None else [0.0, 0.0, log_S, gas.wall, x[1]])
 
-    pieces = None
+    intervals = None
     for _ in range(NEWTON):
-        reached, found = _march(gas, begin(free), length, pieces)
-        pieces = len(found)
+        reached, found = _march(gas, begin(free), length, intervals)
+        intervals = len(found)
         missed = reached[[1, 3]] - 1
         jacobian = np.empty((2, 2))
         for j in range(2):
             step = 1e-6 * max(abs(free[j]), 1e-2) * np.eye(2)[j]
-            jacobian[:, j] = (_march(gas, begin(free + step), length, pieces)[0] - reached)[[1, 3]] / step[j]
+            jacobian[:, j] = (_march(gas, begin(free + step), length, intervals)[0] - reached)[[1, 3]] / step[j]
         move = np.linalg.solve(jacobian, -missed)
         free = free + move * min(1.0, 0.3 / max(np.abs(move / (np.abs(free) + 0.1)).max(), 1e-300))
         if min(np.abs(missed).max(), np.abs(move).max()) < PLATE_SETTLED * recovery:
             return PlateFlow(gas, length, found)
         if np.abs(missed).max() > 1e-3:
-            pieces = None
+            intervals = None
     raise NoFlowError(f"no boundary layer found for {gas}: U and T miss 1 by {np.abs(missed).max():.1e}")
 
 
-def _march(gas: Gas, state: NDArray[Any], length: float, pieces: int | None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The state far away, and Chebyshev coefficients (pieces, NODES, 5); so many pieces, or as many as the shear stress lasts."""
+def _march(gas: Gas, state: NDArray[Any], length: float, intervals: int | None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The state far away, and Chebyshev coefficients (intervals, NODES, 5); so many intervals, or as many as the shear stress lasts."""
     x = np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)
     to_coefficients = np.linalg.inv(chebyshev.chebvander(x, NODES - 1))
     least = state[2] + np.log(NOTHING)
     out: list[NDArray[np.float64]] = []
-    while len(out) < MOST_INTERVALS and (pieces is None or len(out) < pieces):
+    while len(out) < MOST_INTERVALS and (intervals is None or len(out) < intervals):
         values = np.repeat(state[:, None], NODES, axis=1)
-        for _ in range(PICARD):  # Picard's iteration, which a short piece makes fast
+        for _ in range(PICARD):  # Picard's iteration, which a short interval makes fast
             slopes = to_coefficients @ gas.slopes(values).T
             series = chebyshev.chebint(slopes, lbnd=-1, scl=0.5 * length)[:NODES]
             series[0] += state
@@ -169,6 +169,6 @@ def _march(gas: Gas, state: NDArray[Any], length: float, pieces: int | None) -> 
         state = series.sum(axis=0)
         if not np.isfinite(state).all() or state[3] <= 0.0:
             raise NoFlowError(f"no boundary layer found for {gas}: the temperature leaves the range of physics")
-        if pieces is None and state[2] < least:
+        if intervals is None and state[2] < least:
             break
     return state, np.array(out)
