@@ -21,7 +21,7 @@ from shootstab.discriminants.method import AdaptiveDiscriminant, Method
 from shootstab.problems.protocol import Problem
 from shootstab.roots.iterations import LEAST_D_ERROR, Root, muller, newton
 from shootstab.roots.search import Zero, moments
-from shootstab.roots.separation import Surroundings, separation, surroundings
+from shootstab.roots.separation import SMALLEST_DISTANCE, Surroundings, separation, surroundings
 from shootstab.roots.winding import wind
 
 TIGHTEST = 1e-13  # measured (validation/calibration.py): the local error below which rounding takes over
@@ -34,6 +34,7 @@ LEFT = 1e-3  # chosen: of the accuracy asked for, what iterations may leave
 NEUTRAL = 1e-12  # chosen: the accuracy of a mode at 0 in the scale of D there; four digits above the rounding of a double
 COUNTED_AROUND = (1e-3, 4e-3, 1.6e-2)  # chosen: of |σ|, circles in which zeros are counted where no iteration arrives at one
 FIGURES = 12  # derived: significant digits that double precision gives a mode, with which a place is told
+LARGEST_GUESS = 1e100  # chosen: squares of σ are doubles, and so are those of ten thousand times as large ones
 UNKNOWN = Budget(math.inf, math.inf, math.inf, math.inf, math.inf)
 
 
@@ -72,10 +73,12 @@ def require_atol(atol: float | None) -> None:
 
 
 def finite(guess: Any) -> complex:
-    """The guess as a complex number. Raises InputError where it is not finite."""
+    """The guess as a complex number. Raises InputError where it is not finite, or too large."""
     number = complex(guess)
     if not cmath.isfinite(number):
         raise InputError(f"guess = {number}: allowed is a finite number")
+    if abs(number) > LARGEST_GUESS:
+        raise InputError(f"guess = {number:.6g}: allowed is a number up to {LARGEST_GUESS:.0e} in size")
     return number
 
 
@@ -125,7 +128,7 @@ def _counted_near(discriminant: AdaptiveDiscriminant, guess: complex, tolerance:
 
     Where D varies like e^{gσ}, as between far walls, iterations arrive from within 1/|g| only; a count does not see such a factor.
     """
-    for size in COUNTED_AROUND:
+    for size in COUNTED_AROUND if guess != 0 else ():
         disc = Disc(guess, size * abs(guess))
         try:
             counted = count_in(discriminant.around(guess, disc.radius), disc)
@@ -188,13 +191,11 @@ def _simple(continuation: Continuation, root: Root, rtol: float, atol: float | N
     parts = budget(continuation.problem, coarse, coarse_value, fine, fine_value, scale)
     if math.isfinite(scale) and abs(sigma) <= EPSILON * scale:  # 0 to rounding, which digits of σ know nothing of
         parts = replace(parts, rounding=parts.rounding + abs(sigma))
-    size = max(abs(sigma), scale if math.isfinite(scale) else 0.0)
+    size = max(abs(sigma), scale if math.isfinite(scale) else 0.0) or SMALLEST_DISTANCE  # at 0, where D is linear as far as is seen
     neutral = min(rtol, NEUTRAL) * scale if math.isfinite(scale) else 0.0
     allowed = neutral if atol is None else atol
     # next to a multiple zero the bound means nothing, but there is a circle that tells
-    radius = min(max(PROOF * parts.total, 1e-2 * rtol * abs(sigma), 1e-2 * neutral), WIDEST_PROOF * size)
-    if not 0.0 < radius < math.inf:
-        raise ConvergenceError(f"D is flat at {sigma:.6g}: nothing tells how exactly a zero is known there")
+    radius = min(max(1e-2 * rtol * abs(sigma), 1e-2 * neutral, PROOF * parts.total), WIDEST_PROOF * size) or WIDEST_PROOF * size
     try:
         count = wind(coarse, Disc(sigma, radius), SIXTHS).count
     except ConvergenceError:

@@ -14,6 +14,7 @@ OCTAVE = 1.0371  # chosen: the cells of level 0 end at |σ| = OCTAVE·2^i, numbe
 SECTOR = math.radians(40.0)  # chosen: sector 0 holds the positive real axis in its middle, and no sector has ±i in its own
 CELL_PARTS = 9  # chosen: along |σ| and along arg σ; odd, so that the middle of a cell is the middle of one of its parts
 SMALLEST_POWER = -80  # chosen: |σ| below 2^−80 counts as so large: σ = 0 lies in a cell too
+LARGEST_POWER = 1000  # chosen: |σ| above 2^1000 counts as so large, so that the σ of its cell is a double
 
 
 @dataclass(frozen=True)
@@ -29,8 +30,8 @@ class Cell:
         """The cell of this level that σ lies in."""
         fine = CELL_PARTS**level
         octaves = math.log2(abs(sigma) / OCTAVE) if sigma != 0 else -math.inf
-        size = max(math.floor(octaves * fine) if math.isfinite(octaves) else SMALLEST_POWER * fine, SMALLEST_POWER * fine)
-        return cls(level, size, math.ceil(cmath.phase(sigma) * fine / SECTOR - 0.5))
+        octaves = min(max(octaves, SMALLEST_POWER), LARGEST_POWER)
+        return cls(level, math.floor(octaves * fine), math.ceil(cmath.phase(sigma) * fine / SECTOR - 0.5))
 
     @property
     def larger(self) -> Cell:

@@ -55,7 +55,7 @@ def surroundings(discriminant: Discriminant, centre: complex) -> Surroundings:
     """
     distance, before = max(TENFOLD * abs(centre), SMALLEST_DISTANCE), -1
     empty, found, misses, falls, last = 0.0, Surroundings(0, 0.0), 0, 0, 0.0
-    while misses < MISSES and falls < FALLS:
+    while misses < MISSES and falls < FALLS and cmath.isfinite(centre + distance):
         try:
             turns = distance * discriminant.with_derivative(centre + distance).logarithmic_derivative
         except ConvergenceError:
@@ -70,7 +70,7 @@ def surroundings(discriminant: Discriminant, centre: complex) -> Surroundings:
             whole, misses = -1, misses + 1
         elif whole == 0:
             empty = distance / max(off, SEEN)
-            falls = falls + 1 if off < last else 0
+            falls = falls + 1 if off < last or off == 0.0 else 0
             last = off
         elif whole == before:
             found = Surroundings(whole, distance / max(off, SEEN))

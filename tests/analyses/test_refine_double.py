@@ -2,12 +2,73 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 import pytest
 
 import shootstab as st
+from shootstab.analyses.refine_double import examine
+from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.discriminants.continuation import Continuation
+from shootstab.roots.iterations import Root
+
+NOTHING = np.zeros((2, 2))
+
+
+def beside_a_constant(rate: float, power: int = 1, wall: float = 1.0, slope: float = 0.0) -> st.LinearProblem:
+    """y′ = rate σ^power y on (0, 1) beside a component that vanishes: D = (wall + slope σ) exp(rate σ^power)."""
+    C, D = [np.eye(2)] + [NOTHING] * power, [NOTHING] * power + [np.diag([rate, 0.0])]
+    return st.problem(2, lambda z: (*C, *D), st.Wall(0, [[0, 1]]), st.Wall(1, [[wall, 0]], [[slope, 0]]))
+
+
+def string(shift: float = 0.0) -> st.LinearProblem:
+    """y″ = (σ + shift) y with both ends free: σ = −shift − n²π²."""
+    D0, D1 = np.array([[0, 1.0], [shift, 0]]), np.array([[0, 0], [1.0, 0]])
+    return st.problem(2, lambda z: (D0, D1), st.Wall(0, [[0, 1]]), st.Wall(1, [[0, 1]]))
+
+
+def test_an_iteration_that_stops_where_no_zero_is_finds_none() -> None:
+    """exp(σ²) has no zero, but Newton's steps −1/(2σ) are short for large σ."""
+    mode = st.refine(beside_a_constant(1.0, power=2), 30.0, rtol=0.9)
+    assert mode.status.startswith("not converged: the iteration stopped at 29.")
+    assert "but no zero lies within" in mode.status
+
+
+def test_a_root_next_to_which_the_iteration_goes_on_is_none() -> None:
+    with pytest.raises(ConvergenceError, match=r"the iteration does not settle at 0\.3.* along the path real"):
+        examine(Continuation(beside_a_constant(0.0), st.Frame()), Root(0.3 + 0j, 0.0, 1, True), 1e-8)
+
+
+@pytest.mark.parametrize("guess", [0.0, 0.3, -1e100])
+def test_a_constant_has_no_mode(guess: float) -> None:
+    mode = st.refine(beside_a_constant(0.0), guess)
+    assert mode.status.startswith("not converged: neither Newton nor Muller arrives anywhere")
+
+
+def test_a_guess_whose_square_is_no_double_is_refused() -> None:
+    with pytest.raises(InputError, match="allowed is a number up to 1e\\+100 in size"):
+        st.refine(beside_a_constant(0.0), 1e200)
+
+
+def test_a_mode_at_zero_of_a_linear_function_is_proven() -> None:
+    mode = st.refine(beside_a_constant(0.0, wall=0.0, slope=1.0), 0.3)
+    assert (mode.sigma, mode.error, mode.converged) == (0.0, 0.0, True)
+
+
+def test_a_bound_as_large_as_the_mode_is_said() -> None:
+    mode = st.refine(string(-(math.pi**2)), 1e-3, atol=0.0)
+    assert mode.status.startswith("not converged: the error bound")
+    assert mode.status.endswith("is as large as the mode itself")
+    assert abs(mode.sigma) <= mode.error
+
+
+def test_digits_that_double_precision_does_not_have_are_not_promised() -> None:
+    mode = st.refine(string(-1e4), 515.0, rtol=1e-14)  # rates of size 100, and what is left of them
+    assert "exceeds the" in mode.status
+    assert abs(mode.sigma - (1e4 - (31 * math.pi) ** 2)) <= mode.error
+
 
 RESONANCE = -0.0019283715831197616 + 8.83943293974821e-06j
 
@@ -25,10 +86,8 @@ def test_the_growing_mode_of_the_same_scene_is_one(slow_wave: st.chute.ChuteProb
 
 
 def test_a_mode_that_is_zero_to_rounding_is_zero_within_its_bound() -> None:
-    D0, D1 = np.array([[0, 1.0], [0, 0]]), np.array([[0, 0], [1.0, 0]])
-    string = st.problem(2, lambda z: (D0, D1), st.Wall(0, [[0, 1]]), st.Wall(1, [[0, 1]]))  # y″ = σ y, y′ = 0 at both ends
     for guess in (1e-3, 1e-9j, -0.1):
-        mode = st.refine(string, guess)
+        mode = st.refine(string(), guess)
         assert mode.converged
         assert abs(mode.sigma) <= mode.error
 

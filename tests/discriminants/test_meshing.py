@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import shootstab as st
 from shootstab.discriminants.frame import Frame
@@ -27,6 +28,29 @@ def test_a_row_that_is_rounding_does_not_ask_for_shorter_steps() -> None:
     assert mode.converged
     assert abs(mode.sigma + np.pi**2) <= mode.error < 1e-10
     assert Frame(rtol=1e-11).on(problem).at(mode.sigma).steps < 2000
+
+
+@pytest.mark.parametrize(("middle", "width"), [(0.4321, 4e-4), (0.111, 8e-4)])
+def test_a_narrow_hat_that_the_first_look_missed_is_found_where_errors_do_not_fall(middle: float, width: float) -> None:
+    """y″ = (σ + V) y with V = 200 on an interval that the samples of knots step over; D by three products in closed form."""
+
+    def pencil(z: float) -> tuple[Any, Any]:
+        return np.array([[0, 1], [200.0 if abs(z - middle) < width / 2 else 0.0, 0]]), SIGMA
+
+    def over(q: float, h: float) -> Any:  # (y, y′) over a length h where y″ = q y
+        r = np.sqrt(complex(q))
+        return np.array([[np.cosh(r * h), np.sinh(r * h) / r], [r * np.sinh(r * h), np.cosh(r * h)]]).real
+
+    def D(sigma: float) -> float:
+        low, high = middle - width / 2, middle + width / 2
+        return float((over(sigma, 1 - high) @ over(sigma + 200.0, width) @ over(sigma, low))[0, 1])
+
+    problem = st.problem(2, pencil, st.Wall(0, [[1, 0]]), st.Wall(1, [[1, 0]]))
+    assert len(problem.knots) == 0
+    mode = st.refine(problem, -9.9, rtol=1e-8)
+    assert mode.converged
+    assert abs(mode.sigma - brentq(D, -12.0, -9.0, xtol=1e-15, rtol=1e-15)) <= mode.error + 1e-12
+    assert Frame(rtol=1e-9).on(problem).at(mode.sigma).steps < 100
 
 
 def test_rounding_of_a_coefficient_is_in_the_bound() -> None:
