@@ -22,15 +22,13 @@ from shootstab.analyses import reference
 from shootstab.analyses.refine import refine
 from shootstab.analyses.refine_double import find_near
 from shootstab.core.errors import ConvergenceError, InputError
-from shootstab.discriminants.compound import Compound
-from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.method import Method
-from shootstab.discriminants.riccati import Riccati
+from shootstab.discriminants.named import METHODS
 from shootstab.problems.capabilities import PSEUDOSPECTRAL, Pseudospectral
 from shootstab.problems.protocol import Problem
 
-TRUNCATIONS = (12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)  # chosen: of pseudospectral runs, in steps of a half octave
-TOLERANCES = tuple(10.0**-k for k in range(2, 14))  # chosen: of shooting, decade by decade
+TRUNCATIONS = (12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)  # chosen: orders of pseudospectral runs, in steps of a half octave
+TOLERANCES = tuple(10.0**-k for k in range(2, 14))  # chosen: tolerances of shooting, decade by decade
 REFERENCE_DIGITS = (15, 20, 25)  # chosen: the last one is what all others are measured against
 SLOWEST = 5.0  # chosen: seconds that a measurement may take; no finer one is made then
 ENOUGH = 0.3  # chosen: seconds over which a measurement is repeated
@@ -152,21 +150,20 @@ def spectral_curves(problem: Problem) -> Iterator[Curve]:
 
 
 def _shooting() -> Iterator[Curve]:
-    """From the first mesh to the zero, without the error bound."""
+    """Every method by name, from the first mesh to the zero, without the error bound."""
 
-    def shoot(make: Callable[[float], Method]) -> Callable[[float], Run]:
+    def shoot(make: Callable[..., Method]) -> Callable[[float], Run]:
         def at(rtol: float) -> Run:
             def run(fresh: Problem, guess: complex) -> tuple[Any, int]:
-                discriminant = make(rtol).on(fresh)
+                discriminant = make(rtol=rtol).on(fresh)
                 return find_near(discriminant, guess, max(0.1 * rtol, 1e-14)).sigma, discriminant.evaluations
 
             return run
 
         return at
 
-    yield Curve("frame", "rtol", TOLERANCES, shoot(lambda rtol: Frame(rtol=rtol)))
-    yield Curve("compound", "rtol", TOLERANCES, shoot(lambda rtol: Compound(rtol=rtol)))
-    yield Curve("riccati", "rtol", TOLERANCES, shoot(lambda rtol: Riccati(rtol=rtol)))
+    for name, make in METHODS.items():
+        yield Curve(name, "rtol", TOLERANCES, shoot(make))
 
 
 def measured(curve: Curve, problem: Problem, guess: complex, truth: Any) -> list[Measurement]:

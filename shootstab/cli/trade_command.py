@@ -33,6 +33,7 @@ STYLES = {
     "riccati": ("#56B4E9", "v", "-"),
     "taylor series": ("#CC79A7", "*", "-"),
 }
+OTHER_STYLE = ("#000000", "x", "--")  # of a method that is not named here
 
 
 def options(parser: argparse.ArgumentParser, guess: Callable[[str], complex], plot_path: Callable[[str], Path]) -> None:
@@ -122,10 +123,9 @@ def draw(found: WorkPrecision, scene: Scene) -> Any:
 
     figure = Figure(figsize=(11, 5.4), layout="constrained")
     left, right = figure.subplots(1, 2)
-    for method, (colour, marker, dashes) in STYLES.items():
+    for method in dict.fromkeys(r.method for r in found.measurements):
         measurements = [r for r in found.measurements if r.method == method]
-        if not measurements:
-            continue
+        colour, marker, dashes = STYLES.get(method, OTHER_STYLE)
         style = {"color": colour, "marker": marker, "linestyle": dashes, "markersize": 5, "linewidth": 1.3, "label": method}
         errors = [r.relative for r in measurements]
         left.plot(errors, [r.seconds for r in measurements], **style)

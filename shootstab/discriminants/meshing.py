@@ -15,6 +15,7 @@ from shootstab.discriminants.mesh import across_knots, redistribute, subdivide
 from shootstab.discriminants.method import Propagator
 from shootstab.discriminants.sampled_system import SampledSystem, resample, sample_system
 from shootstab.discriminants.shooting import MESH_SLACK, Shooting, far_tolerance
+from shootstab.kernels.tableau import ORDER
 from shootstab.problems.capabilities import KNOTS
 from shootstab.problems.knots import find_knots, pair, with_pairs
 from shootstab.problems.protocol import ComplexArray, Problem
@@ -22,13 +23,13 @@ from shootstab.problems.protocol import ComplexArray, Problem
 # bytes of a sampled system: with the halved mesh (2), its other cuts (2) and another base flow (1) 1 GiB in all
 MOST_BYTES = 2**30 // 6  # derived, as said above
 MESH_ATTEMPTS = 30  # chosen: attempts at a mesh
-REDISTRIBUTIONS = 3  # chosen: of them, those that move every node
-SAME_PLACE = 1e-9  # chosen: of the length of the path: nodes nearer to each other than this are one
-SHORTEST_STEP = 1e-12  # chosen: of the length of the path: shorter steps mean that none is short enough
+REDISTRIBUTIONS = 3  # chosen: the attempts among them that move every node
+SAME_PLACE = 1e-9  # chosen: nodes nearer to each other than this part of the path are one
+SHORTEST_STEP = 1e-12  # chosen: steps shorter than this part of the path mean that none is short enough
 SMALL_DETERMINANT = 1e-5  # chosen: least of the largest singular value of C below which a place is called singular
 RESOLVED_ERROR = 1e-3  # chosen: local errors below this fall with the step, unless the coefficients are not smooth
 NOISY_ORDER = 3  # chosen: errors of parts of a step that fall with a lower power of it all over the step tell of noise
-KNOT_ORDER = 4  # chosen: errors of a part of a step that fall with a lower power of it tell of a knot in it; half the order of the pair
+KNOT_ORDER = ORDER // 2  # derived: errors of a part of a step that fall with a lower power of it tell of a knot in it
 CLOSER_LOOKS = 4  # chosen: steps that are looked at before the mesh is cut again
 NOISY_STEPS = 16  # chosen: so many such steps are no accident
 NOISE_SAFETY = 4.0  # chosen: times the largest error seen that does not fall, what noise is taken to be: others are larger by chance
