@@ -21,11 +21,11 @@ from shootstab.discriminants.continuation import Continuation
 from shootstab.discriminants.method import MeshedDiscriminant
 from shootstab.problems.protocol import Problem
 
-TOLERATED_CHANGE = 0.1  # chosen: of D, what may change; 1 would do if the change were the error and not one draw of it
+TOLERATED_CHANGE = 0.1  # chosen: the part of D that may change; 1 would do if the change were the error and not one draw of it
 LUCKY_DRAW = 1e-2  # chosen: a draw of rounding is a hundred times smaller than usual in 1 of 100 cases or less
 DRAWS = 3  # chosen
 CONTOUR_PROBES = 6  # chosen: samples of a contour at which D is computed otherwise
-STEEPEST_PROBES = 2  # chosen: of them, those with the largest |d ln D/dσ|: an error of the zeros weighs most there
+STEEPEST_PROBES = 2  # chosen: the probes with the largest |d ln D/dσ|: an error of the zeros weighs most there
 
 Sample = tuple[MeshedDiscriminant, Value]
 Answer = TypeVar("Answer")

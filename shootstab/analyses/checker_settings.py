@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-NORM_WEIGHTS = 1.1 ** np.arange(-12, 8)  # chosen: of the norm in which the growth is bounded, in units of the rate √|p|
-FARTHEST = 16.0  # chosen: of |σ| or the circle of values, the largest circle on which |D| is bounded; they are tried by factors of two
-ABSOLUTE_BITS = 64  # chosen: of the checker's numbers beyond what the growth of their errors takes
+NORM_WEIGHTS = 1.1 ** np.arange(-12, 8)  # chosen: weights of the norm in which the growth is bounded, in units of the rate √|p|
+FARTHEST = 16.0  # chosen: the largest circle on which |D| is bounded, in |σ| or the circle of values; they are tried by factors of two
+ABSOLUTE_BITS = 64  # chosen: bits of the checker's numbers beyond what the growth of their errors takes
 RATE_SAMPLES = 129  # chosen: at which the rate of growth is sampled
 
 

@@ -18,7 +18,7 @@ from shootstab.multiprecision.enclosable import Enclosable
 from shootstab.multiprecision.enclosure import Enclosure, at_bits, decimal
 from shootstab.roots.pellet import PolynomialModel, polynomial_model
 
-CONTOUR_SAMPLES_BITS = 192  # chosen: of the values of D that tell how many bits and points a contour needs
+CONTOUR_SAMPLES_BITS = 192  # chosen: bits of the values of D that tell how many bits and points a contour needs
 # chosen: spare bits of D on a contour, for a zero 2^−12 of the contour away; how often they are raised
 CONTOUR_BITS, CONTOUR_ATTEMPTS = 24, 3
 RIM = 12  # chosen: values of D on a circle, and on a side of a contour, by which its size is judged

@@ -23,9 +23,9 @@ ALPHA_RADIUS = 0.05  # chosen: radius of that circle; what the points leave out 
 WAY_OUT = (0.25, 0.5)  # chosen: of that radius, places on the way from its middle, so that no mode is guessed
 NOT_ANALYTIC = 1e-2  # chosen: of the change of σ over the radius, by what its mean over the circle may miss σ in the middle
 SHIFT = 1e-3  # chosen: relative change of R for the second circle
-CRITICAL_STEPS = 12  # chosen: of Newton in (α, R); from a guess of two digits it takes some 5
+CRITICAL_STEPS = 12  # chosen: steps of Newton in (α, R); from a guess of two digits it takes some 5
 ROUGH_RTOL = 1e-9  # chosen: relative accuracy of the modes on the way
-CRITICAL_RTOL = 1e-12  # chosen: of the modes
+CRITICAL_RTOL = 1e-12  # chosen: accuracy of the modes
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ from shootstab.roots.winding import Winding
 Tick = Callable[[], None]  # told that a piece of the work is done
 
 SEARCHING = 1e-9  # chosen: local error of the method on whose meshes zeros are polished, to be refined on others
-KNOWN_WITHIN = 1e-2  # chosen: of a region's size, how well its modes are to be known for their number to mean something
+KNOWN_WITHIN = 1e-2  # chosen: how well modes are to be known, in the size of their region, for their number to mean something
 LEAST_MODE_RTOL = 1e-14  # derived: what `refine` allows
 LEAST_ON_PART, MORE_ON_PART = 200, 4  # chosen: samples that a part's contour may take in any case, and in those of the whole region
 WIDER_AROUND = 4.0  # chosen: from one circle around a multiple zero to the next

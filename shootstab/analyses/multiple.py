@@ -22,15 +22,15 @@ from shootstab.roots.iterations import newton
 from shootstab.roots.search import moments
 from shootstab.roots.winding import Limited, Winding, wind
 
-ROUCHE_RATIO = 0.3  # chosen: of the errors of D, relative to D, all along the circle; by Rouché's theorem 1 would do
+ROUCHE_RATIO = 0.3  # chosen: errors of D, relative to D, all along the circle; by Rouché's theorem 1 would do
 GOAL = 0.1  # chosen, below ROUCHE_RATIO: what the next circle is made for
 CIRCLES = 12  # chosen: circles tried in all; twelve that are NEXT_CIRCLE reach over ten powers of ten
-WORTHWHILE = 0.8  # chosen: of a circle, the next one that is still tried
+WORTHWHILE = 0.8  # chosen: ratio of a circle to the next one that is still tried
 NEXT_CIRCLE = 8.0  # chosen: from a circle that is too small to be counted to the next
 CIRCLE_PROBES = 4  # chosen: samples of a circle at which the errors of D are measured
 POLISHED_STEP = 1e-12  # chosen: relative step with which zeros inside a circle are told apart
 MOST_ON_CIRCLE = 400  # chosen: evaluations along one small circle, ten times those that zeros in its middle need
-THIRD = 1 / 3  # chosen: of the distance to the nearest other zero, the circle that is to hold one alone
+THIRD = 1 / 3  # chosen: radius of the circle that is to hold one zero alone, in the distance to the nearest other
 
 
 def count_in(discriminant: Discriminant, disc: Disc) -> Winding:

@@ -24,7 +24,7 @@ from shootstab.multiprecision.enclosable import ClosedFormEnclosable, Enclosable
 from shootstab.problems.capabilities import CLOSED_FORM, ENCLOSABLE, FACTORS, GROWING_REGION, VARIED
 from shootstab.problems.protocol import Problem
 
-SPARE_DIGITS = 6  # chosen: of the mode beyond the digits of the disc around it
+SPARE_DIGITS = 6  # chosen: digits of the mode beyond those of the disc around it
 
 
 def prove(problem: Problem, guess: complex, digits: int = 12) -> Proof:

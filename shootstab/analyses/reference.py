@@ -9,7 +9,7 @@ from shootstab.problems.capabilities import PSEUDOSPECTRAL, Pseudospectral
 from shootstab.problems.protocol import ComplexArray, Problem
 from shootstab.spectral.qz import Spectrum
 
-TRUNCATION = 80  # chosen: of a pseudospectral reference, as large as QZ is done with in seconds
+TRUNCATION = 80  # chosen: order of a pseudospectral reference, as large as QZ is done with in seconds
 
 
 def spectrum(problem: Problem, M: int | None = None, filtered: bool = True) -> Spectrum:

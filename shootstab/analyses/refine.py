@@ -17,8 +17,8 @@ from shootstab.discriminants.method import Method
 from shootstab.discriminants.named import method_named
 from shootstab.problems.protocol import Problem
 
-GUESS_NEIGHBOURHOOD = 0.5  # chosen: of the larger of the two, how far a mode may lie from the guess that means it
-LEFT_OUT = 0.98  # chosen: of the way to the mode, the radius of the circle around the guess that must leave it out
+GUESS_NEIGHBOURHOOD = 0.5  # chosen: how far a mode may lie from the guess that means it, in the larger of the two
+LEFT_OUT = 0.98  # chosen: radius of the circle around the guess that must leave the mode out, in the way to it
 OTHER_MODES_RTOL = 1e-5  # chosen: local error with which other modes are looked for; a count tells whether it is small enough
 MODES_NAMED = 4  # chosen: modes nearer to the guess that are named
 DOUBLE_DIGITS = 12  # derived: 16 of a double less what conditioning and error bound take; more are computed with many digits

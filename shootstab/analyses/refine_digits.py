@@ -31,10 +31,10 @@ from shootstab.problems.protocol import Problem
 
 METHOD = "taylor"
 START = 1e-11  # chosen: relative accuracy of the double-precision mode
-GUESS_RADIUS = 0.5  # chosen: of the larger of the two, how far a mode may lie from the guess that means it
+GUESS_RADIUS = 0.5  # chosen: how far a mode may lie from the guess that means it, in the larger of the two
 DOUBLE = 12.5  # chosen: digits that it is taken to have
 LOWEST = 20.0  # chosen: digits of the first precision
-RISE = 2.3  # chosen: of digits from one precision to the next; two secants double them and add those of the slope
+RISE = 2.3  # chosen: ratio of digits from one precision to the next; two secants double them and add those of the slope
 BY_THREE = 2.7  # chosen: times the digits known are reached by three secants
 SPARE_TO_DIGITS = 2  # chosen: digits computed beyond those asked for
 STAGE = 1.7  # chosen: time of a precision over that of an integration; the progress shown rests on it, and nothing else

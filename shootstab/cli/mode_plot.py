@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from shootstab.io.scenes import Scene
 
 REAL_PART, IMAGINARY_PART = "#0072B2", "#D55E00"  # Okabe and Ito's, told apart by the colour-blind
-BELOW_ROUNDING = 1e-12  # chosen: of the largest value of all, an unknown below which is shown as zero: that is rounding
+BELOW_ROUNDING = 1e-12  # chosen: an unknown below this part of the largest value of all is shown as zero: that is rounding
 PANEL_WIDTH, PANEL_HEIGHT, PANEL_MARGIN = 2.0, 4.2, 0.9  # chosen: inches of a panel, and of what is beside all of them
 GREEK = {"nu": r"\nu", "theta": r"\theta", "phi": r"\phi", "psi": r"\psi", "eta": r"\eta", "omega": r"\omega"}
 TICKS = 3  # chosen: numbers on the axis of a narrow panel

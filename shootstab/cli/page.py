@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from shootstab.io.scenes import Scene
 
 PLOTLY_MARKS = {"o": "circle", "^": "triangle-up", "x": "x-thin", "+": "cross-thin", "D": "diamond", "*": "star", "d": "diamond-tall"}
-MARK_SIZE = 10  # chosen: of a mark, in pixels
+MARK_SIZE = 10  # chosen: size of a mark, in pixels
 THIN = ("x-thin", "cross-thin")  # marks that are lines, which plotly draws in the colour of the line alone
 GREY_LINE = "#7d7d7d"  # readable on white and on black
 LEGEND = {"orientation": "h", "y": -0.25}  # chosen: below the numbers and the name of the axis, also on a phone

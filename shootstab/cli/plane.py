@@ -24,8 +24,8 @@ CONTINUUM_POINTS = 2000  # chosen: points of a line of the continuous spectrum, 
 SECOND_PANEL = 5.0  # chosen: what reaches this many times further than the magnified part is worth a second panel
 LEAST_MAGNIFIED = 2  # chosen: so many modes at least are to be seen in the magnified panel
 LINEAR_UP_TO = 2.0  # chosen: times the linear part, what reaches no further needs no decades
-ROOM = 0.08  # chosen: of an axis, what is left free at its ends
-LETTERS_PER_INCH = 12  # chosen: of a title in a font of medium size
+ROOM = 0.08  # chosen: the part of an axis that is left free at its ends
+LETTERS_PER_INCH = 12  # chosen: letters of a title in a font of medium size
 BALLOON = 10.0  # chosen: claims that the continuous spectrum blurs are shown up to this many times the distance of the nearest mode
 
 Points = NDArray[np.complex128]

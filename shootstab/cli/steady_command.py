@@ -12,7 +12,7 @@ from shootstab.io import scenes as scene_files
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-PROFILE_HEIGHTS = 101  # chosen: of the profiles in a file
+PROFILE_HEIGHTS = 101  # chosen: heights of the profiles in a file
 # chosen: what is drawn, the field and the label of its axis
 FLOW_PANELS = (
     ("nu", r"volume fraction $\nu_0$"),

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from shootstab.analyses.sweep.outcomes import Outcome
     from shootstab.io.scenes import Scene
 
-CSV_COLUMNS = ("re", "im", "error", "status", "proved", "floor", "evaluations")  # chosen: of the file, behind the parameters
+CSV_COLUMNS = ("re", "im", "error", "status", "proved", "floor", "evaluations")  # chosen: the columns of the file behind the parameters
 MOST_LISTED = 70  # chosen: points that the table lists; more are summed up
 MOST_VALUES = 1_000_000  # chosen: values along one axis of a sweep; more are a slip of the pen
 

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from shootstab.core.errors import InputError
 
-SIDES = 12  # chosen: of the polygon that stands for the hull of a disc
+SIDES = 12  # chosen: sides of the polygon that stands for the hull of a disc
 
 
 class Region(Protocol):

@@ -19,7 +19,7 @@ from shootstab.discriminants.shooting import Shooting
 from shootstab.discriminants.subsystems import decouple
 from shootstab.problems.protocol import ComplexArray, Problem
 
-CELL_LEVELS = 2  # chosen: of cells: what a cell of 8 % in |σ| and 4.4° does not serve has a mesh of its own
+CELL_LEVELS = 2  # chosen: sizes of cells: what a cell of 8 % in |σ| and 4.4° does not serve has a mesh of its own
 CIRCLE_POINTS = 4  # chosen: points of a circle at which its mesh must hold: those at which a count samples it first
 MOST_MESHES = 64  # chosen: kept at a time; those that were asked for longest ago are made again if they are needed
 

@@ -21,7 +21,7 @@ HEIGHT, HALF_WIDTH = 0.55, 0.7  # chosen: of a path, in the same scale
 DISC_REACH = 0.3  # chosen: the singular points of a disc must stay within this part of the scale around the path's centre
 SCALES = math.sqrt(2.0)  # chosen: ratio of the scales that paths have
 REAL = "real"
-SPACING = 0.25  # chosen: of its half width, the distance of the centres that paths of one scale have
+SPACING = 0.25  # chosen: distance of the centres that paths of one scale have, in their half width
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from shootstab.kernels.step_control import factor
 
-OFF_MIDDLE = 0.02  # chosen: of a step, by how much a cut misses its middle: other roundings, and an error of the same size
+OFF_MIDDLE = 0.02  # chosen: the part of a step by which a cut misses its middle: other roundings, and an error of the same size
 LONGER, STEP_CUTS = 4.0, 6  # chosen: by what a step grows at most, and into how many it falls, as the law of errors holds near only
-KNOT_STEP = 1e-14  # chosen: of the largest |z|, what a step may be long that leads over a knot; tens of roundings
+KNOT_STEP = 1e-14  # chosen: the part of the largest |z| that a step over a knot may be long; tens of roundings
 
 
 def redistribute(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolerance: float) -> NDArray[np.complex128]:

@@ -25,7 +25,7 @@ TOKEN = re.compile(
 )
 LONGEST_FORMULA = 20_000  # chosen: characters of one formula
 LONGEST_NUMBER = 1000  # chosen: characters of a number, more than any precision takes
-LARGEST_EXPONENT = 400  # chosen: of a number in decimal notation: what doubles hold, and more
+LARGEST_EXPONENT = 400  # chosen: largest exponent of a number in decimal notation: what doubles hold, and more
 DEEPEST_NESTING = 60  # chosen: parentheses and signs within each other
 MOST_POWER = 64  # chosen: the size of an exponent up to which powers are multiplied out
 MOST_DERIVATIVES = 16  # chosen: the order of d(f, n); no equation of physics has a higher one

@@ -37,8 +37,8 @@ RANK_TOLERANCE = 1e-9  # chosen: singular values below this part of the largest 
 MOST_ORDERS = 60  # chosen: orders between the smallest and the largest exponent
 SIGMA_SAMPLES = 16  # chosen: values of σ on a circle by which a basis is shown to be a polynomial in it
 RADII = (0.7, 19.0)  # chosen: radii of two circles in σ, far apart, on which that is shown
-MOST_TERMS = 80  # chosen: of the series, at most
-FIRST_TERMS = 12  # chosen: of the coefficients, by which the length is found
+MOST_TERMS = 80  # chosen: the series has so many terms at most
+FIRST_TERMS = 12  # chosen: so many terms of the coefficients tell the length
 COMPLEX_GENERIC_SIGMA = GENERIC_SIGMA * (1 + 0.37j)  # chosen: a complex σ of no property
 
 Scaled = tuple[Powers, Powers]  # Ĉ and D̂

@@ -29,8 +29,8 @@ from shootstab.multiprecision.minors import Entries, at_sigma, compound, solved
 from shootstab.multiprecision.tailed_series import NO_TAIL, TailedSeries, variable
 
 ENCLOSURE_STEPS = 20_000  # chosen, a budget: some minutes for one D
-SHORTEST_ENCLOSURE = 2.0**-40  # chosen: of the whole way: a step below it means a singular point of the coefficients
-POWER_STEPS = 40  # chosen: of the power iteration towards Perron's vector, of which nothing is asked but to be about right
+SHORTEST_ENCLOSURE = 2.0**-40  # chosen: a step below this part of the whole way means a singular point of the coefficients
+POWER_STEPS = 40  # chosen: steps of the power iteration towards Perron's vector, of which nothing is asked but to be about right
 # chosen: subintervals over which the growth of |y| is bounded; more make the bound tighter, fewer looser, none wrong
 GROWTH_SUBINTERVALS = 96
 

@@ -16,7 +16,7 @@ from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.splitting import AsymptoticPencil
 from shootstab.problems.truncation import Approach, tails, truncation_distance
 
-BEYOND_INTERFACE = 1.01  # chosen: of the way to the last interface, where an infinite end begins at the nearest
+BEYOND_INTERFACE = 1.01  # chosen: an infinite end begins at the nearest at this multiple of the way to the last interface
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from shootstab.core.series import Series
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
 
-FIRST_MESH_POINTS = 33  # chosen: of the first mesh, which is redistributed
+FIRST_MESH_POINTS = 33  # chosen: points of the first mesh, which is redistributed
 
 Exact = Callable[[float], Any]  # a parameter as the decimal it stands for, in the arithmetic at work
 

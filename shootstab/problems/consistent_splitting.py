@@ -28,7 +28,7 @@ from shootstab.problems.splitting import CLOSE_RATES, AsymptoticPencil, decaying
 
 OUTWARD_DIRECTIONS = (1.0, -1.0, 1j, -1j)  # chosen: growth first
 SIZES = 10.0 ** np.arange(-4, 11)  # chosen: |σ| in the problem's own scale; up to 1e10 an advection of 1e4 in that scale is seen through
-DISC_RADIUS = 0.25  # chosen: of |σ|, the radius of the disc that has to have one splitting
+DISC_RADIUS = 0.25  # chosen: radius, in |σ|, of the disc that has to have one splitting
 DISC_RIM = np.exp(0.25j * np.pi * np.arange(8))  # chosen: points on its boundary
 
 

@@ -20,10 +20,10 @@ from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.subdomains import Subdomain
 
 COEFFICIENT_SAMPLES = 2000  # chosen: intervals between samples of the coefficients over all subdomains; some milliseconds
-FEWEST_SAMPLES = 64  # chosen: of them in one subdomain, where these are many
-QUARTIC_POINTS = 5  # chosen: of a step, through which the quartic runs; a step of the pair has 12 stages
-QUARTIC_MISS = 0.1  # chosen: of the change of a coefficient over the step, what the quartic may miss: a smooth one is off by a hundredth
-UNCHANGED = 1e-10  # chosen: of a coefficient, what counts as no change of it
+FEWEST_SAMPLES = 64  # chosen: samples in one subdomain at least, where these are many
+QUARTIC_POINTS = 5  # chosen: points of a step, through which the quartic runs; a step of the pair has 12 stages
+QUARTIC_MISS = 0.1  # chosen: the quartic may miss this part of the change of a coefficient over the step: a smooth one is off by 1 %
+UNCHANGED = 1e-10  # chosen: less than this part of a coefficient counts as no change of it
 
 
 def resolving(function: PencilFunction, subdomains: tuple[Subdomain, ...], nodes: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -26,7 +26,7 @@ Coefficients = Callable[[Reals], ComplexArray]  # z (m,) to values (m, entries)
 
 KNOT_POINTS, KNOT_DEGREE = 12, 7  # chosen: of an interval; the residual of smooth coefficients falls by 2^8 from an interval to its half
 FIRST_INTERVALS = 65  # chosen: intervals to begin with, in all; narrower features than a twelfth of one may be overlooked
-INTERVAL_CUT = 0.48773  # chosen: of an interval, where it is cut; a knot at 1/2 or 1/3 is to lie inside an interval and not between two
+INTERVAL_CUT = 0.48773  # chosen: where an interval is cut, in its length; a knot at 1/2 or 1/3 is to lie inside one and not between two
 RESIDUAL_RESOLVED = 1e-14  # chosen: residual of a coefficient in its own size, below which it is smooth to rounding
 # chosen: a residual that falls by less from an interval to its quarter is that of a knot: it does by 4^p for a jump of the p-th derivative
 KNOT_FALL = 2.0**10
@@ -36,7 +36,7 @@ FALLS_ALIKE = 2.0  # chosen: by which they may differ if they are those of a pow
 NOISE_RESIDUAL = 1e-9  # chosen: residuals that stay in all parts are noise below it
 NOISE_GENERATIONS = 4  # chosen: generations after which all 2^NOISE_GENERATIONS parts of an interval are not resolved, for that
 LARGEST_ROUNDINGS = 4.0  # chosen: roundings of a coefficient's largest value, which its residuals are to exceed: 1 − tanh² rounds as 1 does
-NOISE_INTERVAL = 1e-6  # chosen: of an interval, a part in which coefficients vary by their noise alone
+NOISE_INTERVAL = 1e-6  # chosen: the part of an interval in which coefficients vary by their noise alone
 NOISE_FACTOR = 8.0  # chosen: by how much noise may exceed what is seen there
 KNOT_HAIR = 2.0  # chosen: roundings of z between a knot and the node on either side of it
 ARGUMENT_ROUNDINGS = 8.0  # chosen: roundings of z that a coefficient feels where it is steep
@@ -44,9 +44,9 @@ NARROW_INTERVAL = 256  # chosen: such hairs in an interval that is too narrow to
 MOST_KNOTS = 512  # chosen: knots that are looked for; each costs a thousand values, and all of them a few seconds
 KNOT_GENERATIONS = 8  # chosen: after so many cuts steep coefficients tell themselves from those with many knots
 MOST_STRETCHES = 8192  # chosen: stretches of one generation; the coefficients have been computed 200,000 times by then
-NEAR_ORIGIN = 1e-3  # chosen: of the length of the line, the least |z| whose rounding counts
+NEAR_ORIGIN = 1e-3  # chosen: the least |z| whose rounding counts, in lengths of the line
 MOST_GENERATIONS = 80  # chosen: generations of intervals; 64 cuts make a hair next to z = 0 of the whole line
-PAIR_SPACE = 1e-6  # chosen: of the length of the line, the least distance of another node to a knot
+PAIR_SPACE = 1e-6  # chosen: the least distance of another node to a knot, in lengths of the line
 FIT_LENGTHS = (32, 16, 8)  # chosen: lengths beside an interval with a knot over which fits are made; from shorter ones they reach in badly
 FIT_ROUNDINGS = 16.0  # chosen: roundings by which two fits that reach into the interval may differ and be one
 # chosen: lengths beside a knot, in that to which it is located, over which smoothness is asked for

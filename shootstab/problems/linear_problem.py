@@ -33,7 +33,7 @@ FIRST_MESH = 33  # chosen: points of it
 BESIDE = 1.0371  # chosen: times the reference, a σ where the decaying spaces are known to exist, of no property of its own
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)  # derived: multiples of it less integers are spread evenly, and on no regular points
 KNOT_PROBES = 64  # chosen: points at which an entry is asked whether it varies
-GRADING = 3.0  # chosen: of the first mesh towards the wall, where the other end is at infinity; redistribution undoes it
+GRADING = 3.0  # chosen: grading of the first mesh towards the wall, where the other end is at infinity; redistribution undoes it
 
 
 def problem(

@@ -27,8 +27,8 @@ PROBE_SIGMAS = np.array(
     [0.83 + 1.31j, -1.17 + 0.59j, 0.41 - 1.73j]
 )  # chosen: σ of no property, in the scale that the sizes of C0, C1, … give
 TRACE_NOISE = 1e-9  # chosen: relative, what is told from 0 or from another number in the trace; a solve of a good C leaves 1e-14
-CURVE_PROBES = 65  # chosen: of a subdomain at which the pencil is asked for curves
-DIFFERENCE_STEP = 1e-5  # chosen: of the subdomain, by which derivatives along and across the real axis are compared
+CURVE_PROBES = 65  # chosen: points of a subdomain at which the pencil is asked for curves
+DIFFERENCE_STEP = 1e-5  # chosen: step, in the subdomain, by which derivatives along and across the real axis are compared
 ANALYTIC_TOLERANCE = 1e-4  # chosen: relative; differences err by DIFFERENCE_STEP² and by rounding over DIFFERENCE_STEP
 COMPARED_AT = (0.137, 0.419, 0.731)  # chosen: where in the subdomain they are compared
 

@@ -31,7 +31,7 @@ from shootstab.core.errors import Undecidable
 from shootstab.core.scaled import EPSILON
 from shootstab.problems.protocol import ComplexArray, Pencil
 
-CLOSE_RATES = 1e-12  # chosen: of the largest rate; a gap below this is rounding
+CLOSE_RATES = 1e-12  # chosen: a gap below this part of the largest rate is rounding
 UNRESOLVED_GAP = 100.0  # chosen: ‖E‖ ‖T12‖ in units of sep², times this; a defective pair that rounding has split has 1/4 to 1
 
 

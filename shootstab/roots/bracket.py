@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-CLOSED_BRACKET = 1e-15  # chosen: of the larger end, or absolutely next to 0; a few units in the last place
+CLOSED_BRACKET = 1e-15  # chosen: width against the larger end, or absolutely next to 0; a few units in the last place
 MOST_FALSE_POSITIONS = 200  # chosen: more than are ever needed; every third halves the interval where two others did not
 
 

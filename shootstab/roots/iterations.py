@@ -11,7 +11,7 @@ from shootstab.core.discriminant import Discriminant, Value
 from shootstab.core.scaled import Scaled
 
 SHRINKS = 0.1  # chosen: steps that shrink by so much are near enough to a simple zero for the curvature of σ(D) to be used
-FORESIGHT = 0.1  # chosen: of the tolerance, what the step foreseen may be
+FORESIGHT = 0.1  # chosen: the part of the tolerance that the step foreseen may be
 STEP_NOISE = 1e-6  # chosen, far above the 1e-13 of D and D′: see `_run`
 LEAST_D_ERROR = 1e-14  # chosen: the least error of D against D one step away; by its m-th root an m-fold zero is off
 SAME_MULTIPLICITY = 0.1  # chosen: two estimates of a multiplicity that differ by less are the same

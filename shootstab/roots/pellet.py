@@ -22,7 +22,7 @@ from flint import acb, acb_poly, arb, ctx
 from shootstab.core.errors import ConvergenceError
 
 NO_RADIUS = arb(0)
-SPARE_POINTS = 2  # chosen: of K
+SPARE_POINTS = 2  # chosen: points beyond those that the tail asks for
 FIRST_LENGTH, SHORTEST_LENGTH = 1 / 64, 2.0**-48  # of a side of a polygon; chosen
 Ball = Callable[[Any], Any]  # σ ↦ an enclosure of D(σ)
 

@@ -13,7 +13,7 @@ from shootstab.core.discriminant import Discriminant, Value
 from shootstab.core.errors import ConvergenceError
 from shootstab.roots.iterations import slope_change
 
-FIRST_DISTANCE = 1e-3  # chosen: of |σ|, the first distance at which D′ is looked at again
+FIRST_DISTANCE = 1e-3  # chosen: the first distance, in |σ|, at which D′ is looked at again
 SMALLEST_DISTANCE = 1e-24  # chosen: that distance where σ is 0, below any σ of interest and far above where a double underflows
 NEXT_DISTANCE = 1e3  # derived: from one distance to the next: a change of SEEN becomes one of a tenth, still nearly linear
 SEEN = 1e-4  # chosen: a relative change of D′ so far above its noise, which is 1e-12 or so, that it shows two digits

@@ -20,7 +20,7 @@ SECOND_TRUNCATION = 1.2  # chosen: the second truncation over the first
 TAIL_PART = 0.1  # chosen: the part of the coefficients that counts as the tail
 FAINT = 1e-3  # chosen: a field smaller than this part of the largest is measured by the largest
 DRIFT_TOLERANCE = 1e-5  # chosen: relative change of an eigenvalue between the two truncations with which it is kept
-TAIL_TOLERANCE = 3e-4  # chosen: of its eigenvector, the tail with which it is kept
+TAIL_TOLERANCE = 3e-4  # chosen: the tail of its eigenvector with which an eigenvalue is kept
 
 
 @dataclass(frozen=True, eq=False)

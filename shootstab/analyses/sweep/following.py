@@ -13,10 +13,10 @@ from shootstab.core.errors import ConvergenceError
 CONTRACTION = 0.25  # chosen: ratio of the second Newton step to the first; another zero would be about 1/CONTRACTION times further away
 FOLLOWING_SETTLED = 1e-11  # chosen: relative step at which Newton's next one is rounding
 FOLLOWING_NOISE = 1e-7  # chosen: relative steps below this need not shrink: they are the noise of D on its mesh
-ITERATIONS = 8  # chosen: of Newton at most; quadratic convergence from two digits takes three or four
+ITERATIONS = 8  # chosen: steps of Newton at most; quadratic convergence from two digits takes three or four
 HISTORY = 4  # chosen: points that the extrapolation runs through
-MISPREDICTED = 0.5  # chosen: of the way that σ went, what the prediction may be wrong by
-STILL_ENOUGH = 0.02  # chosen: of |σ|, what it may be wrong by in any case
+MISPREDICTED = 0.5  # chosen: the prediction may be wrong by this part of the way that σ went
+STILL_ENOUGH = 0.02  # chosen: and by this part of |σ| in any case
 DEEPEST_HALVING = 6  # chosen: halvings of a step
 ARRIVED, FADED, LOST = "arrived", "faded", "lost"
 

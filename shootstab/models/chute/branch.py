@@ -23,7 +23,7 @@ STEADY = 2.0  # chosen: ratio of the slopes d ln Q0/dx at the ends of a step, at
 SMALLEST_STEP = 1e-6  # step, of the whole way: a fold lies no farther ahead than a few of these (chosen)
 # chosen: steps of Newton to a point of the branch, and the relative step that ends them; more mean a shorter step along it
 BRANCH_NEWTONS, BRANCH_SETTLED = 4, 1e-8
-SCOUTED_WITHIN = 1e-5  # chosen: of x, around what scouting flows gave: there lies the flow that the best integration gives
+SCOUTED_WITHIN = 1e-5  # chosen: so far in x from what scouting flows gave lies the flow that the best integration gives
 
 
 def continued(flow: Flow, chute: Chute, mass_flux: float) -> Flow:

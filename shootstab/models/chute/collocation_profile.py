@@ -16,7 +16,7 @@ from shootstab.spectral import chebyshev
 from shootstab.spectral.chebyshev import Array
 
 NU_TRUNCATED = 1e-14  # chosen: ν0(z_m); (2.20)–(2.22) cost a relative error in σ of 10 to 1500 ν0(z_m) on the paper's flows
-FOCI = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0)  # chosen: of candidate grids, among which the profile decides
+FOCI = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0)  # chosen: foci of candidate grids, among which the profile decides
 COMPARED_DEGREE = 64  # chosen: the degree at which candidate grids are compared
 
 

@@ -28,7 +28,7 @@ from shootstab.multiprecision.settings import Settings, step_limit
 from shootstab.multiprecision.taylor import Taylor, real_series
 
 SPANWISE = (2, 6)  # exact: v̂ and v̂′, which k_x = 0 makes imaginary
-RESPONSE_DIGITS = 0.72  # chosen: of the digits of a flow, those at which its response to T_∞ is found first
+RESPONSE_DIGITS = 0.72  # chosen: the response of a flow to T_∞ is found first with this part of its digits
 FLOW_WANDER = 1e-6  # chosen: relative change of T_∞ beyond which the double-precision flow was another one
 FLATTEST = 1e-5  # chosen: |d ln Q0/d ln T_∞| below which a flow lies at a fold of the family: doubles cannot tell there which one is meant
 

@@ -22,7 +22,7 @@ STABLE, UNSTABLE = "stable", "unstable"
 EXTENT = (1e-3, 1.0)  # chosen: wavenumbers times the height of the centre of mass
 PER_AXIS = 10  # chosen: wavenumbers along an axis, over the three decades of EXTENT
 OBLIQUE = 0.1  # chosen: k_x/k_y of the oblique waves: where the paper finds them, k_y is about ten times k_x
-STABILITY_RTOL = 1e-6  # chosen: of the mode that proves an instability
+STABILITY_RTOL = 1e-6  # chosen: accuracy of the mode that proves an instability
 
 Wave = tuple[float, float]
 

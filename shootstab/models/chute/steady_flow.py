@@ -27,10 +27,10 @@ from shootstab.models.chute.parameters import Chute
 from shootstab.models.chute.registry import BY_NAME
 
 TOLERANCE = 1e-16  # chosen: what a polynomial leaves out, relative; below the rounding of doubles
-BEGINNING = 1e-2  # chosen: of the tolerance, ν0 where the integration begins; what the first order in ν0 leaves out is below it there
+BEGINNING = 1e-2  # chosen: ν0 where the integration begins, in the tolerance; what the first order in ν0 leaves out is below it
 NU_TOP = BEGINNING * TOLERANCE
 MOST_PIECES = 1000  # chosen: at most; the paper's flows have some 60
-LONGEST_PIECE = 3.0  # chosen: of T_∞, the length of a piece at most; ν changes by a factor of 20 over it
+LONGEST_PIECE = 3.0  # chosen: length of a piece at most, in T_∞; ν changes by a factor of 20 over it
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ from shootstab.problems.protocol import ComplexArray
 
 NODES = 24  # chosen: Chebyshev points of an interval
 INTERVAL = 0.5  # chosen: length of an interval, in √(ν_∞ x/U_∞) and wall temperature
-NOTHING = 1e-21  # chosen: of the wall shear: the shear stress far away
+NOTHING = 1e-21  # chosen: the shear stress far away, against that of the wall
 LONGEST_INTERVAL = 1.1  # chosen: the same at most, where the wall is hot
 MOST_INTERVALS = 400  # chosen: after so many the shear stress has not died away, and there is no boundary layer
 NEWTON, PICARD = 30, 40  # chosen: iterations at most of Newton for the wall's values, and of Picard on an interval
