@@ -13,7 +13,7 @@ from shootstab.io.conventions import Convention
 from shootstab.models.gallery.poiseuille import PlanePoiseuille
 from shootstab.testing import assert_eigenvalue, assert_spectrum
 
-# σ = −iαc, c = 0.23752648882047010745 + 0.0037396706229794099322i: Orszag 1971, re-computed (reference/published.md)
+# σ = −iαc, c = 0.23752648882047010745 + 0.0037396706229794099322i: Orszag 1971, re-computed
 SIGMA = 0.0037396706229794099 - 0.2375264888204701j
 FLOW = PlanePoiseuille(10000.0, 1.0)
 

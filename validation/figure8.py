@@ -1,6 +1,6 @@
 """Figure 8 of the paper: linear stability along the Q–h curves, eleven slopes, sixty flows each.
 
-Every flow is looked at over three decades of wavenumbers along k_y, along k_x and obliquely (questions/stability.py): one growing mode,
+Every flow is looked at over three decades of wavenumbers along k_y, along k_x and obliquely (models/chute/stability.py): one growing mode,
 proved by a count in a small circle, makes it unstable; it is called stable where counts find none at any of the thirty waves.
 """
 

@@ -104,7 +104,7 @@ def table() -> None:
 
 CLAIM = Claim(
     "Every problem of the gallery gives its published digits, and a problem of one's own those of the built-in one.",
-    "as named in problems/gallery; reference/published.md",
+    "as named in models/gallery and models/catalogue",
     cases,
 )
 

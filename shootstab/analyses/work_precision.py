@@ -129,7 +129,7 @@ def trade(problem: Problem, guess: complex | None = None, progress: Progress | N
 
 
 @dataclass(frozen=True)
-class Curve:
+class MethodCurve:
     """A method and its resolutions, from coarse to fine: one curve of the diagram."""
 
     method: str
@@ -138,7 +138,7 @@ class Curve:
     at: Callable[[float], Run]
 
 
-def spectral_curves(problem: Problem) -> Iterator[Curve]:
+def spectral_curves(problem: Problem) -> Iterator[MethodCurve]:
     """Every way that the pseudospectral twin has to one eigenvalue; none where there is no twin."""
 
     def at(name: str) -> Callable[[float], Run]:
@@ -146,10 +146,10 @@ def spectral_curves(problem: Problem) -> Iterator[Curve]:
 
     twin: Pseudospectral | None = PSEUDOSPECTRAL.of(problem)
     for name in {} if twin is None else twin.ways:
-        yield Curve(name, "M", TRUNCATIONS, at(name))
+        yield MethodCurve(name, "M", TRUNCATIONS, at(name))
 
 
-def _shooting() -> Iterator[Curve]:
+def _shooting() -> Iterator[MethodCurve]:
     """Every method by name, from the first mesh to the zero, without the error bound."""
 
     def shoot(make: Callable[..., Method]) -> Callable[[float], Run]:
@@ -163,10 +163,10 @@ def _shooting() -> Iterator[Curve]:
         return at
 
     for name, make in METHODS.items():
-        yield Curve(name, "rtol", TOLERANCES, shoot(make))
+        yield MethodCurve(name, "rtol", TOLERANCES, shoot(make))
 
 
-def measured(curve: Curve, problem: Problem, guess: complex, truth: Any) -> list[Measurement]:
+def measured(curve: MethodCurve, problem: Problem, guess: complex, truth: Any) -> list[Measurement]:
     """One measurement after the other, until one is slow or several have gained nothing. What finds another number is left out."""
     measurements: list[Measurement] = []
     with suppress(ConvergenceError):

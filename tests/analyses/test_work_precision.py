@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from shootstab.analyses import work_precision as trade
-from shootstab.analyses.work_precision import Curve, Measurement, WorkPrecision
+from shootstab.analyses.work_precision import MethodCurve, Measurement, WorkPrecision
 from shootstab.cli import main as cli
 from shootstab.cli import trade_command as trading
 from shootstab.core.errors import ConvergenceError, InputError
@@ -30,7 +30,7 @@ def few() -> WorkPrecision:
 
 
 def test_errors_are_true_ones(few: WorkPrecision) -> None:
-    truth = -1j * (0.23752648882047010745 + 0.0037396706229794099322j)  # reference/published.md: σ = −iαc
+    truth = -1j * (0.23752648882047010745 + 0.0037396706229794099322j)  # Orszag 1971, with more digits: σ = −iαc
     assert abs(complex(few.truth) - truth) < 1e-16
     assert few.guess == complex(0.004, -0.238)
     for r in few.measurements:
@@ -86,7 +86,7 @@ def test_a_curve_ends_where_nothing_is_gained(monkeypatch: pytest.MonkeyPatch) -
 
         return run
 
-    curve = Curve("frame", "M", tuple(float(k) for k in range(1, 20)), at)
+    curve = MethodCurve("frame", "M", tuple(float(k) for k in range(1, 20)), at)
     found = trade.measured(curve, PlanePoiseuille(), 1 + 0j, 1 + 0j)
     assert [r.resolution for r in found] == [3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]  # at 1 it is another number, at 2 there is none
     assert max(tried) == 9.0

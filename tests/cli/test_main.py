@@ -39,7 +39,7 @@ from shootstab.io.scenes import Scene, built_in, load
 
 EXE = Path(sys.executable).with_name("shootstab")
 HIGH = 0.003970504638889  # the unstable mode of `high`; 0.00397 in the paper
-POISEUILLE = 0.0037396706229794 - 0.2375264888204701j  # σ = −iαc, Orszag 1971 and reference/published.md
+POISEUILLE = 0.0037396706229794 - 0.2375264888204701j  # σ = −iαc, Orszag 1971, with more digits
 SCENE = "[flow]\ne = 0.8\ne_w = 0.8\nr = 0.6\ntan_theta = 0.3\nfar_temperature = 7.0\n[wave]\nkx = 0.0\nky = 0.01\n"
 
 Run = Callable[..., tuple[int, str, str]]

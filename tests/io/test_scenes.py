@@ -33,7 +33,7 @@ def write(folder: Path, text: str | bytes, name: str = "scene.toml") -> str:
 
 
 def test_the_papers_scenes_are_the_papers() -> None:
-    # Woodhouse & Hogg 2010: Q0 = 3, e = e_w = 0.8, r = 0.6, tanθ = 0.3, and the wavenumbers of reference/published.md
+    # Woodhouse & Hogg 2010: Q0 = 3, e = e_w = 0.8, r = 0.6, tanθ = 0.3, and the most unstable wavenumbers
     waves = {"high": (0.0, 0.01), "mid": (0.0, 0.0125), "low": (0.011, 0.0), "fig2": (5e-4, 0.0)}
     temperatures = []
     for name, (kx, ky) in waves.items():
