@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from shootstab.analyses import work_precision as trade
-from shootstab.analyses.work_precision import MethodCurve, Measurement, WorkPrecision
+from shootstab.analyses.work_precision import Measurement, MethodCurve, WorkPrecision
 from shootstab.cli import main as cli
 from shootstab.cli import trade_command as trading
 from shootstab.core.errors import ConvergenceError, InputError

@@ -80,12 +80,12 @@ def test_eighty_columns_hold_every_answer(
 
 def test_eighty_columns_hold_the_table_of_work_and_accuracy(capsys: pytest.CaptureFixture[str]) -> None:
     """`trade` takes minutes: its table from measurements that are as wide as any."""
-    rungs = tuple(
+    measurements = tuple(
         Measurement(method, parameter, resolution, 0.1 - 0.2j, 1e-14, 12.345, 123456789, 12345, by_bound=True)
         for method in trade_command.STYLES
         for parameter, resolution in (("M", 240.0), ("rtol", 1e-10), ("digits", 25.0))
     )
-    terminal.show(trade_command.tables(WorkPrecision(rungs, 0.1 - 0.2j, 1e-25, 0.1 - 0.2j), st.scene("high")))
+    terminal.show(trade_command.tables(WorkPrecision(measurements, 0.1 - 0.2j, 1e-25, 0.1 - 0.2j), st.scene("high")))
     said = capsys.readouterr().out
     assert "inverse iteration, paper's grid" in said
     assert [line for line in said.splitlines() if len(line) > PAGE] == []
