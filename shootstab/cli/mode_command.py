@@ -69,17 +69,18 @@ def mode(options: Namespace) -> int:
 
         commands.answer(options, {"mode": documents.mode(refined)}, lambda: tables.mode(refined, scene), scene)
         return commands.BAD_NEWS
-    low, high = options.z or found.extent
-    z = np.linspace(low, high, options.points or MODE_HEIGHTS)
-    document = eigenfunctions.document(found, z)
-    if options.export is not None:
-        about = {key: value for key, value in document.items() if key not in ("z", "fields")}
-        fields.save(z, eigenfunctions.columns(found, z), options.export, {**about, "scene": scene.name})
-    if options.plot is not None:
-        from shootstab.cli import mode_plot
+    with progress(f"drawing {scene.name}" if options.plot is not None else f"evaluating {scene.name}"):
+        low, high = options.z or found.extent
+        z = np.linspace(low, high, options.points or MODE_HEIGHTS)
+        document = eigenfunctions.document(found, z)
+        if options.export is not None:
+            about = {key: value for key, value in document.items() if key not in ("z", "fields")}
+            fields.save(z, eigenfunctions.columns(found, z), options.export, {**about, "scene": scene.name})
+        if options.plot is not None:
+            from shootstab.cli import mode_plot
 
-        figures.save(lambda: mode_plot.draw(found, scene, low, high), options.plot, look)
-    slopes = sensitivities(found, options.sensitivity.split(",")) if options.sensitivity else []
+            figures.save(lambda: mode_plot.draw(found, scene, low, high), options.plot, look)
+        slopes = sensitivities(found, options.sensitivity.split(",")) if options.sensitivity else []
     if slopes:
         document["sensitivity"] = [
             {"parameter": s.parameter, "value": s.value, "derivative": as_strings(s.derivative), "error": s.error} for s in slopes
