@@ -131,3 +131,19 @@ def test_twenty_digits_in_two_layers() -> None:
         cuts = [st.InterfaceConditions(z, ["jump(f)", "jump(d(f)) = 0"]) for z in (-0.7, -0.2)]
         water = st.equations(["f"], ["d(f,2) - f"], st.Conditions(-1, ["d(f)"]), st.Conditions(0, ["sigma**2*f + d(f)"]), interfaces=cuts)
         assert abs(st.refine(water, 0.87j, digits=25).sigma - 1j * mpmath.sqrt(mpmath.tanh(1))) < 1e-24
+
+
+def test_the_eigenfunction_in_layers() -> None:
+    """w = sinh k(z + 1)/sinh k · (σ + ikU₁)h below and sinh k(2 − z)/sinh 2k · (σ + ikU₂)h above the interface, with p from continuity."""
+    problem, k = from_table(tomllib.loads(FLUIDS)), 1.3
+    shape = st.eigenfunction(problem, exact_waves(k, (1, 0.8), (0, 0.7), (1, 2))[0])
+    sigma, z = shape.mode.sigma, np.array([-0.9, -0.4, -0.05, 0.05, 0.6, 1.7])
+    found, below = shape(z), z < 0
+    drift = np.where(below, sigma, sigma + 1j * k * 0.7)
+    height = np.where(below, np.sinh(k * (z + 1)) / np.sinh(k), np.sinh(k * (2 - z)) / np.sinh(2 * k))
+    slope = np.where(below, np.cosh(k * (z + 1)) / np.sinh(k), -np.cosh(k * (2 - z)) / np.sinh(2 * k))
+    exact = {"w": drift * height, "p": -np.where(below, 1.0, 0.8) * drift**2 * slope / k}
+    assert set(problem.unknowns.names) == set(exact)
+    scale = found["w"][0] / exact["w"][0]
+    for name, values in exact.items():
+        assert np.abs(found[name] - scale * values).max() < 1e-9 * np.abs(scale * values).max()
