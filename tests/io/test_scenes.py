@@ -64,6 +64,7 @@ def test_every_built_in_scene_says_what_it_is() -> None:
         assert listed.scene.description
         assert scene.description == listed.scene.description
         assert scene.details == listed.details
+        assert scene.problem.size >= 2
         equations: Any = getattr(scene.problem, "function", scene.problem)  # of a whole line, before it is folded
         written = getattr(scene.problem, "first_order", None)  # in equations
         assert scene.details.order == (equations.size if written is None else written.order)

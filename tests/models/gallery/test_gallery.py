@@ -14,7 +14,6 @@ import pytest
 
 import shootstab as st
 from shootstab.core.errors import InputError
-from shootstab.io.scenes import built_in, load
 from shootstab.models.catalogue.published import PUBLISHED, Published
 from shootstab.models.gallery.benard import free_growth_rate
 from shootstab.models.gallery.blasius import flow
@@ -100,12 +99,6 @@ def test_a_cruder_flow_is_another_one_by_so_much() -> None:
 def test_parameters_outside_physics(make: Any, words: str) -> None:
     with pytest.raises(InputError, match=words):
         make()
-
-
-def test_every_gallery_scene_is_a_problem() -> None:
-    for name in built_in():
-        if name not in ("high", "mid", "low", "fig2"):
-            assert load(name).problem.size >= 2
 
 
 def guide_problem() -> str:
