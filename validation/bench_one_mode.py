@@ -50,6 +50,13 @@ def shoot(p: ChuteProblem, guess: complex, rtol: float) -> complex:
     return find_near(st.Frame(rtol=rtol).on(p), guess, 0.1 * GOAL).sigma
 
 
+def matrices(p: ChuteProblem, window: tuple[float, float, float], M: float) -> tuple[np.ndarray, np.ndarray]:
+    """Without the block of v, where that separates: QZ of what holds the mode."""
+    A, B = pseudospectral.assemble(p.flow, p.kx, p.ky, int(M), *window)
+    keep = np.concatenate([np.arange(M + 1) + f * (M + 1) for f in ((0, 1, 3, 4) if p.ky == 0.0 else range(5))]).astype(int)
+    return A[np.ix_(keep, keep)], B[np.ix_(keep, keep)]
+
+
 def lines(name: str) -> Iterator[Line]:
     """Everything about one scene."""
     p, guess = problem(name), GUESS[name]
@@ -65,17 +72,12 @@ def lines(name: str) -> Iterator[Line]:
     for grid, focus in GRIDS.items():
         window = pseudospectral.window(p.flow, p.kx, p.ky, focus=focus)
 
-        def matrices(M: float, window: tuple[float, float, float] = window) -> tuple[np.ndarray, np.ndarray]:
-            """Without the block of v, where that separates: QZ of what holds the mode."""
-            A, B = pseudospectral.assemble(p.flow, p.kx, p.ky, int(M), *window)
-            keep = np.concatenate([np.arange(M + 1) + f * (M + 1) for f in ((0, 1, 3, 4) if p.ky == 0.0 else range(5))]).astype(int)
-            return A[np.ix_(keep, keep)], B[np.ix_(keep, keep)]
-
+        made_for = partial(matrices, p, window)
         # inverse iteration has the eigenvalues of the same matrices, and is quicker to try
-        M = coarsest(list(map(float, TRUNCATIONS)), lambda M, m=matrices: inverse.refine(*m(M), guess).sigma, truth)
-        A, B = matrices(M)
+        M = coarsest(list(map(float, TRUNCATIONS)), lambda M, m=made_for: inverse.refine(*m(M), guess).sigma, truth)
+        A, B = made_for(M)
         qz, few = best(lambda A=A, B=B: eigvals(A, B, check_finite=False)), best(lambda A=A, B=B: inverse.refine(A, B, guess))
-        made = best(lambda m=matrices, M=M: m(M))
+        made = best(lambda m=made_for, M=M: m(M))
         against_qz, against_inverse = WANTED[name]
         with_mesh = f"with matrices and mesh made {(made + qz) / scratch:.2g}"
         yield at_least(f"{name}: QZ on {grid}, M = {M:.0f}", qz / ours, against_qz, f"{duration(qz)}; {with_mesh}")

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -165,8 +166,12 @@ class Program:
 
     def lists(self, real: bool) -> tuple[Any, ...]:
         """(operation, x, y, a, b, shared, result) for a kernel, a and b in real or in complex numbers."""
-        a, b = (self.a.real.copy(), self.b.real.copy()) if real else (self.a, self.b)
+        a, b = self._in_real_numbers if real else (self.a, self.b)
         return self.operation, self.x, self.y, a, b, self.shared, self.result
+
+    @cached_property
+    def _in_real_numbers(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        return self.a.real.copy(), self.b.real.copy()
 
 
 def program(recorder: Recorder, results: Sequence[Any]) -> Program:

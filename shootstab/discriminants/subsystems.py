@@ -99,10 +99,15 @@ class Subsystem:
         return self.whole.mesh(start)
 
     def wall_rows(self) -> tuple[ComplexArray, ...]:
+        return self._wall_rows
+
+    @cached_property
+    def _wall_rows(self) -> tuple[ComplexArray, ...]:
         turn = I_POWERS[self.phases[3]].conj()[:, None] * I_POWERS[self.phases[0]]
-        for W in self.whole.wall_rows():
+        rows = self.whole.wall_rows()
+        for W in rows:
             _require_apart("wall rows", W[None], self.rows, self.states)
-        return tuple(W[self.rows[:, None], self.states] * turn for W in self.whole.wall_rows())
+        return tuple(W[self.rows[:, None], self.states] * turn for W in rows)
 
     @property
     def knots(self) -> NDArray[np.float64] | None:
