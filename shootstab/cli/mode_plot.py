@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from shootstab.analyses.eigenfunction_double import Eigenfunction
@@ -15,38 +16,75 @@ REAL_PART, IMAGINARY_PART = "#0072B2", "#D55E00"  # Okabe and Ito's, told apart 
 BELOW_ROUNDING = 1e-12  # chosen: an unknown below this part of the largest value of all is shown as zero: that is rounding
 PANEL_WIDTH, PANEL_HEIGHT, PANEL_MARGIN = 2.0, 4.2, 0.9  # chosen: inches of a panel, and of what is beside all of them
 GREEK = {"nu": r"\nu", "theta": r"\theta", "phi": r"\phi", "psi": r"\psi", "eta": r"\eta", "omega": r"\omega"}
+VARIATION_LEFT = 0.05  # chosen: of the variation of an unknown, what may lie on either side of a layer
+SMALL_PART = 0.05  # chosen: of the heights, a layer that is too thin to be seen among them
 TICKS = 3  # chosen: numbers on the axis of a narrow panel
 
 
 def draw(found: Eigenfunction, scene: Scene, low: float | None = None, high: float | None = None) -> Any:
-    """The picture, as a matplotlib Figure, over the extent of the eigenfunction or between low and high."""
+    """The picture, as a matplotlib Figure, over the extent of the eigenfunction or between low and high.
+
+    Where an unknown does what it does in a small part of that, a second row magnifies the part.
+    """
     from matplotlib.figure import Figure
-    from matplotlib.ticker import MaxNLocator
 
     from shootstab.analyses.eigenfunction_double import MODE_HEIGHTS
 
     extent = found.extent
     z = np.linspace(extent[0] if low is None else low, extent[1] if high is None else high, MODE_HEIGHTS)
     values: Mapping[str, Any] = found(z)
-    largest = max(float(np.abs(f).max()) for f in values.values())
-    figure = Figure(figsize=(PANEL_MARGIN + PANEL_WIDTH * max(len(values), 2), PANEL_HEIGHT), layout="constrained")
-    panels = figure.subplots(1, len(values), sharey=True, squeeze=False)[0]
-    for panel, (name, f) in zip(panels, values.items(), strict=True):
-        shown = f if np.abs(f).max() > BELOW_ROUNDING * largest else 0.0 * f
-        panel.axvline(0.0, color="0.7", linewidth=0.8, zorder=0)
-        panel.plot(shown.real, z, "-", color=REAL_PART, linewidth=1.6, label="real part")
-        panel.plot(shown.imag, z, "--", color=IMAGINARY_PART, linewidth=1.4, label="imaginary part")
-        panel.set_xlabel(label(name))
-        panel.xaxis.set_major_locator(MaxNLocator(TICKS))
-        panel.ticklabel_format(axis="x", style="sci", scilimits=(-2, 3), useMathText=True)
-        panel.margins(y=0.0)
-    panels[0].set_ylabel("$z$")
+    small = layer(z, values)
+    heights = [z] if small is None else [z, np.linspace(*small, MODE_HEIGHTS)]
+    size = PANEL_MARGIN + PANEL_WIDTH * max(len(values), 2), PANEL_HEIGHT * (0.4 + 0.6 * len(heights))
+    figure = Figure(figsize=size, layout="constrained")
+    rows = figure.subplots(len(heights), len(values), sharey="row", squeeze=False)
+    for panels, at in zip(rows, heights, strict=True):
+        _fill(panels, at, found(at))
+    panels = rows[0]
     sigma = complex(found.mode.sigma)
     imaginary = f" {'-' if sigma.imag < 0 else '+'} {abs(sigma.imag):.6g}i" if sigma.imag else ""
     where = f"{scene.symbol} = {sigma.real:.6g}{imaginary}"
     figure.suptitle(f"{scene.name}: {where}{f', {found.kind}' if found.kind else ''}", fontsize="medium")
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False, fontsize="small")
     return figure
+
+
+def layer(z: NDArray[np.float64], values: Mapping[str, Any]) -> tuple[float, float] | None:
+    """Where some unknown does nearly all of its variation, if that is a small part of z (m,); with some of z around."""
+    parts = []
+    for f in values.values():
+        varied = np.cumsum(np.abs(np.diff(f)))
+        if varied[-1] > 0.0:
+            low, high = np.searchsorted(varied / varied[-1], (VARIATION_LEFT, 1.0 - VARIATION_LEFT))
+            parts.append((float(z[low]), float(z[high + 1])))
+    if not parts:
+        return None
+    low, high = min(parts, key=lambda part: part[1] - part[0])
+    if high - low > SMALL_PART * (z[-1] - z[0]):
+        return None
+    return max(float(z[0]), low - 0.5 * (high - low)), min(float(z[-1]), high + 0.5 * (high - low))
+
+
+def _fill(panels: Any, z: NDArray[np.float64], values: Mapping[str, Any]) -> None:
+    """One panel for each unknown at heights z (m,)."""
+    from matplotlib.ticker import MaxNLocator
+
+    largest = max(float(np.abs(f).max()) for f in values.values())
+    for panel, (name, f) in zip(panels, values.items(), strict=True):
+        nothing = np.abs(f).max() <= BELOW_ROUNDING * largest
+        shown = 0.0 * f if nothing else f
+        panel.axvline(0.0, color="0.7", linewidth=0.8, zorder=0)
+        panel.plot(shown.real, z, "-", color=REAL_PART, linewidth=1.6, label="real part")
+        panel.plot(shown.imag, z, "--", color=IMAGINARY_PART, linewidth=1.4, label="imaginary part")
+        panel.set_xlabel(label(name))
+        if nothing:
+            panel.set_xlim(-1.0, 1.0)
+            panel.set_xticks([0.0])
+        else:
+            panel.xaxis.set_major_locator(MaxNLocator(TICKS))
+            panel.ticklabel_format(axis="x", style="sci", scilimits=(-2, 3), useMathText=True)
+        panel.margins(y=0.0)
+    panels[0].set_ylabel("$z$")
 
 
 def label(name: str) -> str:

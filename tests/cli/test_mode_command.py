@@ -86,6 +86,15 @@ def test_pictures_in_another_style_and_size_with_real_fonts(tmp_path: Path) -> N
         figures.require(tmp_path / "mode.pdf", figures.Look(size=(0.1, 3.0)))
 
 
+def test_a_layer_that_is_too_thin_to_be_seen_is_magnified() -> None:
+    z = np.linspace(0.0, 100.0, 401)
+    wide = np.exp(-z / 30.0) + 0j
+    low, high = mode_plot.layer(z, {"a": wide, "b": np.exp(-z) + 0j})  # type: ignore[misc]
+    assert low == 0.0
+    assert 3.0 <= high <= 6.0  # e^{-z} has done 95 % at z = 3
+    assert mode_plot.layer(z, {"a": wide, "c": 0.0 * wide}) is None
+
+
 def test_axes_are_those_of_the_convention_and_growing_modes_are_seen() -> None:
     """A phase speed grows upwards: the line of no growth is Im c = 0, and what is magnified is found by Im c."""
     scene = st.scene("poiseuille").seen(Convention("phase-speed", alpha=1.0))
