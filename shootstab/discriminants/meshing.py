@@ -210,7 +210,8 @@ def _noise(before: Shooting, after: Shooting, sigma: complex) -> float:
 def _overlooked(before: Shooting, after: Shooting, sigma: complex) -> NDArray[np.float64]:
     """Knots in the steps whose errors did not fall with the order of the method when they were cut: narrow features, say.
 
-    The steps with the largest errors are looked at, in a problem that may have knots.
+    The steps with the largest errors are looked at, in a problem that may have knots. Every coefficient is raised by its largest value on
+    the mesh: what rounds as that does, as 1 − tanh² where it vanishes, is noise and no row of knots.
     """
     problem, nodes = after.problem, after.sampled.nodes
     first = np.flatnonzero(np.isin(nodes[:-1], before.sampled.nodes[:-1]))
@@ -227,8 +228,15 @@ def _overlooked(before: Shooting, after: Shooting, sigma: complex) -> NDArray[np
         at = problem.pencil(t.astype(np.complex128))
         return np.concatenate([M.reshape(len(t), -1) for M in (*at.C, *at.D)], axis=1)
 
+    if not len(worst):
+        return np.zeros(0)
+    largest = np.abs(coefficients(nodes.real)).max(axis=0)
+
+    def raised(t: NDArray[np.float64]) -> ComplexArray:
+        return np.asarray(coefficients(t) + largest)
+
     steps = [sorted(nodes[i : i + 2].real.tolist()) for i in worst.tolist()]
-    return np.concatenate([np.zeros(0), *(find_knots(coefficients, low, high, np.zeros(0)) for low, high in steps)])
+    return np.concatenate([np.zeros(0), *(find_knots(raised, low, high, np.zeros(0)) for low, high in steps)])
 
 
 def _with_knots(nodes: ComplexArray, knots: NDArray[np.float64]) -> ComplexArray:

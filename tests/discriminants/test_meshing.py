@@ -63,6 +63,19 @@ def test_rounding_of_a_coefficient_is_in_the_bound() -> None:
     assert abs(mode.sigma + 1 + np.pi**2) <= mode.error < 1e-9
 
 
+def test_rounding_where_a_coefficient_vanishes_is_no_row_of_knots() -> None:
+    """w″ = (1 + σ)w, b′ = (s w)′ with s = 1 − tanh²(30(x − ½)), which rounds as 1 does where it is 1e−13: the modes are −1 − n²π²."""
+
+    def pencil(x: float) -> tuple[Any, Any]:
+        s = 1 - np.tanh(30 * (x - 0.5)) ** 2
+        slope = -60 * np.tanh(30 * (x - 0.5)) * s
+        return np.array([[0, 1, 0], [1, 0, 0], [slope, s, 0.0]]), np.array([[0, 0, 0], [1.0, 0, 0], [0, 0, 0]])
+
+    problem = st.problem(3, pencil, st.Wall(0, [[1, 0, 0], [0, 0, 1]]), st.Wall(1, [[1, 0, 0]]))
+    report = st.verify(problem, [-1 - np.pi**2, -1 - 4 * np.pi**2], missing="none")
+    assert [v.verdict for v in report.verdicts] == ["confirmed"] * 2
+
+
 def alfven(x: Any) -> tuple[Any, Any, Any, Any]:
     """((σ − a)ξ′)′ = 4(σ − a)ξ with a = 1 + x + x²/2, singular at σ = a(x), in (ξ, (σ − a)ξ′); no mode, by energy."""
     a = 1 + x + x * x / 2
