@@ -72,7 +72,7 @@ def refine_digits(problem: Problem, guess: Any, digits: int, progress: Progress 
             f"not converged: no mode is near the guess {guess:.6g}; the iteration goes to {seed.sigma:.12g}: start there if that is meant",
             began,
         )
-    search = Search(problem_in_digits, numbers, seed, Clock(progress))
+    search = DigitSearch(problem_in_digits, numbers, seed, Clock(progress))
     wanted = digits
     try:
         for _ in range(DIGIT_ATTEMPTS):
@@ -104,7 +104,7 @@ def in_digits(problem: Problem) -> MultiprecisionProblem:
     return made
 
 
-class Search:
+class DigitSearch:
     """The mode in one arithmetic, from its double-precision value on; what is known of it grows."""
 
     def __init__(self, problem_in_digits: MultiprecisionProblem, arithmetic: Arithmetic, seed: Mode, clock: Clock) -> None:

@@ -44,7 +44,7 @@ Key = tuple[int, int, int]  # ln2 of the side, and the place of the anchor from 
 
 
 @dataclass(frozen=True, eq=False)
-class Cell:
+class SeriesCell:
     """anchor, R (n, k), the coefficients of ∫f in powers of (σ − anchor)/side, and ln c."""
 
     anchor: complex
@@ -67,8 +67,8 @@ class KatoFrame:
 
     def __init__(self, limit: AsymptoticPencil, k: int, reference: complex, distance: float = 0.0) -> None:
         self.limit, self.k, self.reference, self.distance = limit, k, reference, distance
-        self._plain: dict[Key, Cell | None] = {}
-        self._joined: dict[Key, Cell] = {}
+        self._plain: dict[Key, SeriesCell | None] = {}
+        self._joined: dict[Key, SeriesCell] = {}
 
     def frame(self, sigma: complex) -> tuple[ComplexArray, ComplexArray, float, SpectralSplitting]:
         """The frame (n, k), its σ-derivative, the logarithm of a factor on its determinant, and the split they come from.
@@ -94,7 +94,7 @@ class KatoFrame:
         turn = cmath.exp(1j * logarithm.imag / k)
         return turn * split.X, turn * slope / k * split.X, logarithm.real, split
 
-    def _cell(self, sigma: complex) -> Cell:
+    def _cell(self, sigma: complex) -> SeriesCell:
         """The largest cell around σ in which the series converges, joined to that of σ0."""
         key = self._key(sigma)
         if key not in self._joined:
@@ -114,7 +114,7 @@ class KatoFrame:
                 return key
         raise Undecidable(f"the decaying space at infinity is not analytic around sigma = {sigma:.6g}: the continuous spectrum")
 
-    def _made(self, anchor: complex, side: float) -> Cell | None:
+    def _made(self, anchor: complex, side: float) -> SeriesCell | None:
         """The cell, with c = 1; None if its series does not converge."""
         circle = SAMPLE_RADIUS * side * np.exp(2j * np.pi * np.arange(CIRCLE_SAMPLES) / CIRCLE_SAMPLES)
         try:
@@ -128,7 +128,7 @@ class KatoFrame:
         if np.abs(series[KEPT_TERMS:]).max() > SERIES_TAIL * max(1.0, np.abs(series).max()):
             return None
         m = np.arange(KEPT_TERMS)
-        return Cell(anchor, side, R, np.concatenate(([0j], series[:KEPT_TERMS] / ((m + 1) * SAMPLE_RADIUS ** (m + 1.0)))))
+        return SeriesCell(anchor, side, R, np.concatenate(([0j], series[:KEPT_TERMS] / ((m + 1) * SAMPLE_RADIUS ** (m + 1.0)))))
 
     def _join(self, key: Key, sigma: complex) -> None:
         """Find c of a cell along neighbours that lead to σ0 or to a cell whose c is known, those first that seem nearest to σ0.
@@ -155,7 +155,7 @@ class KatoFrame:
                     heapq.heappush(queue, (self._steps_left(self._cell_at(there)), len(came), there))
         raise Undecidable(f"no path from {self.reference:.3g} to sigma = {sigma:.6g} was found around the continuous spectrum at infinity")
 
-    def _steps_left(self, cell: Cell) -> float:
+    def _steps_left(self, cell: SeriesCell) -> float:
         """About so many cells lie between one and σ0: as many as the way has sides, and some for every doubling of the side on it."""
         at_reference = self._cell_at(self._key(self.reference)).side
         return abs(cell.anchor - self.reference) / cell.side + PER_DOUBLING * abs(math.log2(cell.side / at_reference))
@@ -171,7 +171,7 @@ class KatoFrame:
             self._joined[key] = replace(cell, log_c=cmath.log(ratio) + before.logarithm(place) - cell.logarithm(place))
             here, step = key, came[key]
 
-    def _cell_at(self, key: Key) -> Cell:
+    def _cell_at(self, key: Key) -> SeriesCell:
         cell = self._plain[key]
         assert cell is not None
         return cell
