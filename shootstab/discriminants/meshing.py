@@ -73,7 +73,8 @@ def made_for(
         if turn >= len(regrids):
             if before is not None:
                 noise = max(noise, _noise(before, shooting, sigma))
-                shooting = shooting.allowing(noise)
+            noise = max(noise, _over_knots(sampled.nodes, errors))
+            shooting = shooting.allowing(noise)
             if (errors <= shooting.asked).all():
                 settled = _settled(shooting, sigma)
                 return settled if smallest is None else _cut_once(settled, smallest)
@@ -205,6 +206,15 @@ def _noise(before: Shooting, after: Shooting, sigma: complex) -> float:
             "they are rounding, or noise in the coefficients"
         )
     return noise
+
+
+def _over_knots(nodes: ComplexArray, errors: NDArray[np.float64]) -> float:
+    """The largest local error of the steps over knots, which are a few roundings long and are not cut; 0 without knots.
+
+    It is that length times the jump of the coefficients, what the rounding of the knot's place does. Above LOUDEST_NOISE it is none.
+    """
+    over = errors[across_knots(nodes)].max(initial=0.0)
+    return float(over) if over <= LOUDEST_NOISE else 0.0
 
 
 def _overlooked(before: Shooting, after: Shooting, sigma: complex) -> NDArray[np.float64]:

@@ -76,6 +76,17 @@ def test_rounding_where_a_coefficient_vanishes_is_no_row_of_knots() -> None:
     assert [v.verdict for v in report.verdicts] == ["confirmed"] * 2
 
 
+def test_a_step_over_a_large_jump_is_as_long_as_rounding_allows() -> None:
+    """y″ = σy + 3000 y′ beyond z = 0.3: the error of the step over it, 1e−15 times the jump, is no reason to refuse at 1e−13."""
+
+    def pencil(x: float) -> tuple[Any, Any]:
+        return np.array([[0, 1], [0, 3000.0 * (x > 0.3)]]), SIGMA
+
+    interfaces = [st.Interface.jump(z, np.eye(2)) for z in (0.3, 0.7)]
+    problem = st.problem(2, pencil, st.Wall(0, [[1, 0]]), st.Wall(1, [[1, 0]]), interfaces=interfaces)
+    assert Frame(rtol=1e-13).on(problem).at(-134.7).serves(-134.7)
+
+
 def alfven(x: Any) -> tuple[Any, Any, Any, Any]:
     """((σ − a)ξ′)′ = 4(σ − a)ξ with a = 1 + x + x²/2, singular at σ = a(x), in (ξ, (σ − a)ξ′); no mode, by energy."""
     a = 1 + x + x * x / 2
