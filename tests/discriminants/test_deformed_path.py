@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import shootstab as st
 from shootstab.core.regions import Disc
 from shootstab.discriminants.continuation import Continuation, Undecidable
 from shootstab.discriminants.deformed_path import DeformedPath
@@ -28,7 +29,7 @@ def sigma_at(problem: ChuteProblem, z: complex) -> complex:
     return complex(problem.continuum(np.array([z]))[0])
 
 
-def test_a_bend_keeps_the_ends_of_the_path() -> None:
+def test_a_deformed_path_keeps_the_ends_of_the_path() -> None:
     for nodes in (np.array([30.0, 20.0, 12.0, 3.0, 0.0]), np.array([-1.0, 0.0, 14.0, 16.0])):
         bent = BELOW.deform(nodes)
         assert bent[0] == nodes[0]
@@ -74,8 +75,8 @@ def test_singular_points_are_found(fig2: ChuteProblem) -> None:
         assert continuum.singular_point(sigma_at(fig2, z)) == pytest.approx(z, abs=1e-9)
 
 
-def test_charts(fig2: ChuteProblem) -> None:
-    """StartingSpace off one straight path; near, one bent path on the own side; across, two; at an end, none."""
+def test_branches(fig2: ChuteProblem) -> None:
+    """Far off, D along the real axis; near, along one path on the own side; across, along two; at an end of the curve, along none."""
     continuation = Continuation(fig2, Frame(rtol=1e-9))
     assert continuation.branches(0.01 + 0.01j, 1e-4)[0].path == "real"
     near = sigma_at(fig2, PLACE + 0.5j)
@@ -98,7 +99,32 @@ def test_sides_tell_modes_from_resonances(fig2: ChuteProblem) -> None:
         continuation.own_side(below, sigma_at(fig2, PLACE))
 
 
-def test_a_problem_without_continuous_spectrum_has_one_chart_everywhere() -> None:
+def test_a_problem_without_continuous_spectrum_has_one_branch_everywhere() -> None:
     continuation = Continuation(PlanePoiseuille(), Frame(rtol=1e-9))
     assert len(continuation.branches(0.1j, 0.05)) == 1
     assert continuation.distance(0.1j) == np.inf
+
+
+def test_a_circle_through_which_a_curve_passes_twice_has_no_branches() -> None:
+    """Rayleigh's equation with U = (z − ½)²: its continuous spectrum −iU is run through twice, from one wall and from the other."""
+
+    def pencil(z: float) -> tuple[np.ndarray, ...]:
+        u = 1j * (z - 0.5) ** 2
+        singular, ideal = np.array([[1, 0], [0, u]]), np.array([[0, 1], [u + 2j, 0]])
+        return singular, np.diag([0.0, 1.0]), ideal, np.array([[0.0, 0.0], [1.0, 0.0]])
+
+    walls = st.Wall(0, [[1, 0]]), st.Wall(1, [[1, 0]])
+    parabola = st.problem(2, pencil, *walls, continuum=lambda z: -1j * (z - 0.5) ** 2)
+    with pytest.raises(Undecidable, match=r"the continuous spectrum passes 2 times through the circle of 1\.0e-03"):
+        Continuation(parabola, Frame(rtol=1e-9)).branches(-0.1j, 1e-3)
+
+
+def test_a_zero_on_the_continuous_spectrum_of_an_end_is_on_no_side() -> None:
+    """y″ + 2 sech² z y = σ y: σ ≤ 0 is continuous spectrum, around which no path in z leads."""
+    shift = np.array([[0.0, 0.0], [1.0, 0.0]])
+    well = st.problem(2, lambda z: (np.array([[0, 1], [-2 / np.cosh(z) ** 2, 0]]), shift), st.Infinity(), st.Infinity())
+    continuation = Continuation(well, Frame(rtol=1e-9))
+    branch = continuation.at(0.5)
+    assert continuation.own_side(branch, 1.0)
+    with pytest.raises(Undecidable, match="a zero of D lies on the continuous spectrum of an end at infinity"):
+        continuation.own_side(branch, -1.0)

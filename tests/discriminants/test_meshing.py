@@ -9,6 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 import shootstab as st
+from shootstab.discriminants import meshing
 from shootstab.discriminants.frame import Frame
 
 SIGMA = np.array([[0.0, 0.0], [1.0, 0.0]])
@@ -120,3 +121,33 @@ def test_claims_on_the_continuum_next_to_its_end_at_the_wall() -> None:
     verdicts = st.verify(problem, [1 + x + x * x / 2 for x in (0.02, 0.98)], missing="none").verdicts
     assert [v.verdict for v in verdicts] == ["spurious"] * 2
     assert len(asked) < 100_000
+
+
+def test_a_singular_point_between_the_walls_is_named() -> None:
+    """y″ = (σ + 3/(z − 0.5123)²) y: no solution goes through it, and no mesh comes near."""
+
+    def pencil(z: float) -> tuple[Any, Any]:
+        return np.array([[0, 1], [3.0 / ((z - 0.5123) ** 2 or 1e-300), 0]]), SIGMA
+
+    mode = st.refine(st.problem(2, pencil, st.Wall(0, [[1, 0]]), st.Wall(1, [[1, 0]])), -9, rtol=1e-8)
+    assert not mode.converged
+    assert "no step is short enough at sigma = -9" in mode.status
+    assert "too fast next to z = 0.5123" in mode.status
+
+
+WAVES = st.problem(2, lambda z: (np.array([[0, 1], [1000 * np.cos(30 * z), 0]]), SIGMA), st.Wall(0, [[1, 0]]), st.Wall(1, [[1, 0]]))
+
+
+def test_a_mesh_that_memory_does_not_hold_is_refused_before_it_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(meshing, "MOST_BYTES", 20_000)
+    mode = st.refine(WAVES, -90, rtol=1e-8)
+    assert not mode.converged
+    assert "would need more than the 23 steps that memory allows" in mode.status
+
+
+def test_a_circle_on_whose_rim_no_mesh_holds_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    D = Frame(rtol=1e-9).on(WAVES)
+    assert D.around(-90 + 0j, 5.0).propagated(-85 + 0j, True).errors.max() < 1e-8
+    monkeypatch.setattr(meshing, "MESH_ATTEMPTS", 0)
+    with pytest.raises(st.ConvergenceError, match=r"local errors of 1\.0e-09 cannot be held around sigma = -85"):
+        D.around(-90 + 0j, 5.0)

@@ -16,9 +16,9 @@ from shootstab.core.errors import ConvergenceError
 from shootstab.core.regions import Disc, Polygon, Rectangle, Region, size
 from shootstab.core.scaled import Scaled
 from shootstab.roots.iterations import muller, newton, newton_steps
-from shootstab.roots.search import Search, Zero, find, polish
+from shootstab.roots.search import Arrival, Search, Zero, find, polish
 from shootstab.roots.separation import separation
-from shootstab.roots.winding import power_sums, wind
+from shootstab.roots.winding import power_sums, whole_turns, wind
 
 
 class Known:
@@ -241,3 +241,29 @@ def test_a_region_that_every_middle_cut_crosses_often_is_divided_at_a_tip() -> N
     for low, high in divisions(comb):
         for z in (complex(a / 10 + 0.03, b / 10 + 0.03) for a in range(40) for b in range(10)):
             assert low.contains(z) + high.contains(z) == comb.contains(z)
+
+
+def test_a_phase_that_is_no_whole_turn_is_refused() -> None:
+    assert whole_turns(-4 * math.pi) == -2
+    with pytest.raises(ConvergenceError, match=r"the phase of D does not close: 0\.500000 turns"):
+        whole_turns(math.pi)
+
+
+def test_an_iteration_that_stops_beside_a_zero_is_not_believed() -> None:
+    """No zero is where iterations from the moments of the whole region stop: its parts are searched, and their iterations arrive."""
+    D, region = Known([0.3, -0.2j]), Disc(0j, 1.0)
+    arrive = polish(D)
+    beside = Search(
+        lambda part: wind(D, part),
+        lambda disc: wind(D, disc),
+        lambda start, length: Arrival(start + 0.3, 1e-7) if length > 1e-9 else arrive(start, length),
+    )
+    assert sorted((z.sigma for z in find(beside, region)), key=abs) == pytest.approx([-0.2j, 0.3])
+
+
+def test_a_double_zero_next_to_the_boundary_is_found() -> None:
+    """No circle around it as wide as the steps of an iteration that converges linearly lies inside the region: parts are smaller."""
+    zero = 0.5 - 2e-6 + 0.1j
+    (found,) = find(search(Known([zero, zero])), Rectangle(-0.5 - 0.5j, 0.5 + 0.5j))
+    assert found.multiplicity == 2
+    assert abs(found.sigma - zero) < 1e-6
