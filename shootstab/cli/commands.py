@@ -45,7 +45,7 @@ def refine(options: Namespace) -> int:
     def tables() -> list[RenderableType]:
         from shootstab.cli import tables
 
-        return tables.mode(found, scene)
+        return tables.mode(found, scene, options.digits)
 
     document = documents.mode(found)
     if not convention.plain:

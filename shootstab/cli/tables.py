@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from shootstab.models.chute import Flow
 
 ABSENT = "–"
+MORE_DIGITS = 2  # chosen: digits shown beyond those asked for
 # headings of columns of numbers
 OF_NUMBERS = ("error", "digits", "times", "drift", "tail", "z", "ν", "T", "u", "time", "memory", "work")
 FLOW_DIGITS = 1e-12  # chosen: the relative accuracy of a steady flow
@@ -123,11 +124,12 @@ def sentence(found: Report) -> str:
     return f"{said} {searched}: {lost}."
 
 
-def mode(found: Mode, scene: Scene) -> Parts:
-    """One mode and what its error is made of."""
+def mode(found: Mode, scene: Scene, asked: int | None = None) -> Parts:
+    """One mode and what its error is made of; of σ at most MORE_DIGITS digits more than were asked for."""
     parts = [f"{name.replace('_', ' ')} {_two_figures(value)}" for name, value in found.budget.as_dict().items()]
+    least = 0.0 if asked is None else float(abs(found.sigma)) * 10.0 ** -(asked + MORE_DIGITS)
     rows = {
-        in_symbol("σ", scene): held_complex(found.sigma, found.error),
+        in_symbol("σ", scene): held_complex(found.sigma, max(found.error, least)),
         "error": f"{_two_figures(found.error)} ({', '.join(parts[:2])},\n       {', '.join(parts[2:])})",
         "digits": f"{found.digits:.1f}",
         "status": found.status,
