@@ -62,18 +62,22 @@ class SampledSystem:
             return self.real, sigma.real, *(a.real.copy() for a in arrays)
         return self.system, sigma, *(a.astype(np.complex128, order="C") for a in arrays)
 
-    def perturbed(self, seed: int, size: float) -> SampledSystem:
+    def perturbed(self, seed: int, size: float, places: NDArray[np.float64]) -> SampledSystem:
         """Every entry changed by random relative amounts of this size, real and imaginary parts apart, so that what is real stays so.
 
         One along all of the path, as a constant that it is made of rounds, and one at every abscissa, as the entry itself and the step do.
-        A step over a knot is longer or shorter by as many of its lengths as size holds roundings: no place is known better than to one.
+        places (N,) are |z| of the steps: z rounds too, by the same relative amount, and moves an entry by its slope. A step over a knot is
+        longer or shorter by as many of its lengths as size holds roundings: no place is known better than to one.
         """
         random = np.random.default_rng(seed)
         knots = across_knots(self.nodes)
+        moved = np.where(knots, 0.0, places / np.abs(np.diff(self.nodes)))  # steps, for a relative amount of 1
 
         def part(a: NDArray[np.float64]) -> NDArray[np.float64]:
             along = random.uniform(-1.0, 1.0, a.shape[2:])
+            by_place = np.ptp(a, axis=1, keepdims=True) * moved.reshape(-1, *(1,) * (a.ndim - 1))
             changed = a * (1.0 + size * (along + random.uniform(-1.0, 1.0, a.shape)))
+            changed += size * by_place * random.uniform(-1.0, 1.0, a.shape)
             changed[knots] += a[knots] * random.uniform(-1.0, 1.0, (knots.sum(), *(1,) * (a.ndim - 1))) * size / EPSILON
             return np.asarray(changed)
 

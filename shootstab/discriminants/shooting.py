@@ -13,6 +13,7 @@ from shootstab.core.scaled import EPSILON, Scaled
 from shootstab.discriminants.mesh import halved
 from shootstab.discriminants.method import Propagation, Propagator
 from shootstab.discriminants.sampled_system import SampledSystem, sample_system
+from shootstab.problems.capabilities import LAYOUT
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
 
 KEPT = 8  # chosen: evaluations: those of a circle that was asked whether its mesh serves it are asked for again
@@ -107,8 +108,10 @@ class Shooting:
         return self._variant(lambda far: replace(far, frame=far.frame * noise), self.sampled, self.problem)
 
     def with_perturbed_system(self, seed: int, size: float) -> Shooting:
-        """The same with every entry of the sampled system changed by random relative amounts of this size."""
-        return self._variant(self._start, self.sampled.perturbed(seed, size), self.problem)
+        """The same with every entry of the sampled system, and z, changed by random relative amounts of this size."""
+        at = np.abs(self.sampled.nodes[:-1])
+        places = [abs(part.offset) + abs(part.scale) * at for part in LAYOUT.of(self.problem)]
+        return self._variant(self._start, self.sampled.perturbed(seed, size, np.max([at, *places], axis=0)), self.problem)
 
     def on_same_mesh(self, problem: Problem) -> Shooting:
         """D(σ) of another problem, on the same mesh."""
