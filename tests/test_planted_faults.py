@@ -7,6 +7,7 @@ from claims import Case
 from planted_faults import cases
 
 
+@pytest.mark.slow
 def test_planted_faults() -> None:
     checked: list[Case] = list(cases(quick=True))
     assert len(checked) > 20

@@ -21,6 +21,7 @@ def test_the_two_commands_are_what_ci_runs() -> None:
     assert setup.split(" && ")[2] == ".venv/bin/shootstab verify high"
 
 
+@pytest.mark.slow
 def test_the_readme_does_what_it_shows_and_fits_a_page(tmp_path: Path) -> None:
     assert len(README.splitlines()) <= 150
     (tmp_path / "validation").symlink_to(ROOT / "validation")

@@ -57,23 +57,28 @@ def answer(options: Namespace) -> int:
         "z": [z for z, _ in rows],
         "fields": {name: [as_strings(values[name], errors[name]) for _, values in rows] for name in found.names},
     }
-    commands.answer(options, document, lambda: _tables(found, scene, rows, errors), scene)
+    commands.answer(options, document, lambda: _tables(found, scene, rows, errors, options.digits), scene)
     return commands.DONE
 
 
-def _tables(found: EigenfunctionInDigits, scene: scene_files.Scene, rows: list[Row], errors: dict[str, float]) -> list[RenderableType]:
+def _tables(
+    found: EigenfunctionInDigits, scene: scene_files.Scene, rows: list[Row], errors: dict[str, float], asked: int
+) -> list[RenderableType]:
+    """At most two digits more than were asked for."""
     from shootstab.cli import tables
     from shootstab.io.notation import held_complex
 
     parts = [f"{name.replace('_', ' ')} {float(value):.0e}" for name, value in found.budget.as_dict().items()]
+    least = 10.0 ** -(asked + tables.MORE_DIGITS)  # of each unknown's largest value: no more digits are shown
+    wider = max(1.0, least / found.error) if found.error > 0.0 else 1.0
     about = {
-        tables.in_symbol("σ", scene): held_complex(found.mode.sigma, found.mode.error),
+        tables.in_symbol("σ", scene): held_complex(found.mode.sigma, max(found.mode.error, float(abs(found.mode.sigma)) * least)),
         "normalization": found.normalization,
         "error": f"{found.error:.1e} of each unknown's largest value ({', '.join(parts)})",
     }
     shown: list[RenderableType] = [tables.heading(scene), tables.pairs(about.items())]
     for name in found.names:
-        values = [(f"{name}({z})", held_complex(at[name], errors[name])) for z, at in rows]
+        values = [(f"{name}({z})", held_complex(at[name], errors[name] * wider)) for z, at in rows]
         shown += [tables.paragraph(""), tables.pairs(values)]
     return shown
 

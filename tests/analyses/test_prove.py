@@ -285,10 +285,10 @@ def test_all_modes_of_poiseuille_flow_that_grow() -> None:
     assert proof.statement == "exactly one eigenvalue has Re σ ≥ -0.001"
 
 
-def test_no_enclosure_goes_through_a_singular_point_or_takes_steps_without_end(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_enclosure_begins_beside_a_singular_point_or_takes_steps_without_end(monkeypatch: pytest.MonkeyPatch) -> None:
     walls = st.Conditions(0, ["y"]), st.Conditions(1, ["y"])
-    with pytest.raises(st.ConvergenceError, match=r"no step is short enough for an enclosure at z = 0\.5: the coefficients are singular"):
-        prove_disc(st.equations(["y"], ["d(y,2) + 3*y/(z - 1/2)**2 - sigma*y"], *walls), -10, 1.0)
+    with pytest.raises(st.ConvergenceError, match="no step is short enough for an enclosure at z = 0: the coefficients are singular"):
+        prove_disc(st.equations(["y"], ["d(y,2) + 3*y/(z - 1/10**12)**2 - sigma*y"], *walls), -10, 1.0)
     monkeypatch.setattr(enclosure, "ENCLOSURE_STEPS", 1)
     with pytest.raises(st.ConvergenceError, match="the enclosure of D would need more than 1 steps at sigma"):
         prove_disc(st.equations(["y"], ["d(y,2) - sigma*y"], *walls), -1e6, 1.0)
