@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 ABSENT = "–"
 MORE_DIGITS = 2  # chosen: digits shown beyond those asked for
-# headings of columns of numbers
+# headings of columns of numbers, which stand on the right
 OF_NUMBERS = ("error", "digits", "times", "drift", "tail", "z", "ν", "T", "u", "time", "memory", "work")
 FLOW_DIGITS = 1e-12  # chosen: the relative accuracy of a steady flow
 

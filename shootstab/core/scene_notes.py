@@ -21,7 +21,7 @@ from typing import Any
 from shootstab.core.errors import InputError, shortened
 from shootstab.core.scene_keys import Description, Keys, Tables
 
-NOTES = ("about", "published")
+NOTES = ("about", "published")  # tables of a scene file that say something of it and change nothing
 ABOUT = Keys("about", {"description": str, "order": int, "scales": str, "eigenvalue": str})
 PUBLISHED_KEYS = Keys("published", {"value": list, "digits": int, "source": str}, required=("value", "digits", "source"))
 PUBLISHED_DECIMAL = re.compile(r"[+-]?\d+(\.\d*)?([eE][+-]?\d{1,3})?")

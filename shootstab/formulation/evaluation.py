@@ -85,12 +85,12 @@ def on_arrays(z: Any, given: Given, sigma: Any = None) -> Evaluator:
     return Evaluator(_double, apply_numpy, power_numpy, values, lambda name, order: given[name](z, order))
 
 
-def on_mpmath(z: Any, given: Given, sigma: Any = None) -> Evaluator:
-    """mpmath numbers, at the working precision."""
+def on_mpmath(z: Any, given: Given, sigma: Any = None, parameters: Mapping[Atom, Any] | None = None) -> Evaluator:
+    """mpmath numbers, at the working precision; parameters that are left open have the values given, or those that they stand for."""
     import mpmath
 
     values = {"z": z, "pi": +mpmath.mp.pi, "sigma": sigma}
-    return Evaluator(_multiprecise, _apply_mpmath, _power_mpmath, values, lambda name, order: given[name](z, order))
+    return Evaluator(_multiprecise, _apply_mpmath, _power_mpmath, values, lambda name, order: given[name](z, order), parameters=parameters)
 
 
 def filled(entries: Mapping[tuple[int, int], Expression], shape: tuple[int, int], z: ComplexArray, at: Evaluator) -> ComplexArray:

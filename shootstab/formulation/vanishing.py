@@ -1,7 +1,8 @@
 """Whether an expression vanishes identically.
 
 Polynomials in z, 1/z, π, jets and the eigenvalue have one form only: they vanish where no term is left. With functions in them they are
-evaluated at points of the complex plane without any property, near the domain of the problem, to EVALUATED digits: a value below
+evaluated at points of the complex plane without any property, near the domain of the problem, to EVALUATED digits, parameters that are
+left open at such numbers too, since a term that vanishes for one value of them may not for others: a value below
 10^−AGREEING of the sum of the sizes of its terms at each of them is zero. An analytic function other than zero that is so small at all of
 these points does not come from a formula that somebody wrote down. Functions that are given, not
 written, are tested in doubles at real points.
@@ -19,6 +20,7 @@ AGREEING = 40  # chosen: digits of it that agree where it vanishes
 CLOSE_IN_DOUBLES = 1e-13  # chosen: the same where a function is given in doubles
 PLACES = (0.3819660113 + 0.0618033989j, 0.7071067812 - 0.0440220341j)  # chosen: along the domain and beside it, in its lengths
 SIGMAS = (0.6180339887 + 0.4142135624j, -0.5772156649 + 0.2718281828j)  # chosen: one σ of no property for each of them
+# kinds of factors that are independent of each other
 SIMPLE = ("variable", "eigenvalue", "constant", "parameter", "jet")
 
 
@@ -46,7 +48,8 @@ class Vanishing:
 
         with mpmath.workdps(EVALUATED):
             z = mpmath.mpf(self._left) + mpmath.mpc(place) * (mpmath.mpf(self._right) - mpmath.mpf(self._left))
-            at = on_mpmath(z, self._given, mpmath.mpc(sigma))
+            opened = {atom: mpmath.mpc(sigma) * (2 + i) for i, atom in enumerate(a for a in expression.atoms() if a.kind == "parameter")}
+            at = on_mpmath(z, self._given, mpmath.mpc(sigma), opened)
             terms = [at(Expression({monomial: c})) for monomial, c in expression.terms.items()]
             size = mpmath.fsum(abs(x) for x in terms)
             return bool(abs(mpmath.fsum(terms)) <= mpmath.mpf(10) ** -AGREEING * size)

@@ -17,6 +17,9 @@ from flint import acb, arb, ctx  # noqa: E402
 import shootstab as st  # noqa: E402
 from shootstab.analyses.certificate import certify, check  # noqa: E402
 from shootstab.analyses.prove import prove, prove_disc, prove_growing, prove_interval, prove_rectangle  # noqa: E402
+from shootstab.formulation.expression import function, number  # noqa: E402
+from shootstab.formulation.statement import open_parameter  # noqa: E402
+from shootstab.formulation.vanishing import Vanishing  # noqa: E402
 from shootstab.multiprecision import enclosure  # noqa: E402
 from shootstab.multiprecision.enclosable import ClosedFormEnclosable  # noqa: E402
 from shootstab.multiprecision.enclosure import Enclosure  # noqa: E402
@@ -244,6 +247,13 @@ def test_intervals_of_a_parameter() -> None:
         prove_interval(string, "k", 12.5, 13.0, region)
     with pytest.raises(st.InputError, match="taylor is no parameter"):
         prove_interval(string, "taylor", 0.0, 5.0, region)
+
+
+def test_a_term_that_vanishes_for_the_value_at_hand_alone_is_kept() -> None:
+    """√k − 1 is zero for the k = 1 that stands in the equations and for no other: no reduction with k left open leaves it out."""
+    k, vanishes = open_parameter("k", 1), Vanishing(0.0, 1.0, {})
+    assert not vanishes(function("sqrt", k) - number(1))
+    assert vanishes(function("sqrt", k) ** 2 - k)
 
 
 def test_a_root_of_a_parameter_is_enclosed_off_its_cut_only() -> None:
