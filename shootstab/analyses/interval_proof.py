@@ -59,9 +59,7 @@ def over(make: Made, name: str, low: Fraction, high: Fraction, region: Rectangle
         if progress is not None:
             progress(math.floor(1000 * (b - low) / (high - low)), 1000)
     if {piece.count for piece in found} != {at_ends[0]}:
-        raise AssertionError(
-            "proved counts differ between pieces of an interval and its ends: one of them is computed wrongly"
-        )
+        raise AssertionError("proved counts differ between pieces of an interval and its ends: one of them is computed wrongly")
     corners = [named((repr(v.real), repr(v.imag))) for v in (region.vertices[0], region.vertices[2])]
     with at_bits(64):
         own = lemmas([make(acb(ball(low)))])
