@@ -34,6 +34,7 @@ ZERO_NEWTON_STEPS = 20  # chosen: Newton's steps at most; to a simple zero it ta
 ARRIVAL_NOISE = 1e-11
 LINEAR = 1e-4  # chosen: the last step, in sizes of the region, of an iteration that converges linearly, to a multiple zero
 SMALLEST_REGION = 1e-9  # chosen: what is left in a part so small against the first region is one multiple zero
+UNDIVIDED = 1e-3  # chosen: of the first region, what may stay as one multiple zero where D is too inaccurate between its zeros for a cut
 RESOLVED_SIGMA = 1e-12  # chosen, some thousand times the rounding of σ: nothing smaller than this part of |σ| is divided or told apart
 WIDER_CIRCLE = 8.0  # chosen: from a circle in which D is not accurate enough for a count to the next
 
@@ -102,8 +103,7 @@ def find(search: Search, region: Region, known: Sequence[Zero] = (), counted: Co
     Raises ConvergenceError when a zero lies on the boundary of the region, or more are known than there are.
     """
     whole = search.count(region) if counted is None else counted
-    smallest = max(SMALLEST_REGION * size(region), _rounding(region))
-    return _search(search, region, whole, list(known), smallest)
+    return _search(search, region, whole, list(known), region)
 
 
 def _rounding(region: Region) -> float:
@@ -111,7 +111,7 @@ def _rounding(region: Region) -> float:
     return RESOLVED_SIGMA * max(map(abs, region.hull))
 
 
-def _search(search: Search, region: Region, counted: Counted, known: list[Zero], smallest: float) -> list[Zero]:
+def _search(search: Search, region: Region, counted: Counted, known: list[Zero], first: Region) -> list[Zero]:
     here = [k for k in known if search.holds(region, k.sigma)]
     lacking = counted.count - sum(k.multiplicity for k in here)
     if lacking < 0:
@@ -122,14 +122,19 @@ def _search(search: Search, region: Region, counted: Counted, known: list[Zero],
         found = _from_moments(search, region, counted, here)
         if found is not None:
             return found
-    if size(region) < smallest:
-        centroid, _ = moments(counted)
-        return [Zero(centroid, lacking, size(region))]
-    return _divided(search, region, counted, known, smallest)
+    if size(region) >= max(SMALLEST_REGION * size(first), _rounding(first)):
+        try:
+            parts = _parts(search, region, counted)
+        except ConvergenceError:
+            if size(region) > UNDIVIDED * size(first):
+                raise
+        else:
+            return [z for part, n in parts for z in _search(search, part, n, known, first)]
+    return [Zero(moments(counted)[0], lacking, size(region))]
 
 
-def _divided(search: Search, region: Region, counted: Counted, known: list[Zero], smallest: float) -> list[Zero]:
-    """The zeros of both parts of the region, cut where both can be counted and their counts add up."""
+def _parts(search: Search, region: Region, counted: Counted) -> list[tuple[Region, Counted]]:
+    """Both parts of the region with their counts, cut where both can be counted and add up. Raises ConvergenceError where there is no cut."""
     why = "every straight cut crosses its boundary more than twice"
     for parts in divisions(region):
         try:
@@ -141,7 +146,7 @@ def _divided(search: Search, region: Region, counted: Counted, known: list[Zero]
         if total != counted.count:
             why = f"{counted.count} zeros were counted in it and {' + '.join(str(c.count) for c in counts)} in its parts"
             continue
-        return [z for part, n in zip(parts, counts, strict=True) for z in _search(search, part, n, known, smallest)]
+        return list(zip(parts, counts, strict=True))
     raise ConvergenceError(f"no way was found to divide a region at {region.hull[0]:.6g} of size {size(region):.1e}: {why}")
 
 

@@ -190,6 +190,27 @@ def test_a_multiple_zero_is_one_zero_with_its_multiplicity(multiplicity: int) ->
     assert simple == Zero(pytest.approx(0.5))
 
 
+def test_zeros_between_which_d_is_noise_are_one_zero_where_they_are_near_and_none_where_they_are_not() -> None:
+    """No contour passes near them, and no iteration arrives: what is left is one region with both, if it is small enough."""
+    zeros = (0.21 + 0.13j, 0.21 + 0.13j + 1e-7)
+    D = Known(zeros)
+
+    def within(noise: float) -> Search:
+        def count(region: Region):
+            counted = wind(D, region)
+            if any(abs(v.sigma - zeros[0]) < noise for _, values in counted.legs for v in values):
+                raise ConvergenceError("D is noise here")
+            return counted
+
+        return Search(count, count, lambda start, length: None)
+
+    (found,) = find(within(1e-4), Rectangle(-1 - 1j, 1 + 1j))
+    assert found.multiplicity == 2
+    assert abs(found.sigma - zeros[0]) < found.radius < 1e-2
+    with pytest.raises(ConvergenceError, match=r"no way was found to divide a region .* noise"):
+        find(within(0.05), Rectangle(-1 - 1j, 1 + 1j))
+
+
 def test_zeros_that_lie_close_together_are_told_apart() -> None:
     pair = (0.2 + 0.1j, 0.2 + 0.1j + 1e-6)
     found = find(search(Known([*pair, -0.4])), Disc(0j, 1.0))
