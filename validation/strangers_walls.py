@@ -292,7 +292,7 @@ def bump(x: Any) -> Any:
 
 
 def noisy(x: Any) -> Any:
-    """Issue 18 C15 (noise_min.py): w″ = (1 + σ)w, b′ = (s w)′ with s = 1 − tanh², noise where it should vanish."""
+    """w″ = (1 + σ)w, b′ = (s w)′ with s = 1 − tanh², noise where it should vanish."""
     s = 1 - np.tanh(30 * (x - 0.5)) ** 2
     slope = -60 * np.tanh(30 * (x - 0.5)) * s
     return np.array([[0, 1, 0], [1, 0, 0], [slope, s, 0.0]]), np.array([[0, 0, 0], [1.0, 0, 0], [0, 0, 0]])

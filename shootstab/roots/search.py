@@ -134,7 +134,7 @@ def _search(search: Search, region: Region, counted: Counted, known: list[Zero],
 
 
 def _parts(search: Search, region: Region, counted: Counted) -> list[tuple[Region, Counted]]:
-    """Both parts of the region with their counts, cut where both can be counted and add up. Raises ConvergenceError where there is no cut."""
+    """Both parts of the region with their counts, cut where both can be counted and add up; ConvergenceError where nowhere."""
     why = "every straight cut crosses its boundary more than twice"
     for parts in divisions(region):
         try:

@@ -286,7 +286,7 @@ def test_a_mode_that_a_region_holds_and_the_file_does_not(run: Run, tmp_path: Pa
     assert missing["error"] < 1e-8
 
 
-# bad input: issue 2
+# bad input
 
 
 BAD_SCENES = {
