@@ -9,10 +9,10 @@ import sys
 from collections.abc import Iterator
 from functools import partial
 from itertools import count
-from pathlib import Path
 
 import bench_startup
 import numpy as np
+import page
 from bench import Line, at_least, at_most, best, duration, once, show
 from bench_one_mode import TRUNCATIONS, coarsest, matrices
 from scenes import GUESS, problem
@@ -24,8 +24,6 @@ from shootstab.models.chute import ChuteProblem
 from shootstab.models.chute import chute_collocation as pseudospectral
 from shootstab.spectral import inverse
 
-README = Path(__file__).with_name("README.md")
-BEGIN, END = "<!-- measured by validation/bench_user.py --write -->\n", "<!-- end of it -->\n"
 REFINED = {"high": 3e-3, "low": 8e-3}  # seconds asked for, as the other numbers below
 AGAINST_QZ, AGAINST_INVERSE = {"high": 20.0, "low": 1000.0}, {"high": 1.0, "low": 10.0}
 DIGITS = {("high", 50): 2.6, ("low", 50): 6.0, ("high", 100): 9.7, ("low", 100): 22.0}
@@ -86,11 +84,8 @@ def the_rest(digits: bool) -> Iterator[Line]:
 
 def written(lines: list[Line]) -> None:
     """The table in README.md, in place of the one that stands there."""
-    text = README.read_text()
-    before, rest = text.split(BEGIN)
-    table = ["| what | measured | asked |\n", "|---|---|---|\n"]
-    table += [f"| {line.what} | {line.obtained} | {line.asked} |\n" for line in lines]
-    README.write_text(before + BEGIN + "\n" + "".join(table) + "\n" + END + rest.split(END)[1])
+    table = ["| what | measured | asked |", "|---|---|---|", *(f"| {line.what} | {line.obtained} | {line.asked} |" for line in lines)]
+    page.write("bench_user", "\n".join(table))
 
 
 def main() -> int:

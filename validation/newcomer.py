@@ -23,10 +23,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import machines
+import page
 
 ROOT = Path(__file__).parent.parent
-README = ROOT / "validation" / "README.md"
-BEGIN, END = "<!-- newcomer -->", "<!-- newcomer: end -->"
 # the file of one's own: the first modes of plane Poiseuille flow as a MATLAB code prints them, one of them with a wrong digit
 SPECTRUM = "omega_r, omega_i\n0.237526488820, 0.003739670623\n0.964630915450, -0.035167277631\n0.277204343809, -0.050908727257\n"
 CI_JOB = """import shootstab as st
@@ -140,15 +139,6 @@ def table(done: Sequence[Done]) -> str:
     return "\n".join(["| step | time | longest silence |", "|---|---|---|", *rows, f"| all of it | {total:.0f} s | |"])
 
 
-def write(text: str) -> None:
-    """Put the table between its marks in validation/README.md."""
-    page = README.read_text(encoding="utf-8")
-    before, _, rest = page.partition(BEGIN)
-    _, found, after = rest.partition(END)
-    assert found, f"{README} has no {BEGIN} … {END}"
-    README.write_text(f"{before}{BEGIN}\n{text}\n{END}{after}", encoding="utf-8")
-
-
 def main() -> int:
     """Build, try, tell."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -166,7 +156,7 @@ def main() -> int:
         done = [tried(step, work) for step in steps(wheel, folder / "environment")]
     print("\n" + table(done))
     if write_table:
-        write(table(done))
+        page.write("newcomer", table(done))
     return int(any(d.wrong for d in done))
 
 

@@ -1,4 +1,9 @@
-"""Run every claim: `python validation/run.py`, or with --quick a form of each that takes seconds. Exit status 1 if one fails."""
+"""Run every claim and reproduce the paper: `python validation/run.py`, or with --quick a form of each that takes seconds.
+
+NAMES pick some: of claims, of the scripts in validation/paper/, or `paper` for all of these. Results of their full form are stored, and
+not computed again while the package and their script are what they were, unless with --again; --write puts their table into README.md.
+Exit status 1 if a claim fails, or a row of the paper no longer comes out as it is stored.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +11,8 @@ import argparse
 import importlib
 import sys
 import time
+
+from paper import SCRIPTS
 
 # random_chutes.py and fuzz_pencils.py are searches for faults, not yet claims: they run by themselves, and what they find is open;
 # kills.py, fuzz_files.py, mutants.py, machines.py and load.py run by themselves because they take minutes or kill what they start
@@ -25,18 +32,37 @@ CLAIMS = (
 )
 
 
+def checked(name: str, quick: bool, again: bool) -> bool:
+    """Whether one claim holds, or one script of the paper gives what is stored."""
+    if name in SCRIPTS:
+        return bool(importlib.import_module(f"paper.{name}").REPRODUCTION.check(quick, again))
+    return bool(importlib.import_module(name).CLAIM.check(quick))
+
+
 def main() -> int:
-    """Check the claims in order."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    """Check in order."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*", metavar="NAMES", help=f"of {', '.join((*CLAIMS, 'paper', *SCRIPTS))}")
     parser.add_argument("--quick", action="store_true", help="seconds instead of minutes")
-    quick = parser.parse_args().quick
+    parser.add_argument("--again", action="store_true", help="compute what is stored too")
+    parser.add_argument(
+        "--write", action="store_true", help="put the table of the paper's rows into README.md; without NAMES nothing else is done"
+    )
+    options = parser.parse_args()
+    unknown = set(options.names) - {*CLAIMS, *SCRIPTS, "paper"}
+    if unknown:
+        parser.error(f"{', '.join(sorted(unknown))}: no such claim")
+    asked = [name for given in options.names for name in (SCRIPTS if given == "paper" else (given,))]
     failed = []
-    for name in CLAIMS:
+    names = asked if options.names or options.write else [*CLAIMS, *SCRIPTS]
+    for name in names:
         began = time.perf_counter()
-        if not importlib.import_module(name).CLAIM.check(quick):
+        if not checked(name, options.quick, options.again):
             failed.append(name)
-        print(f"{name}: {time.perf_counter() - began:.1f} s")
-    print(f"\n{len(CLAIMS) - len(failed)} of {len(CLAIMS)} claims hold" + (f"; not: {', '.join(failed)}" if failed else ""))
+        print(f"{name}: {time.perf_counter() - began:.1f} s", flush=True)
+    if options.write:
+        importlib.import_module("paper.table").write()
+    print(f"\n{len(names) - len(failed)} of {len(names)} hold" + (f"; not: {', '.join(failed)}" if failed else ""))
     return bool(failed)
 
 

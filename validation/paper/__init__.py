@@ -1,0 +1,6 @@
+"""Woodhouse & Hogg (2010), Part 2, reproduced: a script for each part and figure; `python validation/run.py paper` runs them."""
+
+from __future__ import annotations
+
+# in the order of the table
+SCRIPTS = ("errata",)
