@@ -71,7 +71,7 @@ def verifying(analysis: Callable[..., Any]) -> Callable[..., Any]:
 
     @wraps(analysis)
     def verify(problem: Any, eigenvalues: Any, *arguments: Any, **options: Any) -> Any:
-        from shootstab.io.readers import Spectrum, read
+        from shootstab.io.readers import ClaimedSpectrum, read
 
         if isinstance(eigenvalues, str | Path):
             eigenvalues = read(eigenvalues)
@@ -79,7 +79,7 @@ def verifying(analysis: Callable[..., Any]) -> Callable[..., Any]:
             eigenvalues = [eigenvalues]
         scene = scene_of(problem)
         report = PresentedReport.of(asked(scene.problem, eigenvalues, *arguments, **options), scene)
-        return replace(report, dropped=eigenvalues.dropped) if isinstance(eigenvalues, Spectrum) else report
+        return replace(report, dropped=eigenvalues.dropped) if isinstance(eigenvalues, ClaimedSpectrum) else report
 
     return verify
 

@@ -61,74 +61,74 @@ MODE = {name: sp.Function(f"{name}1")(z) for name in ("nu", "u", "v", "w", "T")}
 
 
 @dataclass(frozen=True)
-class Wave:
+class PlaneWave:
     """base + ε first exp(σt + i k_x x + i k_y y) + O(ε²)."""
 
     base: sp.Expr
     first: sp.Expr
 
-    def __add__(self, other: Any) -> Wave:
+    def __add__(self, other: Any) -> PlaneWave:
         other = as_wave(other)
-        return Wave(self.base + other.base, self.first + other.first)
+        return PlaneWave(self.base + other.base, self.first + other.first)
 
     __radd__ = __add__
 
-    def __neg__(self) -> Wave:
-        return Wave(-self.base, -self.first)
+    def __neg__(self) -> PlaneWave:
+        return PlaneWave(-self.base, -self.first)
 
-    def __sub__(self, other: Any) -> Wave:
+    def __sub__(self, other: Any) -> PlaneWave:
         return self + (-as_wave(other))
 
-    def __rsub__(self, other: Any) -> Wave:
+    def __rsub__(self, other: Any) -> PlaneWave:
         return as_wave(other) - self
 
-    def __mul__(self, other: Any) -> Wave:
+    def __mul__(self, other: Any) -> PlaneWave:
         other = as_wave(other)
-        return Wave(self.base * other.base, self.base * other.first + self.first * other.base)
+        return PlaneWave(self.base * other.base, self.base * other.first + self.first * other.base)
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Any) -> Wave:
+    def __truediv__(self, other: Any) -> PlaneWave:
         other = as_wave(other)
-        return Wave(self.base / other.base, (self.first * other.base - self.base * other.first) / other.base**2)
+        return PlaneWave(self.base / other.base, (self.first * other.base - self.base * other.first) / other.base**2)
 
-    def sqrt(self) -> Wave:
-        return Wave(sp.sqrt(self.base), self.first / (2 * sp.sqrt(self.base)))
+    def sqrt(self) -> PlaneWave:
+        return PlaneWave(sp.sqrt(self.base), self.first / (2 * sp.sqrt(self.base)))
 
-    def d(self, direction: str) -> Wave:
+    def d(self, direction: str) -> PlaneWave:
         """∂/∂t, ∂/∂x, ∂/∂y or ∂/∂z."""
         if direction == "z":
-            return Wave(sp.diff(self.base, z), sp.diff(self.first, z))
-        return Wave(sp.Integer(0), {"t": SIGMA, "x": sp.I * KX, "y": sp.I * KY}[direction] * self.first)
+            return PlaneWave(sp.diff(self.base, z), sp.diff(self.first, z))
+        return PlaneWave(sp.Integer(0), {"t": SIGMA, "x": sp.I * KX, "y": sp.I * KY}[direction] * self.first)
 
 
-def as_wave(x: Any) -> Wave:
-    return x if isinstance(x, Wave) else Wave(sp.sympify(x), sp.Integer(0))
+def as_wave(x: Any) -> PlaneWave:
+    return x if isinstance(x, PlaneWave) else PlaneWave(sp.sympify(x), sp.Integer(0))
 
 
-def _of_nu_and_T(value: str, by_nu: str, by_T: str) -> Wave:
+def _of_nu_and_T(value: str, by_nu: str, by_T: str) -> PlaneWave:
     """F(ν, T) of (2.10): F0 + (∂F/∂ν) ν1 + (∂F/∂T) T1."""
-    return Wave(BASE[value], BASE[by_nu] * MODE["nu"] + BASE[by_T] * MODE["T"])
+    return PlaneWave(BASE[value], BASE[by_nu] * MODE["nu"] + BASE[by_T] * MODE["T"])
 
 
-nu = Wave(BASE["nu"], MODE["nu"])
-T = Wave(BASE["T"], MODE["T"])
-velocity = (Wave(BASE["u"], MODE["u"]), Wave(sp.Integer(0), MODE["v"]), Wave(sp.Integer(0), MODE["w"]))
+nu = PlaneWave(BASE["nu"], MODE["nu"])
+T = PlaneWave(BASE["T"], MODE["T"])
+velocity = (PlaneWave(BASE["u"], MODE["u"]), PlaneWave(sp.Integer(0), MODE["v"]), PlaneWave(sp.Integer(0), MODE["w"]))
 p, eta, xi = _of_nu_and_T("p", "a", "b"), _of_nu_and_T("eta", "c", "d"), _of_nu_and_T("xi", "xi_nu", "xi_T")
 K, K_star, gamma = _of_nu_and_T("K", "e", "h"), _of_nu_and_T("K_star", "e_star", "h_star"), _of_nu_and_T("gamma", "l", "m")
 AXES = ("x", "y", "z")
 
 
-def divergence() -> Wave:
+def divergence() -> PlaneWave:
     return sum((velocity[i].d(AXES[i]) for i in range(3)), as_wave(0))
 
 
 @cache
-def pressure_tensor() -> tuple[tuple[Wave, ...], ...]:
+def pressure_tensor() -> tuple[tuple[PlaneWave, ...], ...]:
     """P of (2.4) with S of (2.6)."""
     div = divergence()
 
-    def entry(i: int, j: int) -> Wave:
+    def entry(i: int, j: int) -> PlaneWave:
         strain = sp.Rational(1, 2) * (velocity[i].d(AXES[j]) + velocity[j].d(AXES[i]))
         if i == j:
             return p - xi * div - 2 * eta * (strain - sp.Rational(1, 3) * div)
@@ -137,18 +137,18 @@ def pressure_tensor() -> tuple[tuple[Wave, ...], ...]:
     return tuple(tuple(entry(i, j) for j in range(3)) for i in range(3))
 
 
-def heat_flux(axis: str) -> Wave:
+def heat_flux(axis: str) -> PlaneWave:
     """q of (2.5)."""
     return -K * T.d(axis) + K_star * nu.d(axis)
 
 
-def material(f: Wave) -> Wave:
+def material(f: PlaneWave) -> PlaneWave:
     """D/Dt."""
     return sum((velocity[i] * f.d(AXES[i]) for i in range(3)), f.d("t"))
 
 
 @cache
-def residuals() -> tuple[Wave, ...]:
+def residuals() -> tuple[PlaneWave, ...]:
     """(2.1), the components of (2.2), and (2.3), signed as the rows of (2.12): mass left minus right, the others right minus left."""
     P = pressure_tensor()
     gravity = (TAN, sp.Integer(0), sp.Integer(-1))
@@ -247,8 +247,8 @@ def wall_matrices(isotropic: bool) -> tuple[sp.Matrix, sp.Matrix]:
     that counts below the first row and is left empty there.
     """
     root = sp.sqrt(2 / sp.pi)
-    A = Wave(A0, A0_NU * MODE["nu"])
-    B = Wave(B0, sp.Integer(0))  # B1 multiplies ∂w/∂z, itself of first order
+    A = PlaneWave(A0, A0_NU * MODE["nu"])
+    B = PlaneWave(B0, sp.Integer(0))  # B1 multiplies ∂w/∂z, itself of first order
     slip_shear = KAPPA - sp.Rational(1, 2) * ROUGHNESS**2 * A
     S_x = root * (-KAPPA * velocity[0] + slip_shear * velocity[0].d("z"))
     S_y = root * (-KAPPA * velocity[1] + slip_shear * velocity[1].d("z"))

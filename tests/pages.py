@@ -30,7 +30,7 @@ ROOT = Path(__file__).parent.parent
 
 
 @dataclass(frozen=True)
-class Block:
+class PageBlock:
     """A fenced block: its kind, its name if it has one, its text."""
 
     kind: str
@@ -38,9 +38,9 @@ class Block:
     text: str
 
 
-def blocks(page: str) -> list[Block]:
+def blocks(page: str) -> list[PageBlock]:
     """The fenced blocks of a page, in order."""
-    return [Block(*found) for found in FENCE.findall(page)]
+    return [PageBlock(*found) for found in FENCE.findall(page)]
 
 
 def matches(shown: str, said: str) -> bool:

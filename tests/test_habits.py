@@ -99,7 +99,27 @@ def test_a_constant_has_one_name_and_one_value() -> None:
     assert {name: paths for name, paths in homes.items() if len(paths) > 1} == {}
 
 
-ARRAY = re.compile(r"\b(NDArray|ComplexArray|RealArray|Array|Matrix|Terms)\b")
+def _nouns(path: Path) -> Iterator[tuple[str, str]]:
+    """Classes, and the other names in capital and small letters that a module gives to types, with what each stands for."""
+    tree = ast.parse((ROOT / path).read_text())
+    yield from ((node.name, f"class of {path}") for node in ast.walk(tree) if isinstance(node, ast.ClassDef))
+    for node in tree.body:
+        if isinstance(node, ast.Assign) and not ast.unparse(node.value).startswith("TypeVar("):
+            names = [n.id for target in node.targets for n in ast.walk(target) if isinstance(n, ast.Name)]
+            yield from ((name, ast.unparse(node.value)) for name in names if re.fullmatch(r"_?[A-Z]\w*[a-z]\w*", name))
+
+
+def test_a_noun_stands_for_one_thing() -> None:
+    """No two classes have one name, in the package, the validation or the tests, and no name for a type means another elsewhere."""
+    classes: dict[str, set[str]] = {}
+    for path in [*SOURCES, *(ROOT / "validation").rglob("*.py"), *(ROOT / "tests").rglob("*.py")]:
+        for name, meaning in _nouns(path.relative_to(ROOT)):
+            if path in SOURCES or meaning.startswith("class"):
+                classes.setdefault(name, set()).add(meaning)
+    assert {name: meanings for name, meanings in classes.items() if len(meanings) > 1} == {}
+
+
+ARRAY = re.compile(r"\b(NDArray|ComplexArray|RealArray|DenseMatrix|Matrix|Terms)\b")
 LENGTH = r"[\w…′]+(?: ?[+·−] ?[\w…′]+)*"
 SHAPE = re.compile(rf"\({LENGTH}(?:,|(?:, {LENGTH})+)\)|\b\w×\w\b")
 

@@ -18,7 +18,7 @@ ENOUGH = 0.5  # seconds over which something quick is repeated
 
 
 @dataclass(frozen=True)
-class Line:
+class BenchLine:
     """One measurement; asked says in words what is wanted, holds whether it is (None: shown, not judged)."""
 
     what: str
@@ -27,14 +27,14 @@ class Line:
     holds: bool | None = None
 
 
-def at_least(what: str, ratio: float, wanted: float, note: str = "") -> Line:
+def at_least(what: str, ratio: float, wanted: float, note: str = "") -> BenchLine:
     """A ratio that should be at least so large."""
-    return Line(what, f"{ratio:.3g} times{'; ' + note if note else ''}", f"≥ {wanted:g} times", ratio >= wanted)
+    return BenchLine(what, f"{ratio:.3g} times{'; ' + note if note else ''}", f"≥ {wanted:g} times", ratio >= wanted)
 
 
-def at_most(what: str, seconds: float, wanted: float, note: str = "") -> Line:
+def at_most(what: str, seconds: float, wanted: float, note: str = "") -> BenchLine:
     """A time that should be at most so long."""
-    return Line(what, f"{duration(seconds)}{'; ' + note if note else ''}", f"≤ {duration(wanted)}", seconds <= wanted)
+    return BenchLine(what, f"{duration(seconds)}{'; ' + note if note else ''}", f"≤ {duration(wanted)}", seconds <= wanted)
 
 
 def best(run: Callable[[], object], fresh: Callable[[], object] = lambda: None) -> float:
@@ -65,7 +65,7 @@ def duration(seconds: float) -> str:
     return f"{seconds:.3g} s" if seconds >= 1.0 else f"{1e3 * seconds:.3g} ms"
 
 
-def show(title: str, command: str, lines: Iterable[Line]) -> bool:
+def show(title: str, command: str, lines: Iterable[BenchLine]) -> bool:
     """The table, and whether all hold."""
     console = Console(width=max(180, Console().width))
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))

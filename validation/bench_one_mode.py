@@ -14,10 +14,10 @@ from itertools import count
 
 import mpmath
 import numpy as np
-from bench import Line, at_least, at_most, best, duration, once, show
+from bench import BenchLine, at_least, at_most, best, duration, once, show
 from scenes import GUESS, problem
 from scipy.linalg import eigvals
-from shooting_by_scipy import Shooting
+from shooting_by_scipy import ScipyShooting
 
 import shootstab as st
 from shootstab.analyses.count import COUNTING
@@ -57,7 +57,7 @@ def matrices(p: ChuteProblem, window: tuple[float, float, float], M: float) -> t
     return A[np.ix_(keep, keep)], B[np.ix_(keep, keep)]
 
 
-def lines(name: str) -> Iterator[Line]:
+def lines(name: str) -> Iterator[BenchLine]:
     """Everything about one scene."""
     p, guess = problem(name), GUESS[name]
     truth = complex(st.refine(p, guess, digits=20).sigma)
@@ -67,8 +67,8 @@ def lines(name: str) -> Iterator[Line]:
     mesh(truth * (1 + 1e-3))
     guesses = (guess * (1 + 1e-9 * i) for i in count())  # never one whose far frame is still known
     ours = best(lambda: find_near(mesh, next(guesses), 0.1 * GOAL))
-    yield Line(f"{name}: frame, rtol {rtol:.1e}, in memory", duration(ours))
-    yield Line(f"{name}: frame with its mesh made", duration(scratch))
+    yield BenchLine(f"{name}: frame, rtol {rtol:.1e}, in memory", duration(ours))
+    yield BenchLine(f"{name}: frame with its mesh made", duration(scratch))
     for grid, focus in GRIDS.items():
         window = pseudospectral.window(p.flow, p.kx, p.ky, focus=focus)
 
@@ -83,13 +83,13 @@ def lines(name: str) -> Iterator[Line]:
         yield at_least(f"{name}: QZ on {grid}, M = {M:.0f}", qz / ours, against_qz, f"{duration(qz)}; {with_mesh}")
         with_mesh = f"with matrices and mesh made {(made + few) / scratch:.2g}"
         yield at_least(f"{name}: inverse iteration on {grid}, M = {M:.0f}", few / ours, against_inverse, f"{duration(few)}; {with_mesh}")
-    scipy_shooting = Shooting(p)
+    scipy_shooting = ScipyShooting(p)
     tolerance = coarsest(TOLERANCES[4::4], lambda t: scipy_shooting.root(guess, t, 0.1 * GOAL), truth)
     took = once(lambda: scipy_shooting.root(guess, tolerance, 0.1 * GOAL))
     yield at_least(f"{name}: solve_ivp (DOP853) and QR, rtol {tolerance:.0e}", took / ours, 100.0, duration(took))
 
 
-def single() -> Iterator[Line]:
+def single() -> Iterator[BenchLine]:
     """One determinant, and one count."""
     low, sigma = problem("low"), 0.0072755835 - 0.0118650474j
     D, turn = st.Frame(rtol=1e-10).on(low).at(sigma), count()
@@ -106,7 +106,7 @@ def single() -> Iterator[Line]:
     yield at_most("high: count of the rectangle 1e-5 - 0.5i to 1 + 0.5i, in memory", again, 50e-3, f"with meshes made {duration(scratch)}")
 
 
-def own_problem() -> Iterator[Line]:
+def own_problem() -> Iterator[BenchLine]:
     """A problem of one's own of order 4 to 1e-10, error bar included, against the built-in one: as a plain function, and compiled."""
     import gallery
 

@@ -11,7 +11,7 @@ import sys
 import tempfile
 from collections.abc import Iterator
 
-from bench import Line, at_most, best, once, show
+from bench import BenchLine, at_most, best, once, show
 
 PYTHON = [sys.executable, "-m", "shootstab"]
 MAIN_JOB = [*PYTHON, "verify", "high", "--json", os.devnull]
@@ -32,7 +32,7 @@ def first_and_again(words: list[str]) -> tuple[float, float]:
         return first, once(lambda: run(words, NUMBA_CACHE_DIR=cache))
 
 
-def lines() -> Iterator[Line]:
+def lines() -> Iterator[BenchLine]:
     """Import, first compilation, warm command line."""
     bare = best(lambda: run([sys.executable, "-c", "pass"]))
     yield at_most("import shootstab, less the interpreter", best(lambda: run([sys.executable, "-c", "import shootstab"])) - bare, 0.05)

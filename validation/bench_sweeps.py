@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from time import perf_counter
 
 import numpy as np
-from bench import Line, at_least, at_most, duration, show
+from bench import BenchLine, at_least, at_most, duration, show
 from scenes import problem
 
 import shootstab as st
@@ -23,7 +23,7 @@ def swept(workers: int, kx: object, ky: object) -> tuple[Swept, float]:
     return found, perf_counter() - began
 
 
-def lines(quick: bool) -> Iterator[Line]:
+def lines(quick: bool) -> Iterator[BenchLine]:
     """Map, scaling, workers."""
     swept(1, 5e-4, [0.01, 0.011])  # compile
     n = 13 if quick else 61
@@ -35,13 +35,15 @@ def lines(quick: bool) -> Iterator[Line]:
     assert fastest is not None
     place = ", ".join(f"{x:.4g}" for x in fastest[0])
     growth = fastest[1].growth or 0.0
-    yield Line("fastest growth on it", f"{growth:.6g} at (kx, ky) = ({place})", "0.00397 at (0, 0.0100)", abs(growth - 0.0039705) < 1e-6)
+    yield BenchLine(
+        "fastest growth on it", f"{growth:.6g} at (kx, ky) = ({place})", "0.00397 at (0, 0.0100)", abs(growth - 0.0039705) < 1e-6
+    )
     _, one = swept(1, *grid)
     yield at_least("one worker against two, the same map", one / both, 1.8)
     times = {m: swept(1, 5e-4, np.linspace(0.001, 0.021, m))[1] / m for m in ((100, 400) if quick else (100, 1000, 10000))}
     said = ", ".join(f"{duration(t)} ({m})" for m, t in times.items())
-    yield Line("time a point along k_y, by number of points", said, "constant: the largest within 1.3 of the smallest or below the first",
-               max(times.values()) <= 1.3 * times[min(times)])  # fmt: skip
+    bound = "constant: the largest within 1.3 of the smallest or below the first"
+    yield BenchLine("time a point along k_y, by number of points", said, bound, max(times.values()) <= 1.3 * times[min(times)])
 
 
 def main() -> int:

@@ -13,7 +13,7 @@ from itertools import count
 import bench_startup
 import numpy as np
 import page
-from bench import Line, at_least, at_most, best, duration, once, show
+from bench import BenchLine, at_least, at_most, best, duration, once, show
 from bench_one_mode import TRUNCATIONS, coarsest, matrices
 from scenes import GUESS, problem
 from scipy.linalg import eigvals
@@ -35,7 +35,7 @@ def anew(p: ChuteProblem) -> ChuteProblem:
     return st.chute.problem(p.flow, kx=p.kx, ky=p.ky)
 
 
-def one_mode(name: str) -> Iterator[Line]:
+def one_mode(name: str) -> Iterator[BenchLine]:
     """refine with its bound and proof, on a flow in memory, against what it checks."""
     p, guess = problem(name), GUESS[name]
     turn, fresh = count(1), []
@@ -51,20 +51,20 @@ def one_mode(name: str) -> Iterator[Line]:
     yield at_least(f"{name}: inverse iteration there over st.refine", few / new, AGAINST_INVERSE[name], duration(few))
 
 
-def verdicts() -> Iterator[Line]:
+def verdicts() -> Iterator[BenchLine]:
     """Lists of claims, in memory."""
     high, fig2 = problem("high"), problem("fig2")
     claims = reference.claims(high, 6).tolist()
     took = once(lambda: st.verify(anew(high), claims, missing="none"))
     yield at_most(f"high: a verdict, of {len(claims)}", took / len(claims), 5e-3)
     whole = once(lambda: st.verify(anew(high), claims))
-    yield Line(f"high: the {len(claims)} verified, with the modes missing among them", duration(whole))
+    yield BenchLine(f"high: the {len(claims)} verified, with the modes missing among them", duration(whole))
     raw = reference.spectrum(fig2, filtered=False).eigenvalues
     near = raw[np.argsort(np.abs(raw))[:RAW]].tolist()
     yield at_most(f"fig2: the {RAW} values of QZ nearest to 0 verified", once(lambda: st.verify(anew(fig2), near, missing="none")), 1.0)
 
 
-def the_rest(digits: bool) -> Iterator[Line]:
+def the_rest(digits: bool) -> Iterator[BenchLine]:
     """A flow by its mass flux, one D of many, and many digits."""
     turn = count(1)
 
@@ -82,7 +82,7 @@ def the_rest(digits: bool) -> Iterator[Line]:
         yield at_most(f"{name}: {wanted} digits", once(lambda p=p, guess=guess, d=wanted: st.refine(p, guess, digits=d)), most)
 
 
-def written(lines: list[Line]) -> None:
+def written(lines: list[BenchLine]) -> None:
     """The table in README.md, in place of the one that stands there."""
     table = ["| what | measured | asked |", "|---|---|---|", *(f"| {line.what} | {line.obtained} | {line.asked} |" for line in lines)]
     page.write("bench_user", "\n".join(table))

@@ -44,7 +44,7 @@ class Far:
 
 
 @dataclass(frozen=True)
-class Joint:
+class ElementJoint:
     """(before + σ before_moving) ψ(z−) + (behind + σ behind_moving) ψ(z+) = 0."""
 
     z: float
@@ -62,7 +62,7 @@ class Discretization:
     pencil: Callable[[Any], Sequence[Any]]
     left: Fixed | Far
     right: Fixed | Far
-    joints: tuple[Joint, ...] = ()
+    joints: tuple[ElementJoint, ...] = ()
     cuts: tuple[float, ...] = ()
     N: int = 32
 
@@ -101,7 +101,7 @@ class Discretization:
         named = {j.z: j for j in self.joints}
         for e in range(elements - 1):
             z = breaks[e + 1]
-            joint = named.get(z, Joint(z, np.eye(n), -np.eye(n)))
+            joint = named.get(z, ElementJoint(z, np.eye(n), -np.eye(n)))
             for side, part, moving, sign in ((e, joint.before, joint.before_moving, 1), (e + 1, joint.behind, joint.behind_moving, -1)):
                 at = slice(side * width, (side + 1) * width)
                 A[row : row + n, at] = _spread(np.array(part, dtype=Complex)[None], (Real(sign) ** k)[None])

@@ -38,7 +38,7 @@ PLAIN = 120  # decimal places that carry a number from one process to another
 
 
 @dataclass(frozen=True)
-class Run:
+class DigitsRun:
     """One mode in a process of its own: σ and its error bound as text, processor seconds, and the largest memory in MiB.
 
     Linux counts what the parent held when it started the process, about 250 MiB: a larger figure is the process's own.
@@ -65,7 +65,7 @@ class Run:
         return mpmath.mpf(self.error)
 
 
-def alone(scene: str, digits: int, arithmetic: str, factor: float) -> Run:
+def alone(scene: str, digits: int, arithmetic: str, factor: float) -> DigitsRun:
     """The run, in this process."""
     problem, guess = load(scene).problem, GUESSES[scene] * factor
     st.refine(problem, guess=guess, rtol=1e-11)  # compiled code is loaded before the clock starts
@@ -74,7 +74,7 @@ def alone(scene: str, digits: int, arithmetic: str, factor: float) -> Run:
     seconds = time.process_time() - began
     with mpmath.workdps(PLAIN):
         re, im, error = (mpmath.nstr(mpmath.mpf(x), PLAIN) for x in (mode.sigma.real, mode.sigma.imag, mode.error))
-    return Run(scene, digits, arithmetic, re, im, error, mode.status, seconds, peak_memory())
+    return DigitsRun(scene, digits, arithmetic, re, im, error, mode.status, seconds, peak_memory())
 
 
 def peak_memory() -> float:
@@ -85,11 +85,11 @@ def peak_memory() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
 
 
-def run(scene: str, digits: int, arithmetic: str = "flint", factor: float = 1.0) -> Run:
+def run(scene: str, digits: int, arithmetic: str = "flint", factor: float = 1.0) -> DigitsRun:
     """The run, in a process of its own."""
     command = [sys.executable, __file__, "--alone", scene, str(digits), arithmetic, repr(factor)]
     answer = subprocess.run(command, capture_output=True, text=True, check=True)
-    return Run(**json.loads(answer.stdout))
+    return DigitsRun(**json.loads(answer.stdout))
 
 
 def cases(quick: bool) -> Iterator[Case]:
@@ -112,7 +112,7 @@ def cases(quick: bool) -> Iterator[Case]:
         draw(runs)
 
 
-def agreement(scene: str, runs: list[Run]) -> Iterator[Case]:
+def agreement(scene: str, runs: list[DigitsRun]) -> Iterator[Case]:
     """Each run against the next one, which has another precision, order, step and start; and the last one against doubles."""
     for fewer, more in zip(runs, (*runs[1:], run(scene, runs[-1].digits + 5, factor=ELSEWHERE)), strict=True):
         apart, bounds = abs(fewer.sigma - more.sigma), fewer.bound + more.bound
@@ -137,7 +137,7 @@ def last_place(printed: str) -> mpmath.mpf:
     return mpmath.mpf(10) ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
 
 
-def cost(scene: str, runs: list[Run]) -> Iterator[Case]:
+def cost(scene: str, runs: list[DigitsRun]) -> Iterator[Case]:
     """Time and memory of each run."""
     for r in runs:
         allowed = SECONDS.get(r.digits)
@@ -147,21 +147,21 @@ def cost(scene: str, runs: list[Run]) -> Iterator[Case]:
         yield Case(f"{scene}, {r.digits} digits: cost", f"within {limit}", f"{'within' if within else 'beyond'} {limit}", 0.0, note)
 
 
-def published(runs: list[Run]) -> Case:
+def published(runs: list[DigitsRun]) -> Case:
     """Plane Poiseuille flow against the digits that are known: σ = −iαc."""
     best = [r for r in runs if r.scene == "poiseuille"][-1]
     off = abs(best.sigma - mpmath.mpc(POISEUILLE[1], "-" + POISEUILLE[0]))
     return Case("poiseuille, twenty published digits", "agrees", "agrees" if off <= 0.6e-20 else "differs", 0.0, f"off by {float(off):.1e}")
 
 
-def arithmetics(flint: Run, plain: Run) -> Iterator[Case]:
+def arithmetics(flint: DigitsRun, plain: DigitsRun) -> Iterator[Case]:
     """python-flint and mpmath, the same code."""
     ok = abs(flint.sigma - plain.sigma) <= flint.bound + plain.bound and plain.seconds <= ALONE
     note = f"differ by {mpmath.nstr(abs(flint.sigma - plain.sigma), 2)}, {plain.seconds:.0f} s, {plain.mebibytes:.0f} MiB"
     yield Case(f"{plain.scene}, mpmath alone", f"agrees in {ALONE:.0f} s", f"agrees in {ALONE:.0f} s" if ok else "does not", 0.0, note)
 
 
-def record(runs: list[Run]) -> None:
+def record(runs: list[DigitsRun]) -> None:
     """The table behind the figure."""
     names = ("scene", "digits", "arithmetic", "seconds", "mebibytes", "error")
     with (FIGURES / "digits.csv").open("w", newline="", encoding="utf-8") as file:
@@ -172,7 +172,7 @@ def record(runs: list[Run]) -> None:
             writer.writerow({name: row[name] for name in names})
 
 
-def draw(runs: list[Run]) -> None:
+def draw(runs: list[DigitsRun]) -> None:
     """Time against digits, with the power law through each scene's last points."""
     from matplotlib.figure import Figure
     from matplotlib.ticker import NullLocator, ScalarFormatter

@@ -129,7 +129,7 @@ WRITTEN = (
 
 
 @dataclass(frozen=True)
-class Found:
+class SceneFound:
     """What came of a scene, each with its processor seconds in ms; many is the mode in many digits where they are offered."""
 
     problem: EquationProblem
@@ -147,7 +147,7 @@ def timed(make: Callable[[], T]) -> tuple[T, float]:
     return made, 1e3 * (time.process_time() - began)
 
 
-def found(case: Written, quick: bool = False) -> Found:
+def found(case: Written, quick: bool = False) -> SceneFound:
     """Everything once before it is timed, but for many digits."""
     case.problem()
     problem, reduced = timed(case.problem)
@@ -158,7 +158,7 @@ def found(case: Written, quick: bool = False) -> Found:
     if not quick:
         with contextlib.suppress(InputError):
             many, whole = timed(lambda: st.refine(problem, mode.sigma, digits=MANY))
-    return Found(problem, reduced, mode, one, many, whole)
+    return SceneFound(problem, reduced, mode, one, many, whole)
 
 
 def agreed(sigma: Any, published: Known) -> float:

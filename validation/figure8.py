@@ -18,7 +18,7 @@ from typing import Any
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
-from bench import Line, at_most, show
+from bench import BenchLine, at_most, show
 
 import shootstab as st
 from shootstab.analyses.processes import in_processes
@@ -34,7 +34,7 @@ BLUE, ORANGE = "#0072B2", "#D55E00"
 
 
 @dataclass(frozen=True)
-class Row:
+class SlopeRow:
     """One flow: slope, T_∞, Q0, h0, whether its density has a maximum above the base, and what is said of it."""
 
     tan_theta: float
@@ -47,7 +47,7 @@ class Row:
     growth: float | None
 
 
-def judged(job: tuple[float, float]) -> Row:
+def judged(job: tuple[float, float]) -> SlopeRow:
     """The stability of one flow."""
     tan_theta, far_temperature = job
     flow = st.chute.steady(far_temperature=far_temperature, tan_theta=tan_theta, **GRAINS)
@@ -55,10 +55,10 @@ def judged(job: tuple[float, float]) -> Row:
     log_nu = flow.states[:, 0].real
     inverted = bool(log_nu.max() > log_nu[-1] + 1e-9)
     growth = None if found.mode is None else complex(found.mode.sigma).real
-    return Row(tan_theta, far_temperature, flow.mass_flux, flow.centre_of_mass, inverted, found.verdict, found.wave, growth)
+    return SlopeRow(tan_theta, far_temperature, flow.mass_flux, flow.centre_of_mass, inverted, found.verdict, found.wave, growth)
 
 
-def branch(curve: list[Row], i: int) -> str:
+def branch(curve: list[SlopeRow], i: int) -> str:
     """mid where Q0 falls with T_∞; high above it, low below it."""
     Q = np.array([row.mass_flux for row in curve])
     rises = np.gradient(Q, np.log([row.far_temperature for row in curve])) > 0
@@ -67,7 +67,7 @@ def branch(curve: list[Row], i: int) -> str:
     return "high" if not rises[:i].all() else "low"
 
 
-def lines(rows: dict[float, list[Row]], seconds: float, workers: int) -> Iterator[Line]:
+def lines(rows: dict[float, list[SlopeRow]], seconds: float, workers: int) -> Iterator[BenchLine]:
     """What the paper states, slope by slope."""
     total = sum(map(len, rows.values()))
     yield at_most(f"{total} flows, {workers} workers", seconds, 15 * 60.0, f"{seconds / total:.2g} s a flow")
@@ -82,10 +82,10 @@ def lines(rows: dict[float, list[Row]], seconds: float, workers: int) -> Iterato
             said += f"; {len(doubt)} unresolved ({doubt[0].verdict[:90]})"
         expected = "some, on the mid branch" if slope in SOMETIMES else "none"
         holds = (bool(stable) and where == ["mid"]) if slope in SOMETIMES else not stable
-        yield Line(f"tan theta = {slope:.2f}", said, expected, holds and not doubt)
+        yield BenchLine(f"tan theta = {slope:.2f}", said, expected, holds and not doubt)
 
 
-def draw(rows: dict[float, list[Row]]) -> Any:
+def draw(rows: dict[float, list[SlopeRow]]) -> Any:
     """Q–h curves: solid where stable, dashed where unstable; a thick pale line under flows with a density inversion."""
     from matplotlib.figure import Figure
 

@@ -274,10 +274,10 @@ def read_baseline(path: Path) -> None:
 
 
 def read_store(path: Path) -> None:
-    from shootstab.analyses.sweep.grid import Axis, Grid
+    from shootstab.analyses.sweep.grid import ParameterAxis, SweepGrid
     from shootstab.analyses.sweep.store import Store
 
-    grid = Grid(tuple(Axis(name, values) for name, values in AXES.items()))
+    grid = SweepGrid(tuple(ParameterAxis(name, values) for name, values in AXES.items()))
     with Store(path, tuple(AXES), DEFINITION) as store:
         assert set(store.done(grid)) == set(store.results())
 

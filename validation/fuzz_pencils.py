@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 from claims import Case, Claim
-from collocation import Discretization, Far, Fixed, Joint, stretched
+from collocation import Discretization, ElementJoint, Far, Fixed, stretched
 from numpy.typing import NDArray
 from stranger import ROUNDING, Stranger
 from strangers import RIGHT, Answer, apart, asked, warm
@@ -38,7 +38,7 @@ TURNS = (*KINDS, "walls", "first order", "jumps", "double")  # what is drawn in 
 
 
 @dataclass(frozen=True)
-class Pencil:
+class DrawnPencil:
     """What was drawn: how shootstab is told, how the collocation is, and what of the plane lies right of the essential spectrum."""
 
     kind: str
@@ -90,7 +90,7 @@ def mixed(rng: np.random.Generator, n: int, pencil: Callable[[Any], Any]) -> tup
     return lambda z: tuple(inverse @ D @ T for D in pencil(z)), T
 
 
-def draw(seed: int) -> Pencil:
+def draw(seed: int) -> DrawnPencil:
     """Pencil number `seed`."""
     rng = np.random.default_rng(seed)
     kind = TURNS[seed % len(TURNS)]
@@ -112,8 +112,8 @@ def draw(seed: int) -> Pencil:
 
 def _between(
     kind: str, n: int, pencil: Any, a: float, left: Any, b: float, right: Any, N: tuple[int, int, int, int], moving: Any = None
-) -> Pencil:
-    return Pencil(
+) -> DrawnPencil:
+    return DrawnPencil(
         kind,
         n,
         lambda: st.problem(n, pencil, st.Wall(a, left), st.Wall(b, right, moving=moving)),
@@ -128,14 +128,14 @@ def _parabolic(rng: np.random.Generator, dtype: str, m: int) -> Callable[[Any], 
     return lambda z: second_order(M(z), K(z), W)
 
 
-def _walls(kind: str, rng: np.random.Generator, dtype: str) -> Pencil:
+def _walls(kind: str, rng: np.random.Generator, dtype: str) -> DrawnPencil:
     m = int(rng.integers(1, 5))
     pencil, T = mixed(rng, 2 * m, _parabolic(rng, dtype, m))
     length = rng.uniform(0.5, 2)
     return _between(kind, 2 * m, pencil, 0.0, robin(rng, m) @ T, length, robin(rng, m) @ T, (18, 23, 27, 34))
 
 
-def _moving(kind: str, rng: np.random.Generator, dtype: str) -> Pencil:
+def _moving(kind: str, rng: np.random.Generator, dtype: str) -> DrawnPencil:
     m = int(rng.integers(1, 4))
     pencil = _parabolic(rng, dtype, m)
     rows, moving = robin(rng, m), np.zeros((m, 2 * m))
@@ -144,7 +144,7 @@ def _moving(kind: str, rng: np.random.Generator, dtype: str) -> Pencil:
     return _between(kind, 2 * m, pencil, 0.0, robin(rng, m), 1.0, rows, (18, 23, 27, 34), moving)
 
 
-def _left_factor(kind: str, rng: np.random.Generator, dtype: str) -> Pencil:
+def _left_factor(kind: str, rng: np.random.Generator, dtype: str) -> DrawnPencil:
     """C0, C1 by a factor S(z)(1 + σN), N nilpotent: the determinant of C does not hold σ."""
     m = int(rng.integers(1, 4))
     n = 2 * m
@@ -162,7 +162,7 @@ def _left_factor(kind: str, rng: np.random.Generator, dtype: str) -> Pencil:
     return _between(kind, n, pencil, 0.0, robin(rng, m), 1.0, robin(rng, m), (18, 23, 27, 34))
 
 
-def _first_order(kind: str, rng: np.random.Generator, dtype: str) -> Pencil:
+def _first_order(kind: str, rng: np.random.Generator, dtype: str) -> DrawnPencil:
     """ψ′ = (D0(z) + σΛ)ψ, Λ real: characteristics in both directions, modes along vertical lines."""
     n = int(rng.integers(2, 7))
     k = int(rng.integers(1, n))
@@ -172,7 +172,7 @@ def _first_order(kind: str, rng: np.random.Generator, dtype: str) -> Pencil:
     return _between(kind, n, lambda z: (D0(z), np.diag(speeds)), -0.5, left, 0.7, right, (18, 23, 27, 34))
 
 
-def _beam(kind: str, rng: np.random.Generator, dtype: str) -> Pencil:
+def _beam(kind: str, rng: np.random.Generator, dtype: str) -> DrawnPencil:
     """y⁗ = p y″ + q y′ + r y − σ y, one or two of them coupled."""
     m = int(rng.integers(1, 3))
     p, q, r = (smooth(rng, (m, m), s, dtype) for s in (3.0, 8.0, 40.0))
@@ -190,7 +190,7 @@ def _beam(kind: str, rng: np.random.Generator, dtype: str) -> Pencil:
     return _between(kind, 4 * m, pencil, 0.0, ends[0], 1.0, ends[1], (18, 23, 27, 34))
 
 
-def _jumps(kind: str, rng: np.random.Generator, dtype: str) -> Pencil:
+def _jumps(kind: str, rng: np.random.Generator, dtype: str) -> DrawnPencil:
     m = int(rng.integers(1, 4))
     n = 2 * m
     places = np.sort(rng.uniform(0.15, 0.85, int(rng.integers(1, 3))))
@@ -211,7 +211,7 @@ def _jumps(kind: str, rng: np.random.Generator, dtype: str) -> Pencil:
             moving[m, 0] = 0.1 * rng.uniform(0.1, 1)
         couplings.append((float(z), J, moving))
     left, right = robin(rng, m), robin(rng, m)
-    return Pencil(
+    return DrawnPencil(
         kind,
         n,
         lambda: st.problem(
@@ -226,13 +226,13 @@ def _jumps(kind: str, rng: np.random.Generator, dtype: str) -> Pencil:
             pencil,
             Fixed(0, left),
             Fixed(1, right),
-            tuple(Joint(z, J, -np.eye(n), mov) for z, J, mov in couplings),
+            tuple(ElementJoint(z, J, -np.eye(n), mov) for z, J, mov in couplings),
         ),
         (12, 16, 18, 24),
     )
 
 
-def _double(kind: str, rng: np.random.Generator, dtype: str) -> Pencil:
+def _double(kind: str, rng: np.random.Generator, dtype: str) -> DrawnPencil:
     """Two copies of one system, mixed: double modes; or gaps of 1e-2 to 1e-9 between them; or a coupling that makes Jordan blocks."""
     m = 1 if rng.random() < 0.6 else 2
     base = _parabolic(rng, dtype, m)
@@ -257,7 +257,7 @@ def _double(kind: str, rng: np.random.Generator, dtype: str) -> Pencil:
     return replace(out, form=single, back=lambda v: v * (1 + gap)) if how != "gap" or gap else out
 
 
-def _line(kind: str, rng: np.random.Generator, dtype: str) -> Pencil:
+def _line(kind: str, rng: np.random.Generator, dtype: str) -> DrawnPencil:
     """y″ = (M∞ + M sech²(z − s) + M₂ tanh(z − s) + σ)y + K y′, wells deep enough to hold modes; K is advection."""
     m = 1 if rng.random() < 0.7 else 2
     n = 2 * m
@@ -289,13 +289,13 @@ def _line(kind: str, rng: np.random.Generator, dtype: str) -> Pencil:
     at = at if kind == "half line" else Far(-1.0, m)
     form = Discretization(n, stretched(pencil, REACH), at, Far(1.0, m))  # in t, z = sinh(κt)
     degrees = (26, 32, 48, 60) if kind == "half line" else (38, 46, 76, 96)
-    return Pencil(kind, n, lambda: st.problem(n, pencil, left, st.Infinity()), form, degrees, right_of)
+    return DrawnPencil(kind, n, lambda: st.problem(n, pencil, left, st.Infinity()), form, degrees, right_of)
 
 
 # the region
 
 
-def region(p: Pencil, seed: int) -> tuple[Any, list[complex], list[complex]] | None:
+def region(p: DrawnPencil, seed: int) -> tuple[Any, list[complex], list[complex]] | None:
     """A rectangle in which, and well around which, two spectra agree; the modes in it, and points in it that are far from all."""
     rng = np.random.default_rng(seed + 10**6)
     reference = 0.5 + p.right_of if math.isfinite(p.right_of) else 1.0
@@ -334,7 +334,7 @@ def region(p: Pencil, seed: int) -> tuple[Any, list[complex], list[complex]] | N
     return None
 
 
-def stranger(p: Pencil, seed: int) -> Stranger | None:
+def stranger(p: DrawnPencil, seed: int) -> Stranger | None:
     """The pencil as a problem with its truth, or None where no region is agreed on."""
     found = region(p, seed)
     if found is None:

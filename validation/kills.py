@@ -64,14 +64,14 @@ def environment() -> dict[str, str]:
 
 
 @dataclass
-class Run:
+class KilledRun:
     """A command in a session of its own."""
 
     process: subprocess.Popen[str]
     log: Path
 
     @classmethod
-    def of(cls, words: list[str], folder: Path, limit: int | None = None) -> Run:
+    def of(cls, words: list[str], folder: Path, limit: int | None = None) -> KilledRun:
         log = folder / "stderr"
 
         def limited() -> None:
@@ -115,7 +115,7 @@ class Run:
         return [line for line in lines if not line.startswith(("shootstab: sweeping", "shootstab: verifying"))]
 
 
-def ended(run: Run, by: signal.Signals | None, found: Findings) -> int:
+def ended(run: KilledRun, by: signal.Signals | None, found: Findings) -> int:
     """Wait for the end of a run that was sent this signal, and hold it against the rules; its exit status."""
     status = run.process.wait()
     left = run.left()
@@ -148,7 +148,7 @@ def stored(file: Path) -> Rows:
 
 def undisturbed(folder: Path, found: Findings) -> tuple[Rows, Any]:
     """Rows and points of a sweep that nobody disturbs."""
-    run = Run.of([*SWEEP, "--out", "calm.sqlite", "--json", "calm.json"], folder)
+    run = KilledRun.of([*SWEEP, "--out", "calm.sqlite", "--json", "calm.json"], folder)
     ended(run, None, found)
     return stored(folder / "calm.sqlite"), answered(folder / "calm.json")
 
@@ -169,7 +169,7 @@ def killed_sweep(rng: random.Random, folder: Path, calm: tuple[Rows, Any], secon
     before: Rows = {}
     made = 0
     for _ in range(ROUNDS):
-        run = Run.of([*SWEEP, "--out", file.name, "--json", answer.name], folder)
+        run = KilledRun.of([*SWEEP, "--out", file.name, "--json", answer.name], folder)
         by = None
         while run.process.poll() is None and made < kills:
             time.sleep(rng.uniform(0.0, seconds / 4))
@@ -205,7 +205,7 @@ def killed_command(rng: random.Random, words: list[str], folder: Path, seconds: 
     """A command without workers, killed once: its file is there whole or not at all."""
     answer = folder / "b.json"
     answer.unlink(missing_ok=True)
-    run = Run.of([*words, "--json", answer.name], folder)
+    run = KilledRun.of([*words, "--json", answer.name], folder)
     time.sleep(rng.uniform(0.0, seconds))
     by = rng.choice(BY_ITSELF)
     if run.process.poll() is None:
@@ -228,12 +228,12 @@ def full_disk(rng: random.Random, folder: Path, calm: tuple[Rows, Any], found: F
     """A file that may not grow: status 4 or 2, one line; what was stored is right, and the next run ends with everything."""
     file = folder / "full.sqlite"
     file.unlink(missing_ok=True)
-    run = Run.of([*SWEEP, "--out", file.name], folder, limit=rng.choice((512, 4096, 8192, 12288, 14000, 16384)))
+    run = KilledRun.of([*SWEEP, "--out", file.name], folder, limit=rng.choice((512, 4096, 8192, 12288, 14000, 16384)))
     status = run.process.wait()
     found.require(status in (0, 2, 4) and len(run.said()) == (status != 0), f"full disk: status {status}, {run.said()}")
     found.require(not run.left(), "full disk: a process is left")
     found.require(stored(file).items() <= calm[0].items(), "full disk: a stored result is wrong")
-    run = Run.of([*SWEEP, "--out", file.name], folder)
+    run = KilledRun.of([*SWEEP, "--out", file.name], folder)
     found.require(ended(run, None, found) == 0 and stored(file) == calm[0], "after a full disk: not the results of an undisturbed run")
 
 
@@ -249,7 +249,7 @@ def damaged(rng: random.Random, folder: Path, calm: tuple[Rows, Any], found: Fin
         size = rng.choice((1, 16, 512))
         data[at : at + size] = rng.randbytes(size)
     file.write_bytes(data)
-    run = Run.of([*SWEEP, "--out", file.name, "--json", "torn.json"], folder)
+    run = KilledRun.of([*SWEEP, "--out", file.name, "--json", "torn.json"], folder)
     status = run.process.wait()
     said = run.said()
     found.require(status in (0, 1, 2) and len(said) == (status == 2), f"damaged file: status {status}, {said}")
@@ -268,7 +268,7 @@ def read_only(_: random.Random, folder: Path, calm: tuple[Rows, Any], found: Fin
     if os.access(file, os.W_OK):
         found.counts["read-only files not tried: this user may write to all"] += 1
         return
-    run = Run.of([*SWEEP, "--out", file.name], folder)
+    run = KilledRun.of([*SWEEP, "--out", file.name], folder)
     status = run.process.wait()
     found.require(status in (0, 2) and len(run.said()) == (status != 0), f"read-only file: status {status}, {run.said()}")
 
@@ -279,9 +279,9 @@ def two_at_once(rng: random.Random, folder: Path, calm: tuple[Rows, Any], found:
     file.unlink(missing_ok=True)
     second = folder / "second"
     second.mkdir(exist_ok=True)
-    first = Run.of([*SWEEP, "--out", str(file), "--json", "1.json"], folder)
+    first = KilledRun.of([*SWEEP, "--out", str(file), "--json", "1.json"], folder)
     time.sleep(rng.uniform(0.0, 1.0))
-    other = Run.of([*SWEEP, "--out", str(file), "--json", "2.json"], second)
+    other = KilledRun.of([*SWEEP, "--out", str(file), "--json", "2.json"], second)
     found.require([ended(first, None, found), ended(other, None, found)] == [0, 0], "two runs on one file: one did not end well")
     found.require(stored(file) == calm[0], "two runs on one file: not the results of an undisturbed run")
     for name in (folder / "1.json", second / "2.json"):
@@ -291,7 +291,7 @@ def two_at_once(rng: random.Random, folder: Path, calm: tuple[Rows, Any], found:
 def another_scene(_: random.Random, folder: Path, calm: tuple[Rows, Any], found: Findings) -> None:
     """The file of one scene for another: refused, and left as it is."""
     words = ["sweep", "layer:other", *SWEEP[2:], "--out", "calm.sqlite"]
-    run = Run.of(words, folder)
+    run = KilledRun.of(words, folder)
     found.require(run.process.wait() == 2 and len(run.said()) == 1, f"another scene: {run.said()}")
     found.require(stored(folder / "calm.sqlite") == calm[0], "another scene changed the results")
 

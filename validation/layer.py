@@ -39,7 +39,7 @@ class Layers:
     def absent(self, values: Mapping[str, float]) -> str | None:
         return None
 
-    def problem(self, values: Mapping[str, float]) -> Layer:
+    def problem(self, values: Mapping[str, float]) -> SweptLayer:
         return layer(values.get(SOURCE, self.a), math.hypot(values.get("kx", 0.0), values.get("ky", 0.0)))
 
     def beside(self, values: Mapping[str, float]) -> Mapping[str, float]:
@@ -50,7 +50,7 @@ class Layers:
 
 
 @dataclass(frozen=True, eq=False)
-class Layer(LinearProblem):
+class SweptLayer(LinearProblem):
     """One layer, which knows its family."""
 
     a: float = A
@@ -59,7 +59,7 @@ class Layer(LinearProblem):
         return Layers(self.a)
 
 
-def layer(a: float = A, k: float = 0.0) -> Layer:
+def layer(a: float = A, k: float = 0.0) -> SweptLayer:
     """The layer with this a at the wavenumber k."""
 
     def pencil(z: Any) -> Any:
@@ -69,7 +69,7 @@ def layer(a: float = A, k: float = 0.0) -> Layer:
         return D0, D1
 
     found = st.problem(2, pencil, st.Wall(0.0, [[1, 0]]), st.Wall(1.0, [[1, 0]]), vectorized=True)
-    return Layer(found.function, found.reduction, found.curve, found.fixed, a=a)
+    return SweptLayer(found.function, found.reduction, found.curve, found.fixed, a=a)
 
 
 def exact(a: float, k: float, m: int = 1) -> float:

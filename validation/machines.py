@@ -93,7 +93,7 @@ QUICK_CIRCUMSTANCES = ("no HOME", "80 columns", "ASCII", "numba's cache in a fil
 
 
 @dataclass(frozen=True)
-class Answer:
+class MachineAnswer:
     """What came of a question."""
 
     status: int
@@ -111,7 +111,7 @@ class Machine:
     base: dict[str, str]
     user: int | None = None
 
-    def asked(self, words: list[str], there: Circumstance) -> Answer:
+    def asked(self, words: list[str], there: Circumstance) -> MachineAnswer:
         environment = {**self.base, **{k: v for k, v in there.variables.items() if v is not None}}
         for name in (k for k, v in there.variables.items() if v is None):
             environment.pop(name, None)
@@ -132,10 +132,10 @@ class Machine:
             user=self.user,
             check=False,
         )
-        return Answer(done.returncode, done.stdout, done.stderr.decode(errors="replace"))
+        return MachineAnswer(done.returncode, done.stdout, done.stderr.decode(errors="replace"))
 
 
-def wrong(question: str, status: int, got: Answer, plain: Answer, there: Circumstance) -> str | None:
+def wrong(question: str, status: int, got: MachineAnswer, plain: MachineAnswer, there: Circumstance) -> str | None:
     """What is not as it should be."""
     lines = [line for line in got.err.splitlines() if line.strip()]
     if "Traceback" in got.err or "Warning" in got.err:

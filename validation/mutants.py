@@ -34,7 +34,7 @@ Test = Callable[[], object]
 
 
 @dataclass(frozen=True)
-class Group:
+class MutantGroup:
     """What is changed, by its name in a module; the places in it that are not zero; how one is changed; the tests, quick ones first."""
 
     name: str
@@ -108,7 +108,7 @@ def returned(function: Callable[..., Any], place: Place, factor: float) -> Calla
 # the parts
 
 
-def pencil() -> Group:
+def pencil() -> MutantGroup:
     import test_first_order_system as t
 
     def proved() -> None:
@@ -119,10 +119,10 @@ def pencil() -> Group:
         return places_of(t.pencil_entries(t.symbolic_background(), t.TAN, t.KX, t.KY))
 
     steps = [lambda T=T: t.test_pencil_against_complex_step_of_the_nonlinear_equations(T) for T in (2.54, 0.2)]
-    return Group("pencil", t, "pencil_entries", places, returned, [*steps, proved])
+    return MutantGroup("pencil", t, "pencil_entries", places, returned, [*steps, proved])
 
 
-def jets() -> Group:
+def jets() -> MutantGroup:
     import test_first_order_system as t
 
     def changed(background: Any, place: Place, factor: float) -> Any:
@@ -137,10 +137,10 @@ def jets() -> Group:
 
     places: list[Place] = [(f.name, order) for f in fields(t.Background) for order in (0, 1)]
     tests = [lambda s=s: t.test_background_jets_follow_from_the_steady_equations(t.PAPER, s) for s in t.STATES]
-    return Group("jets", t, "background", lambda: places, changed, tests)
+    return MutantGroup("jets", t, "background", lambda: places, changed, tests)
 
 
-def wall(attribute: str) -> Group:
+def wall(attribute: str) -> MutantGroup:
     import test_wall as t
 
     def places() -> list[Place]:
@@ -149,10 +149,10 @@ def wall(attribute: str) -> Group:
 
     test = {"wall_rows": t.test_wall_rows_in_psi, "base_matrices": t.test_base_matrices_are_the_linearization}[attribute]
     digits = [lambda w=w: t.test_wall_rows_hold_forty_digits(w) for w in ("isotropic", "printed")]
-    return Group(attribute, t, attribute, places, returned, [*(lambda s=s: test(t.CHUTES[1], s) for s in t.STATES), *digits])
+    return MutantGroup(attribute, t, attribute, places, returned, [*(lambda s=s: test(t.CHUTES[1], s) for s in t.STATES), *digits])
 
 
-def far_field() -> Group:
+def far_field() -> MutantGroup:
     import test_far_field as t
 
     def changed(original: Any, place: Place, factor: float) -> Any:
@@ -166,14 +166,14 @@ def far_field() -> Group:
         return places_of(t.FarField(t.CHUTE, t.TEMPERATURE, t.VELOCITY, *t.WAVES[0]).terms(t.SIGMAS[0]))
 
     tests = [lambda w=w: t.test_the_series_solves_the_system_and_its_tangent_the_derivative_of_it(*w, t.SIGMAS[0]) for w in t.WAVES]
-    return Group("far field", t, "FarField", places, changed, tests)
+    return MutantGroup("far field", t, "FarField", places, changed, tests)
 
 
-def exponents() -> Group:
+def exponents() -> MutantGroup:
     import test_far_field as t
 
     tests = [lambda w=w: t.test_the_exponents_are_those_of_2_20_to_2_22(*w) for w in t.WAVES]
-    return Group("exponents", t, "decay_matrix", lambda: places_of((t.decay_matrix(0.3, 0.2),)), _only, tests)
+    return MutantGroup("exponents", t, "decay_matrix", lambda: places_of((t.decay_matrix(0.3, 0.2),)), _only, tests)
 
 
 def _only(function: Callable[..., Any], place: Place, factor: float) -> Callable[..., Any]:
@@ -181,7 +181,7 @@ def _only(function: Callable[..., Any], place: Place, factor: float) -> Callable
     return lambda *given: with_change((function(*given),), place, factor)[0]
 
 
-def flow_series() -> Group:
+def flow_series() -> MutantGroup:
     import test_far_field as t
 
     def places() -> list[Place]:
@@ -198,21 +198,21 @@ def flow_series() -> Group:
 
         return mutant
 
-    return Group(
+    return MutantGroup(
         "flow series", t, "flow_series", places, changed, [t.test_the_series_of_the_flow_obeys_the_steady_equations_at_every_order]
     )
 
 
-def reduction(case: tuple[int, list[int], list[int]]) -> Group:
+def reduction(case: tuple[int, list[int], list[int]]) -> MutantGroup:
     import test_sampled_system as t
 
     n, moving, columns = case
     tests: list[Test] = [lambda: t.test_the_reduction_is_the_inverse_of_C_times_D(n, moving, columns)]
     places = lambda: places_of(t.reduce_pencil(t.random_pencil(n, moving, columns, seed=n), n))  # noqa: E731
-    return Group(f"reduction {n}", t, "reduce_pencil", places, returned, tests)
+    return MutantGroup(f"reduction {n}", t, "reduce_pencil", places, returned, tests)
 
 
-def written(name: str) -> Group:
+def written(name: str) -> MutantGroup:
     """The first-order form of equations as a user writes them, by their exact coefficients."""
     import test_reduction as t
 
@@ -232,10 +232,10 @@ def written(name: str) -> Group:
         return [(part, key) for part in ("C", "D") for key in getattr(first, part)]
 
     test = lambda: t.test_solutions_of_the_first_order_system_satisfy_the_equations(name)  # noqa: E731
-    return Group(f"written {name}", t, "first_order", places, changed, [test])
+    return MutantGroup(f"written {name}", t, "first_order", places, changed, [test])
 
 
-def tableau(attribute: str) -> Group:
+def tableau(attribute: str) -> MutantGroup:
     import test_frame_transport as t
 
     tests: list[Test] = [
@@ -246,10 +246,10 @@ def tableau(attribute: str) -> Group:
     ]
     places = lambda: places_of((getattr(t.tableau, attribute),))  # noqa: E731
     changed = lambda value, place, factor: with_change((value,), place, factor)[0]  # noqa: E731
-    return Group(f"tableau {attribute}", t.tableau, attribute, places, changed, tests)
+    return MutantGroup(f"tableau {attribute}", t.tableau, attribute, places, changed, tests)
 
 
-def budget() -> Group:
+def budget() -> MutantGroup:
     import test_error_budget as t
 
     def changed(function: Any, place: Place, factor: float) -> Any:
@@ -265,10 +265,10 @@ def budget() -> Group:
         t.test_rounding_is_sampled_on_the_fine_mesh_where_it_matters,
         t.test_farther_walls_and_the_total,
     ]
-    return Group("budget", t, "budget", lambda: places, changed, tests)
+    return MutantGroup("budget", t, "budget", lambda: places, changed, tests)
 
 
-def groups() -> dict[str, list[Callable[[], Group]]]:
+def groups() -> dict[str, list[Callable[[], MutantGroup]]]:
     """By name, in the order in which they are cheap."""
     return {
         "tableau": [lambda a=a: tableau(a) for a in ("A", "B", "C", "E5", "E3")],

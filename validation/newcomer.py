@@ -49,7 +49,7 @@ right = { at = 1, conditions = ["w", "d(w)", "T"] }
 
 
 @dataclass(frozen=True)
-class Step:
+class NewcomerStep:
     """What is done, the words that the answer must hold, and the exit status that is right."""
 
     says: str
@@ -62,34 +62,36 @@ class Step:
 class Done:
     """A step, how long it took, the longest silence in it, and what was wrong; empty if nothing."""
 
-    step: Step
+    step: NewcomerStep
     seconds: float
     silence: float
     wrong: str
 
 
-def steps(wheel: Path, environment: Path) -> Iterator[Step]:
+def steps(wheel: Path, environment: Path) -> Iterator[NewcomerStep]:
     """The three jobs, as a newcomer comes to them."""
     python, shootstab, pytest = (str(environment / "bin" / name) for name in ("python", "shootstab", "pytest"))
-    yield Step("an empty environment", [sys.executable, "-m", "venv", str(environment)])
-    yield Step(
+    yield NewcomerStep("an empty environment", [sys.executable, "-m", "venv", str(environment)])
+    yield NewcomerStep(
         "`pip install shootstab[all]`, from the wheel", [python, "-m", "pip", "install", f"{wheel}[all]"], ["Successfully installed"]
     )
-    yield Step("`shootstab`: three doors", [shootstab], ["a spectrum to check"])
+    yield NewcomerStep("`shootstab`: three doors", [shootstab], ["a spectrum to check"])
     verify = [shootstab, "verify", "poiseuille", "modes.csv", "--as", "frequency"]
-    yield Step("first verdict on a file of one's own", verify, ["2 of 3 eigenvalues confirmed", "inaccurate"], 1)
-    yield Step("the same again", verify, ["2 of 3 eigenvalues confirmed"], 1)
+    yield NewcomerStep("first verdict on a file of one's own", verify, ["2 of 3 eigenvalues confirmed", "inaccurate"], 1)
+    yield NewcomerStep("the same again", verify, ["2 of 3 eigenvalues confirmed"], 1)
     mode = [shootstab, "mode", "mid", "--guess", "0.00102", "--z", "0,60", "--plot", "figure-4.png", "--export", "mode.csv"]
-    yield Step("an eigenfunction of figure 4", mode, ["vortex-forming", "0.001022920"])
-    yield Step("a CI job that passes", [pytest, "-q", "test_right.py"], ["1 passed"])
-    yield Step("a CI job that fails, with the table of verdicts", [pytest, "-q", "test_wrong.py"], ["1 failed", "inaccurate"], 1)
-    yield Step("a baseline", [shootstab, "baseline", "record", "poiseuille", "modes.toml", "--guess", "0.0037,-0.2375"], ["1 mode"])
-    yield Step("a check against it", [shootstab, "baseline", "check", "modes.toml"], ["1 of 1 mode"])
-    yield Step("one's own system of order six: what it is", [shootstab, "explain", "convection.toml"], ["order", "6"])
-    yield Step("its growing modes", [shootstab, "find", "convection.toml", "--corners=0.1,-1,20,1"], ["2.14631104802"])
+    yield NewcomerStep("an eigenfunction of figure 4", mode, ["vortex-forming", "0.001022920"])
+    yield NewcomerStep("a CI job that passes", [pytest, "-q", "test_right.py"], ["1 passed"])
+    yield NewcomerStep("a CI job that fails, with the table of verdicts", [pytest, "-q", "test_wrong.py"], ["1 failed", "inaccurate"], 1)
+    yield NewcomerStep("a baseline", [shootstab, "baseline", "record", "poiseuille", "modes.toml", "--guess", "0.0037,-0.2375"], ["1 mode"])
+    yield NewcomerStep("a check against it", [shootstab, "baseline", "check", "modes.toml"], ["1 of 1 mode"])
+    yield NewcomerStep("one's own system of order six: what it is", [shootstab, "explain", "convection.toml"], ["order", "6"])
+    yield NewcomerStep("its growing modes", [shootstab, "find", "convection.toml", "--corners=0.1,-1,20,1"], ["2.14631104802"])
     digits = ["2.146311048024414455894386608294090220152397251940444", "status  converged"]
-    yield Step("one of them to 50 digits", [shootstab, "refine", "convection.toml", "--guess", "2.1", "--digits", "50"], digits)
-    yield Step("its eigenfunction", [shootstab, "mode", "convection.toml", "--guess", "2.1", "--plot", "w.pdf"], [" = 1 at z = 0.5"])
+    yield NewcomerStep("one of them to 50 digits", [shootstab, "refine", "convection.toml", "--guess", "2.1", "--digits", "50"], digits)
+    yield NewcomerStep(
+        "its eigenfunction", [shootstab, "mode", "convection.toml", "--guess", "2.1", "--plot", "w.pdf"], [" = 1 at z = 0.5"]
+    )
 
 
 def watched(command: Sequence[str], folder: Path) -> tuple[int, str, float, float]:
@@ -119,7 +121,7 @@ def watched(command: Sequence[str], folder: Path) -> tuple[int, str, float, floa
     return status, re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", said.decode(errors="replace")), time.perf_counter() - began, silence
 
 
-def tried(step: Step, folder: Path) -> Done:
+def tried(step: NewcomerStep, folder: Path) -> Done:
     """One step."""
     status, said, seconds, silence = watched(step.command, folder)
     lacking = [words for words in step.holds if words not in said]

@@ -17,7 +17,7 @@ SUBINTERVALS = 20  # between orthonormalizations
 SECANTS = 20
 
 
-class Shooting:
+class ScipyShooting:
     """D(σ) of one problem."""
 
     def __init__(self, problem: ChuteProblem) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from collocation import Discretization, Far, Fixed, Joint
+from collocation import Discretization, ElementJoint, Far, Fixed
 
 import shootstab as st
 
@@ -87,9 +87,9 @@ def jumps(places: Sequence[float], n: int) -> list[Any]:
 __all__ = [
     "DIGITS",
     "Discretization",
+    "ElementJoint",
     "Far",
     "Fixed",
-    "Joint",
     "Stranger",
     "collocated",
     "exactly",

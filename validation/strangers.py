@@ -307,7 +307,7 @@ def apart(
 
 
 @dataclass
-class Result:
+class StrangerResult:
     """All answers on one problem."""
 
     stranger: Stranger
@@ -324,7 +324,7 @@ class Result:
         return sum(a.seconds for a in self.answers)
 
 
-def result(s: Stranger) -> Result:
+def result(s: Stranger) -> StrangerResult:
     """Truth and answers, each in a process of its own."""
     began = time.perf_counter()
 
@@ -336,7 +336,7 @@ def result(s: Stranger) -> Result:
     if ended:
         raise RuntimeError(f"{s.name}: the truth could not be computed: {ended}")
     modes = [(complex(t["re"], t["im"]), t["sure"]) for t in told]
-    out = Result(s, truth_seconds=time.perf_counter() - began)
+    out = StrangerResult(s, truth_seconds=time.perf_counter() - began)
 
     def ask(tell: Callable[[dict[str, Any]], None]) -> None:
         for answer in asked(s, modes):
@@ -381,7 +381,7 @@ def warm() -> None:
     st.refine(q, 3.9)
 
 
-def cases(quick: bool, only: str = "", show: Callable[[Result], None] | None = None, kind: str = "") -> Iterator[Case]:
+def cases(quick: bool, only: str = "", show: Callable[[StrangerResult], None] | None = None, kind: str = "") -> Iterator[Case]:
     """One line a problem."""
     warm()
     for s in everything(kind):
@@ -408,7 +408,7 @@ CLAIM = Claim(
 )
 
 
-def print_result(r: Result) -> None:
+def print_result(r: StrangerResult) -> None:
     """One problem with all that is wrong on it."""
     digits = min((a.digits for a in r.answers if not math.isnan(a.digits)), default=math.nan)
     ratio = min((a.ratio for a in r.answers if not math.isnan(a.ratio)), default=math.nan)
@@ -422,7 +422,7 @@ def print_result(r: Result) -> None:
         print(f"      {a.outcome:6s} {a.question}: {a.words[:260]} [{a.seconds:.1f} s]", flush=True)
 
 
-def readme(results: Sequence[Result]) -> str:
+def readme(results: Sequence[StrangerResult]) -> str:
     """A section of Markdown: a table with one line a problem."""
     lines = [
         "## Problems that others posed (`strangers.py`)",
@@ -441,7 +441,7 @@ def readme(results: Sequence[Result]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def summary(results: Sequence[Result]) -> dict[str, int]:
+def summary(results: Sequence[StrangerResult]) -> dict[str, int]:
     """How many problems, and how many of them have each kind of fault."""
     kinds = {k: sum(any(a.outcome == k for a in r.answers) for r in results) for k in (WRONG, LOST, UNTRUE, HEAVY, SLOW)}
     return {"problems": len(results), "all right": sum(not r.bad for r in results), **kinds}
@@ -455,9 +455,9 @@ def main() -> int:
     parser.add_argument("--kind", default="", choices=("", "lines", "walls", "flows", "mhd", "spectra"), help="problems of one kind")
     parser.add_argument("--readme", help="write a section in Markdown here")
     args = parser.parse_args()
-    results: list[Result] = []
+    results: list[StrangerResult] = []
 
-    def show(r: Result) -> None:
+    def show(r: StrangerResult) -> None:
         results.append(r)
         print_result(r)
 

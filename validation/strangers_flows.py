@@ -8,7 +8,7 @@ from typing import Any
 import mpmath
 import numpy as np
 from collocation import stretched
-from stranger import Far, Fixed, Joint, Stranger, collocated, exactly, jumps, walls
+from stranger import ElementJoint, Far, Fixed, Stranger, collocated, exactly, jumps, walls
 
 import shootstab as st
 
@@ -486,4 +486,4 @@ def published(problem: Any, value: float, sure: float, guess: float) -> Any:
     yield "published value", kind, f"{m.sigma} ± {m.error}, published {value}: {m.status}"
 
 
-__all__ = ["STRANGERS", "Joint", "jumps"]
+__all__ = ["STRANGERS", "ElementJoint", "jumps"]

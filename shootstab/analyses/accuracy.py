@@ -27,11 +27,11 @@ DRAWS = 3  # chosen
 CONTOUR_PROBES = 6  # chosen: samples of a contour at which D is computed otherwise
 STEEPEST_PROBES = 2  # chosen: the probes with the largest |d ln D/dσ|: an error of the zeros weighs most there
 
-Sample = tuple[MeshedDiscriminant, Value]
+MeshedValue = tuple[MeshedDiscriminant, Value]
 Answer = TypeVar("Answer")
 
 
-def require_accurate(problem: Problem, samples: Sequence[Sample]) -> None:
+def require_accurate(problem: Problem, samples: Sequence[MeshedValue]) -> None:
     """Raise Inaccurate unless D, computed otherwise, is the same to TOLERATED_CHANGE at some of a contour's samples.
 
     One draw of the errors may be small by accident: where it is not LUCKY_DRAW of the limit, there are several.
@@ -53,7 +53,7 @@ def require_accurate(problem: Problem, samples: Sequence[Sample]) -> None:
             return
 
 
-def _largest_change(problem: Problem, probes: Sequence[Sample], seed: int) -> tuple[float, complex]:
+def _largest_change(problem: Problem, probes: Sequence[MeshedValue], seed: int) -> tuple[float, complex]:
     """The largest relative change of D at the probes, and where it is."""
     others: dict[int, Discriminant] = {}
     worst = (0.0, probes[0][1].sigma)
@@ -75,7 +75,7 @@ def otherwise(problem: Problem, discriminant: MeshedDiscriminant, sigma: complex
     return fine.with_perturbed_start(seed, SAFETY * max(discriminant.far_error(sigma), EPSILON))
 
 
-def _probes(samples: Sequence[Sample]) -> list[Sample]:
+def _probes(samples: Sequence[MeshedValue]) -> list[MeshedValue]:
     """Some that are spread over the contour, and the steepest."""
     spread = min(CONTOUR_PROBES - STEEPEST_PROBES, len(samples))
     chosen = [i * len(samples) // spread for i in range(spread)]

@@ -28,14 +28,16 @@ from shootstab.problems.protocol import Problem
 
 
 @dataclass(frozen=True)
-class Checker:
+class CheckerModule:
     """The module of a checker, and what chooses its settings."""
 
     module: str
     settings: Callable[..., dict[str, Any]]
 
 
-CHECKERS: Mapping[str, Checker] = {"plane Poiseuille": Checker("shootstab.checkers.plane_poiseuille", checker_settings.plane_poiseuille)}
+CHECKERS: Mapping[str, CheckerModule] = {
+    "plane Poiseuille": CheckerModule("shootstab.checkers.plane_poiseuille", checker_settings.plane_poiseuille)
+}
 TAIL_NATS = 7.0  # chosen: the rest of a Taylor series on a circle lies below D there by a factor of a thousand
 LARGEST_CERTIFICATE = 2**20  # chosen: bytes of a certificate
 # chosen: values of D and bits that the checker has beyond what was needed here; where they are too few there are more attempts

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
@@ -13,6 +13,7 @@ from flint import acb, arb
 from shootstab.analyses.disc_proof import MORE_BITS, disc
 from shootstab.analyses.proof import Proof, lemmas, named
 from shootstab.core.errors import ConvergenceError
+from shootstab.core.progress import Progress
 from shootstab.core.regions import Rectangle
 from shootstab.multiprecision.enclosable import Enclosable
 from shootstab.multiprecision.enclosure import Enclosure, at_bits, decimal
@@ -24,8 +25,6 @@ CONTOUR_BITS, CONTOUR_ATTEMPTS = 24, 3
 RIM = 12  # chosen: values of D on a circle, and on a side of a contour, by which its size is judged
 RECTANGLE_SLACK = 1.0625  # chosen: the disc on which D is one polynomial, over the half diagonal of the rectangle
 OUTER_CIRCLES = (2.0, 4.0, 8.0, 16.0)  # chosen: radii of the disc on which |D| is bounded, over that one; the one that needs fewest points
-
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)

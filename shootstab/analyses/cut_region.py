@@ -18,7 +18,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from shootstab.analyses.accuracy import Inaccurate, Sample, require_accurate
+from shootstab.analyses.accuracy import Inaccurate, MeshedValue, require_accurate
 from shootstab.core.discriminant import Value
 from shootstab.core.regions import Disc, Region
 from shootstab.discriminants.continuation import Branch, Continuation, Undecidable
@@ -51,7 +51,7 @@ class _Contour:
 
     def __init__(self, continuation: Continuation, most: float) -> None:
         self.continuation, self.most = continuation, most
-        self.asked: list[Sample] = []
+        self.asked: list[MeshedValue] = []
         self.legs: list[tuple[int, tuple[Value, ...]]] = []
 
     def off_the_curve(self, sigma: complex) -> Value:

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, overload
 
 from shootstab.analyses.eigenfunction_double import Eigenfunction, eigenfunction_double
+from shootstab.core.progress import Progress
 from shootstab.core.records import Mode
 from shootstab.problems.protocol import Problem
 
 if TYPE_CHECKING:
     from shootstab.analyses.eigenfunction_digits import EigenfunctionInDigits
-
-Progress = Callable[[int, int], None]
 
 
 @overload

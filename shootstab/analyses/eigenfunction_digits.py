@@ -7,7 +7,7 @@ once, and what the values change by is their error, as for the mode itself (see 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
@@ -20,11 +20,12 @@ import mpmath
 from shootstab.analyses.eigenfunction_double import Eigenfunction, eigenfunction_double
 from shootstab.analyses.refine_digits import CHANGE_SAFETY, DIGIT_ATTEMPTS, SPARE_TO_DIGITS, as_far_off, in_digits, refine_digits
 from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.progress import Progress
 from shootstab.core.records import Budget, Mode
 from shootstab.kernels.step_control import FLOOR
 from shootstab.multiprecision.arithmetic import Arithmetic, exact
 from shootstab.multiprecision.backends import choose
-from shootstab.multiprecision.integration import Base, MultiprecisionProblem
+from shootstab.multiprecision.integration import BaseFlowNumbers, MultiprecisionProblem
 from shootstab.multiprecision.settings import Settings
 from shootstab.multiprecision.taylor_shooting import TaylorShooting
 from shootstab.multiprecision.taylor_solution import TaylorSolution, solved
@@ -36,8 +37,6 @@ COMPARED = 25  # chosen: heights at which values are compared with those of an i
 SHAPE_DIGITS = 4  # chosen: digits of the mode beyond those of its eigenfunction, which is as much more sensitive
 SOLUTIONS = 6  # derived: the eigenfunction and its five variants, for the share of work done that is shown
 SHARE_OF_MODE = 0.6  # chosen: of the work, what the mode takes; the progress shown rests on it, and nothing else
-
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +148,7 @@ class Variations:
         integration, far, rounding, moved = changes[:4]
         return own, peak, Budget(integration, far, changes[4] if flow is not None else 0.0, moved, rounding + 10.0**-settings.digits)
 
-    def _solved(self, settings: Settings, base: Base, moved: Any = 0) -> tuple[TaylorSolution, Base]:
+    def _solved(self, settings: Settings, base: BaseFlowNumbers, moved: Any = 0) -> tuple[TaylorSolution, BaseFlowNumbers]:
         """The solution at the mode, or moved by so much, and the base flow that the integration asks for."""
         arithmetic = self._arithmetic
         with _precision(arithmetic, settings.digits):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from shootstab.analyses.accuracy import Tightening
@@ -15,6 +15,7 @@ from shootstab.analyses.refine_double import require_atol, tightened
 from shootstab.analyses.resonances import find_resonances
 from shootstab.analyses.zeros import MOST_TO_SEPARATE, accurate_count
 from shootstab.core.errors import ConvergenceError
+from shootstab.core.progress import Tick
 from shootstab.core.records import Mode
 from shootstab.core.regions import Disc, Region, size
 from shootstab.discriminants.continuation import Continuation, Undecidable
@@ -25,8 +26,6 @@ from shootstab.problems.protocol import Problem
 from shootstab.roots import search as roots
 from shootstab.roots.search import Arrival, Search, Zero, moments, polish
 from shootstab.roots.winding import Winding
-
-Tick = Callable[[], None]  # told that a piece of the work is done
 
 SEARCHING = 1e-9  # chosen: local error of the method on whose meshes zeros are polished, to be refined on others
 KNOWN_WITHIN = 1e-2  # chosen: how well modes are to be known, in the size of their region, for their number to mean something

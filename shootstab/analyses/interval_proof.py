@@ -11,10 +11,11 @@ from typing import Any
 
 from flint import acb, arb
 
-from shootstab.analyses.contour_proof import RECTANGLE_SLACK, RIM, Progress, along, settings
+from shootstab.analyses.contour_proof import RECTANGLE_SLACK, RIM, along, settings
 from shootstab.analyses.disc_proof import MOST_BITS, disc
 from shootstab.analyses.proof import Proof, lemmas, named
 from shootstab.core.errors import ConvergenceError
+from shootstab.core.progress import Progress
 from shootstab.core.regions import Rectangle
 from shootstab.multiprecision.enclosable import Enclosable, ball
 from shootstab.multiprecision.enclosure import Enclosure, at_bits, decimal
@@ -24,7 +25,7 @@ AWAY = (2.0, 4.0, 8.0, 16.0, 32.0)  # chosen: circles about a piece of the inter
 LARGEST_CHANGE = 0.5  # chosen: of D on the boundary over half a piece; below 1 it may succeed, and smaller ones make it likelier
 MOST_SUBINTERVALS = 512  # chosen, a budget
 
-Made = Callable[[Any], Enclosable]  # of a value of the parameter, acb
+EnclosableAt = Callable[[Any], Enclosable]  # of a value of the parameter, acb
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,7 @@ class _Piece:
     evaluations: int
 
 
-def over(make: Made, name: str, low: Fraction, high: Fraction, region: Rectangle, spare: int, progress: Progress | None) -> Proof:
+def over(make: EnclosableAt, name: str, low: Fraction, high: Fraction, region: Rectangle, spare: int, progress: Progress | None) -> Proof:
     """The zeros in the rectangle for every value from low to high. Raises ConvergenceError where one comes too near to its boundary."""
     began = perf_counter()
     at_ends = [_at(make, value, region, spare) for value in (low, high)]
@@ -76,13 +77,13 @@ def over(make: Made, name: str, low: Fraction, high: Fraction, region: Rectangle
     )
 
 
-def _at(make: Made, value: Fraction, region: Rectangle, spare: int) -> int:
+def _at(make: EnclosableAt, value: Fraction, region: Rectangle, spare: int) -> int:
     with at_bits(MOST_BITS):
         form = make(acb(ball(value)))
     return along((form,), region, spare, None).count
 
 
-def _piece(make: Made, low: Fraction, high: Fraction, region: Rectangle, spare: int) -> _Piece | None:
+def _piece(make: EnclosableAt, low: Fraction, high: Fraction, region: Rectangle, spare: int) -> _Piece | None:
     """None where the piece has to be shorter."""
     vertices = region.vertices
     centre, radius = (vertices[0] + vertices[2]) / 2, abs(vertices[2] - vertices[0]) / 2 * RECTANGLE_SLACK

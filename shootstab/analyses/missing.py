@@ -15,9 +15,10 @@ from typing import NamedTuple
 
 from shootstab.analyses.claims import NEAR_DIGITS, radius_of
 from shootstab.analyses.cut_region import RegionCount
-from shootstab.analyses.find import Tick, find_modes, modes_of, without_repetition
+from shootstab.analyses.find import find_modes, modes_of, without_repetition
 from shootstab.core.division import distance_outside, divided, divisions
 from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.progress import Tick
 from shootstab.core.records import CONTINUUM, UNRESOLVED, Mode, Verdict
 from shootstab.core.regions import Polygon, Rectangle, Region, convex_hull, size
 from shootstab.discriminants.continuation import Continuation

@@ -12,12 +12,13 @@ import math
 from dataclasses import replace
 from time import perf_counter
 
-from shootstab.analyses.contour_proof import CONTOUR_BITS, Progress, along
+from shootstab.analyses.contour_proof import CONTOUR_BITS, along
 from shootstab.analyses.disc_proof import around, polished
 from shootstab.analyses.interval_proof import over
 from shootstab.analyses.proof import Decimals, Proof
 from shootstab.analyses.refine import refine
 from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.progress import Progress
 from shootstab.core.regions import Rectangle
 from shootstab.multiprecision.arithmetic import exact
 from shootstab.multiprecision.enclosable import ClosedFormEnclosable, Enclosable

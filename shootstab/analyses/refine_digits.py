@@ -17,12 +17,12 @@ import mpmath
 
 from shootstab.analyses.refine_double import UNKNOWN, refine_double
 from shootstab.core.errors import ConvergenceError, InputError
-from shootstab.core.progress import Clock, Progress
+from shootstab.core.progress import StageClock, TimedProgress
 from shootstab.core.records import CONVERGED, Budget, Mode
 from shootstab.multiprecision.arithmetic import Arithmetic
 from shootstab.multiprecision.backends import choose
 from shootstab.multiprecision.closed_form_integration import ClosedFormDigits
-from shootstab.multiprecision.integration import Base, MultiprecisionProblem
+from shootstab.multiprecision.integration import BaseFlowNumbers, MultiprecisionProblem
 from shootstab.multiprecision.secant import Secant, Values
 from shootstab.multiprecision.settings import Settings
 from shootstab.multiprecision.taylor_shooting import TaylorShooting
@@ -45,7 +45,7 @@ DIGIT_ATTEMPTS = 2  # chosen: a second one begins from the mode that the first f
 SHORT = 15  # derived: decimals of so many digits are what a double stands for
 
 
-def refine_digits(problem: Problem, guess: Any, digits: int, progress: Progress | None = None, arithmetic: str | None = None) -> Mode:
+def refine_digits(problem: Problem, guess: Any, digits: int, progress: TimedProgress | None = None, arithmetic: str | None = None) -> Mode:
     """The mode next to guess with |true − sigma| ≤ error and error ≤ 10^−digits |sigma| if its status is 'converged'.
 
     sigma is an mpc. The problem is a chute or has a closed form (problems.closed.ClosedForm); its parameters mean the
@@ -72,7 +72,7 @@ def refine_digits(problem: Problem, guess: Any, digits: int, progress: Progress 
             f"not converged: no mode is near the guess {guess:.6g}; the iteration goes to {seed.sigma:.12g}: start there if that is meant",
             began,
         )
-    search = DigitSearch(problem_in_digits, numbers, seed, Clock(progress))
+    search = DigitSearch(problem_in_digits, numbers, seed, StageClock(progress))
     wanted = digits
     try:
         for _ in range(DIGIT_ATTEMPTS):
@@ -85,7 +85,9 @@ def refine_digits(problem: Problem, guess: Any, digits: int, progress: Progress 
     return replace(mode, seconds=perf_counter() - began, continuum_distance=seed.continuum_distance)
 
 
-def _in_other_units(problem: Problem, unit: complex, guess: Any, digits: int, progress: Progress | None, arithmetic: str | None) -> Mode:
+def _in_other_units(
+    problem: Problem, unit: complex, guess: Any, digits: int, progress: TimedProgress | None, arithmetic: str | None
+) -> Mode:
     """The mode v = σ/unit of a problem in σ. Raises InputError for a unit that is no short decimal, as 1/3 is none."""
     if any(len(repr(part).split("e")[0].strip("-0.").replace(".", "")) > SHORT for part in (unit.real, unit.imag)):
         raise InputError(f"many digits in units of {unit:.17g}: allowed are units that are decimals of at most {SHORT} digits")
@@ -107,7 +109,7 @@ def in_digits(problem: Problem) -> MultiprecisionProblem:
 class DigitSearch:
     """The mode in one arithmetic, from its double-precision value on; what is known of it grows."""
 
-    def __init__(self, problem_in_digits: MultiprecisionProblem, arithmetic: Arithmetic, seed: Mode, clock: Clock) -> None:
+    def __init__(self, problem_in_digits: MultiprecisionProblem, arithmetic: Arithmetic, seed: Mode, clock: StageClock) -> None:
         self._problem_in_digits, self._arithmetic, self._seed, self._clock = problem_in_digits, arithmetic, seed, clock
         sigma = mpmath.mpmathify(seed.sigma)
         self._real = problem_in_digits.real and abs(sigma.imag) <= seed.error
@@ -130,7 +132,7 @@ class DigitSearch:
             self._clock.done()
         return self._result(settings, self._budget(settings, base, shooting), rtol)
 
-    def _shooting(self, settings: Settings, base: Base) -> TaylorShooting:
+    def _shooting(self, settings: Settings, base: BaseFlowNumbers) -> TaylorShooting:
         integration = self._problem_in_digits.integration(self._arithmetic, settings, base)
         return TaylorShooting(self._arithmetic, self._problem_in_digits.size, settings, integration, self._clock.tick)
 
@@ -148,7 +150,7 @@ class DigitSearch:
                 f"{float(seed.error):.1e}"
             )
 
-    def _budget(self, settings: Settings, base: Base, shooting: TaylorShooting) -> Budget:
+    def _budget(self, settings: Settings, base: BaseFlowNumbers, shooting: TaylorShooting) -> Budget:
         """What σ moves by when one thing is done better, each measured by the change of D at the same σ over D′.
 
         Better integrations also say by how much the base flow is off: a last integration is on one that is off by as much.
@@ -156,7 +158,7 @@ class DigitSearch:
         arithmetic, secant = self._arithmetic, self._secant
         sigma, (here,) = secant.last
 
-        def moved(better: Settings, other: Base) -> tuple[Any, Base]:
+        def moved(better: Settings, other: BaseFlowNumbers) -> tuple[Any, BaseFlowNumbers]:
             with arithmetic.working(better.digits), mpmath.workdps(better.digits):
                 changed = self._shooting(better, other)
                 change = abs((self._values(changed, sigma)[0] - here) / secant.slope)
@@ -191,7 +193,7 @@ def _precisions(top: float, known: float) -> list[float]:
     return precisions
 
 
-def as_far_off(base: Base, asked: Sequence[Base]) -> Base:
+def as_far_off(base: BaseFlowNumbers, asked: Sequence[BaseFlowNumbers]) -> BaseFlowNumbers:
     """A base flow that is off by as much as the ones asked for differ: from base to the first one, and from that to each of the others.
 
     The largest of these differences, scaled to the sum of their sizes: what changes together stays together.

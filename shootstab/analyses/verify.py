@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -29,7 +29,7 @@ from shootstab.analyses.refine_double import TIGHTEST, require_atol
 from shootstab.analyses.unstable import HalfDisc, count_unstable
 from shootstab.analyses.verifier import Sighting, Verifier
 from shootstab.core.errors import ConvergenceError, InputError
-from shootstab.core.progress import Clock
+from shootstab.core.progress import Progress, StageClock
 from shootstab.core.records import UNRESOLVED, Mode, Report, Verdict
 from shootstab.core.regions import Region
 from shootstab.discriminants.continuation import Continuation
@@ -44,8 +44,6 @@ EXTRA_DIGITS = 2  # chosen: digits computed beyond those asked for
 CONFUSED_WITHIN = 3.0  # chosen: radii of the circle of the digits within which zeros are told apart together
 WIDER_THAN_CONFUSED = 2.0  # chosen: a circle around zeros that were confused, in the largest distance from their mean
 SAME_AS = 1e-12  # chosen: relative distance of two modes that are one, beside their error bounds
-
-Progress = Callable[[int, int], None]
 
 
 def verify(
@@ -81,7 +79,7 @@ def verify(
     verifier = Verifier(problem, method_named(method, tolerance) or Frame(rtol=tolerance), digits, atol)
     seen: dict[int, Sighting] = {}
     # neighbours share meshes, which are not kept for ever; and in one order, whatever the list's, a mode is refined from the same place
-    clock = Clock(None if progress is None else lambda done, total, left: progress(done, total))
+    clock = StageClock(None if progress is None else lambda done, total, left: progress(done, total))
     searches = (wish != NONE) + unstable
     clock.plan([1.0] * len(claims) + [1.0 + SEARCH_SHARE * len(claims)] * searches)
     for i in sorted(range(len(claims)), key=lambda i: (abs(claims[i]), claims[i].real, claims[i].imag)):

@@ -22,6 +22,7 @@ from shootstab.analyses import reference
 from shootstab.analyses.refine import refine
 from shootstab.analyses.refine_double import find_near
 from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.progress import Progress
 from shootstab.discriminants.method import Method
 from shootstab.discriminants.named import METHODS
 from shootstab.problems.capabilities import PSEUDOSPECTRAL, Pseudospectral
@@ -36,7 +37,6 @@ MOST_RUNS = 20  # chosen: repetitions of something quick, of which the least tim
 STALLED = 3  # chosen: measurements without a gain of a factor 2 that end a sequence
 FOUND = 1e-2  # chosen: a value with a larger relative error is another number
 TARGETS = (4, 8, 11)  # chosen: digits that the recommendation speaks of
-Progress = Callable[[int, int], None]
 Run = Callable[[Problem, complex], tuple[Any, int]]  # the mode, and how often D was evaluated or a matrix factorized
 
 

@@ -17,7 +17,7 @@ from shootstab.models.chute.registry import BY_NAME
 
 if TYPE_CHECKING:
     from shootstab.analyses.sweep import Swept
-    from shootstab.analyses.sweep.grid import Axis
+    from shootstab.analyses.sweep.grid import ParameterAxis
     from shootstab.io.scenes import Scene
 
 MAP_LEVELS = 14  # chosen: contours of a map, at most
@@ -67,7 +67,7 @@ def _unit(unit: str) -> str:
     return f" / {unit}" if unit else ""
 
 
-def _curves(figure: Any, found: Swept, varied: Sequence[Axis], unit: str) -> None:
+def _curves(figure: Any, found: Swept, varied: Sequence[ParameterAxis], unit: str) -> None:
     """Re σ above, Im σ below; where nothing grows there is a line at zero, where nothing is known there is a gap."""
     (axis,) = varied
     x = np.array(axis.values)
@@ -94,7 +94,7 @@ def _curves(figure: Any, found: Swept, varied: Sequence[Axis], unit: str) -> Non
     above.legend(frameon=False, fontsize="small")
 
 
-def _map(figure: Any, found: Swept, varied: Sequence[Axis], unit: str) -> None:
+def _map(figure: Any, found: Swept, varied: Sequence[ParameterAxis], unit: str) -> None:
     """Contours of Re σ; white where nothing grows, hatched where nothing is known. The last axis that varies is drawn upwards."""
     from matplotlib.ticker import MaxNLocator
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from shootstab.analyses.eigenfunction_digits import EigenfunctionInDigits
 
 HEIGHTS_IN_DIGITS = 5  # chosen: heights in the table; each field has as many lines of so many digits
-Row = tuple[str, dict[str, Any]]  # z as a decimal, and the unknowns there
+DigitsRow = tuple[str, dict[str, Any]]  # z as a decimal, and the unknowns there
 
 
 def answer(options: Namespace) -> int:
@@ -62,7 +62,7 @@ def answer(options: Namespace) -> int:
 
 
 def _tables(
-    found: EigenfunctionInDigits, scene: scene_files.Scene, rows: list[Row], errors: dict[str, float], asked: int
+    found: EigenfunctionInDigits, scene: scene_files.Scene, rows: list[DigitsRow], errors: dict[str, float], asked: int
 ) -> list[RenderableType]:
     """At most two digits more than were asked for."""
     from shootstab.cli import tables
@@ -83,7 +83,7 @@ def _tables(
     return shown
 
 
-def _write(path: Path, rows: list[Row], errors: dict[str, float]) -> None:
+def _write(path: Path, rows: list[DigitsRow], errors: dict[str, float]) -> None:
     """Columns z, NAME_re and NAME_im, with the digits that hold."""
     from shootstab.io.notation import as_strings
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from rich.text import Text
 
 from shootstab.cli.lines import GAP, PAGE, filled, numbered, with_i
-from shootstab.cli.selection import Row
+from shootstab.cli.selection import VerdictRow
 from shootstab.core.records import CONFIRMED, CONTINUUM, INACCURATE, SPURIOUS, UNRESOLVED, Report
 
 COLOURS = {CONFIRMED: "green", INACCURATE: "yellow", SPURIOUS: "red", CONTINUUM: "cyan", UNRESOLVED: "magenta", "missing": "bold red"}
@@ -16,7 +16,7 @@ REASON_INDENT = 8  # chosen: columns for the numbers of rows, with a gap behind 
 MEASURED = re.compile(r"(?<![\w.+-])\d\.\de[-+]\d\d\b(?![-+]\d)")  # a distance or a radius, which are told to two figures
 
 
-def told(found: Report, shown: Sequence[Row]) -> list[Text]:
+def told(found: Report, shown: Sequence[VerdictRow]) -> list[Text]:
     """Why a claim is not confirmed; rows with one reason together."""
     reasons = []
     for numbers, verdict, why in grouped([row for row in shown if row[1].verdict != CONFIRMED]):
@@ -35,9 +35,9 @@ def _reason(numbers: str, said: str, why: str, colour: str) -> Text:
     return text
 
 
-def grouped(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
+def grouped(rows: Sequence[VerdictRow]) -> list[tuple[str, str, str]]:
     """(rows, verdict, reason), in the order in which a reason comes first."""
-    groups: dict[tuple[str, str], list[Row]] = {}
+    groups: dict[tuple[str, str], list[VerdictRow]] = {}
     for row in rows:
         groups.setdefault((row[1].verdict, MEASURED.sub("?", row[1].why)), []).append(row)
     return [

@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping
 
 from shootstab.core.records import CONFIRMED, CONTINUUM, VERDICTS, Report, Verdict
 
-Row = tuple[int, Verdict]
+VerdictRow = tuple[int, Verdict]
 
 # by name: the key that rows are sorted by
-ORDERS: Mapping[str, Callable[[Row], float]] = {
+ORDERS: Mapping[str, Callable[[VerdictRow], float]] = {
     "growth": lambda row: -row[1].claimed.real,
     "size": lambda row: abs(row[1].claimed),
     "verdict": lambda row: VERDICTS.index(row[1].verdict),
@@ -18,7 +18,7 @@ ORDERS: Mapping[str, Callable[[Row], float]] = {
 SORTS = tuple(ORDERS)
 
 
-def rows(found: Report, only: str | None, sort: str | None) -> list[Row]:
+def rows(found: Report, only: str | None, sort: str | None) -> list[VerdictRow]:
     """(number in the file, verdict): all, or those asked for."""
     numbered = list(enumerate(found.verdicts, 1))
     if only == "bad":

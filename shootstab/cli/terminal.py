@@ -5,16 +5,16 @@ from __future__ import annotations
 import io
 import itertools
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from shootstab.core import compilation
+from shootstab.core.progress import Progress
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-Progress = Callable[[int, int], None]
 
 WIDE = 10_000  # chosen: columns of a console that breaks no line
 HEARTBEAT = 10.0  # seconds: chosen, as a job of CI that is silent for minutes is taken for dead

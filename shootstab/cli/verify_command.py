@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from shootstab.analyses.proved_verdicts import ProvedVerdict
     from shootstab.cli.page import Page
-    from shootstab.cli.terminal import Progress
+    from shootstab.core.progress import Progress
 
 SHAPES = 3  # chosen: eigenfunctions on a page, those that grow most; each takes about as long as its verdict
 

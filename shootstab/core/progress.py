@@ -6,15 +6,17 @@ import math
 from collections.abc import Callable, Sequence
 from time import perf_counter
 
-Progress = Callable[[int, int, float], None]  # done, total, seconds left
+Tick = Callable[[], None]  # told that a piece of the work is done
+Progress = Callable[[int, int], None]  # done, total
+TimedProgress = Callable[[int, int, float], None]  # done, total, seconds left
 TOTAL = 1000  # chosen: what a finished command reports, in thousandths
 USUAL = 40  # chosen: ticks of a stage; after so many, 1 − 1/e of it counts as done
 
 
-class Clock:
+class StageClock:
     """Stages of known relative cost; inside a stage, ticks approach its end without reaching it."""
 
-    def __init__(self, progress: Progress | None) -> None:
+    def __init__(self, progress: TimedProgress | None) -> None:
         self._progress = progress
         self._began = perf_counter()
         self._stages: list[float] = [1.0]

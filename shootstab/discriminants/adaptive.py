@@ -24,7 +24,7 @@ CIRCLE_POINTS = 4  # chosen: points of a circle at which its mesh must hold: tho
 MOST_MESHES = 64  # chosen: kept at a time; those that were asked for longest ago are made again if they are needed
 
 
-Key = Cell | None | complex  # of a mesh: the cell that it serves, what a path is meant for, or a σ of its own
+MeshKey = Cell | None | complex  # of a mesh: the cell that it serves, what a path is meant for, or a σ of its own
 
 
 class SubsystemMeshes:
@@ -39,7 +39,7 @@ class SubsystemMeshes:
         begin: dict[Cell | None, ComplexArray],
     ) -> None:
         self.problem, self.propagator, self.path, self._centre, self._begin = problem, propagator, path, centre, begin
-        self._kept: OrderedDict[Key, Shooting | ConvergenceError] = OrderedDict()
+        self._kept: OrderedDict[MeshKey, Shooting | ConvergenceError] = OrderedDict()
         self._spent = 0
 
     def at(self, sigma: complex, tangent: bool) -> Shooting:
@@ -78,7 +78,7 @@ class SubsystemMeshes:
             cells.append(cells[-1].larger)
         return [*reversed(cells)] if self._centre is None else [None, *reversed(cells[: CELL_LEVELS // 2])]
 
-    def _made(self, key: Key, coarser: Shooting | None) -> Shooting | ConvergenceError:
+    def _made(self, key: MeshKey, coarser: Shooting | None) -> Shooting | ConvergenceError:
         """The mesh of a cell, cut from that of the cell that it lies in; what stood in the way where none can be made for the cell's σ."""
         if key not in self._kept:
             self._kept[key] = self._make(key, coarser)
@@ -88,7 +88,7 @@ class SubsystemMeshes:
         self._kept.move_to_end(key)
         return self._kept[key]
 
-    def _make(self, key: Key, coarser: Shooting | None) -> Shooting | ConvergenceError:
+    def _make(self, key: MeshKey, coarser: Shooting | None) -> Shooting | ConvergenceError:
         smallest: complex | None = None
         if isinstance(key, complex):
             sigma: complex | None = key

@@ -6,12 +6,11 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from shootstab.core import polynomial
 from shootstab.core.errors import ConvergenceError
-from shootstab.formulation.regular_singular import COMPLEX_GENERIC_SIGMA, MOST_TERMS, Family, RegularSingularEnd, blocks
-from shootstab.problems.protocol import FarFrame
+from shootstab.formulation.regular_singular import COMPLEX_GENERIC_SIGMA, MOST_TERMS, RegularSingularEnd, SolutionFamily, blocks
+from shootstab.problems.protocol import ComplexArray, FarFrame
 
 FARTHEST_START = 0.25  # chosen: an integration begins so far out at most, in lengths of the domain
 NEAREST_START = 1e-6  # chosen: and so far from the axis at least, in the same length
@@ -21,8 +20,6 @@ AXIS_SIGMAS = (COMPLEX_GENERIC_SIGMA, -COMPLEX_GENERIC_SIGMA, 1j * COMPLEX_GENER
 WORST_START = 1e-11  # chosen: relative error of a frame beyond which nothing is begun; what is below counts in the budget
 LAST_TERM = 1e-19  # chosen: the series ends where its terms are so small against the first ones
 TERM_ROUNDING = 4e-16  # chosen, two units of rounding: of one term of the series
-
-Array = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +44,7 @@ class RegularSpace:
             raise ConvergenceError(f"at {self.where} the regular solutions are known to {error:.1e} only for sigma = {sigma:.6g}")
         return FarFrame(frame, tangent, 0.0, error)
 
-    def _family(self, family: Family, sigma: complex) -> tuple[Array, Array, float]:
+    def _family(self, family: SolutionFamily, sigma: complex) -> tuple[ComplexArray, ComplexArray, float]:
         """ψ, dψ/dσ (n, k) and the relative error of the largest column."""
         n, k, rho = len(self.end.shifts), len(family.free), family.exponent
         C, D = (polynomial.value(part, sigma) for part in self.end.arrays)
@@ -85,7 +82,7 @@ class RegularSpace:
         lost = np.abs(values).max(axis=(0, 1)) * TERM_ROUNDING + np.abs(values[-4:]).max(axis=(0, 1))
         return scale * total, scale * slopes.sum(axis=0), float((lost / sizes).max())
 
-    def _first(self, family: Family, sigma: complex) -> tuple[Array, Array]:
+    def _first(self, family: SolutionFamily, sigma: complex) -> tuple[ComplexArray, ComplexArray]:
         """The coefficients for m < count and their σ-derivatives, (count n, k)."""
         n, k = len(self.end.shifts), len(family.free)
         powers = blocks(self.end.arrays, self.end.shifts, family.exponent, family.count)
@@ -108,7 +105,7 @@ class RegularSpace:
         return self.end.families[0].exponent
 
 
-def _sum(A: Array, y: Array, m: int) -> Array:
+def _sum(A: ComplexArray, y: ComplexArray, m: int) -> ComplexArray:
     """Σ_{q ≥ 1} A_q y_{m−q}."""
     q = np.arange(1, m + 1)
     return np.asarray(np.einsum("qij,qjk->ik", A[q], y[m - q]))

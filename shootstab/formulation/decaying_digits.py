@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from shootstab.core.errors import ConvergenceError
 from shootstab.formulation.exponentials import ExponentialEnd
+from shootstab.formulation.regular_digits import SeriesEntries
 from shootstab.formulation.series_digits import on_numbers, on_series
 from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import TAIL_TERMS, Arithmetic, Matrix
@@ -37,8 +38,6 @@ PIVOT_PREFERENCE = 0.25  # chosen: of the largest entry, from which on the first
 PLACE_BITS = 20  # chosen: of the fraction of a place
 SEED_DIGITS = 10  # chosen: digits of X in double precision that the number of Newton steps rests on
 
-Coefficients = Mapping[tuple[int, int], list[Any]]  # of the series in x, by entry
-
 
 @dataclass(frozen=True, eq=False)
 class Solutions:
@@ -49,7 +48,7 @@ class Solutions:
     back: Matrix
 
 
-class DecayingSpace:
+class DecayingSpaceInDigits:
     """The decaying space of one end in one arithmetic, begun at a place that `begin` chooses."""
 
     def __init__(self, arithmetic: Arithmetic, settings: Settings, end: ExponentialEnd, n: int, k: int, target: Fraction) -> None:
@@ -103,7 +102,7 @@ class DecayingSpace:
             out.append({place: value if isinstance(value, Taylor) else 0 * x + value for place, value in values.items()})
         return out
 
-    def _at(self, sigma: Any) -> tuple[Coefficients, Coefficients]:
+    def _at(self, sigma: Any) -> tuple[SeriesEntries, SeriesEntries]:
         """C and −(d/κ) D at this σ."""
         C, D = (at_sigma(part, sigma) for part in self._parts)
         factor = -self._end.direction / self._rate
@@ -197,7 +196,7 @@ class DecayingSpace:
         return out
 
 
-def _leading(series: Coefficients, n: int, nothing: Any) -> Matrix:
+def _leading(series: SeriesEntries, n: int, nothing: Any) -> Matrix:
     return [[series[i, j][0] if (i, j) in series else nothing for j in range(n)] for i in range(n)]
 
 

@@ -13,6 +13,7 @@ from typing import Any
 
 import mpmath
 
+from shootstab.core.progress import Tick
 from shootstab.formulation.evaluation import Evaluator
 from shootstab.formulation.expression import Expression
 from shootstab.formulation.null_space import null_space
@@ -20,7 +21,8 @@ from shootstab.formulation.regular_digits import RegularStart
 from shootstab.formulation.series_digits import on_numbers, on_series
 from shootstab.formulation.state_pencil import Powers, StatePencil
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
-from shootstab.multiprecision.integration import Base, Entries, Expansion, Progress, UnknownRows
+from shootstab.multiprecision.integration import BaseFlowNumbers, Expansion, UnknownRows
+from shootstab.multiprecision.linear_step import TaylorEntries
 from shootstab.multiprecision.settings import Settings
 from shootstab.multiprecision.taylor import Taylor, real_series
 
@@ -48,10 +50,10 @@ class EquationDigits:
         self._ends = (right, left) if self._backwards else (left, right)
         self.size = system.size * (1 + self._augmented)
 
-    def base(self, arithmetic: Arithmetic, settings: Settings, progress: Progress) -> Base:
+    def base(self, arithmetic: Arithmetic, settings: Settings, progress: Tick) -> BaseFlowNumbers:
         return ()
 
-    def integration(self, arithmetic: Arithmetic, settings: Settings, base: Base) -> EquationIntegration:
+    def integration(self, arithmetic: Arithmetic, settings: Settings, base: BaseFlowNumbers) -> EquationIntegration:
         return EquationIntegration(
             arithmetic, settings, self._system, self._shown, self._ends, self._backwards, self._augmented, self._start
         )
@@ -144,10 +146,10 @@ class EquationIntegration:
             for k in range(max(len(starts), len(walls)))
         ]
 
-    def corrected_base(self) -> Base:
+    def corrected_base(self) -> BaseFlowNumbers:
         return ()
 
-    def _entries(self, part: Mapping[tuple[int, int], Expression], z: Taylor, at: Evaluator) -> Entries:
+    def _entries(self, part: Mapping[tuple[int, int], Expression], z: Taylor, at: Evaluator) -> TaylorEntries:
         shift = self._system.size if self._augmented else 0
         out: dict[tuple[int, int], Taylor] = {}
         for (i, j), entry in part.items():

@@ -21,11 +21,11 @@ from shootstab.formulation.state_pencil import Powers, StatePencil, by_powers
 from shootstab.formulation.stated_unknowns import shown_in_states
 from shootstab.formulation.statement import Statement
 from shootstab.formulation.subdomain_digits import (
-    Arrival,
+    ArrivalConditions,
     AtInfinity,
     AtSingularEnd,
     AtWall,
-    Augmented,
+    AugmentedBeginning,
     Begin,
     DigitSubdomain,
     SubdomainDigits,
@@ -69,12 +69,12 @@ def _towards_one_place(statement: Statement, system: StatePencil, reduction: Two
         rows, count = (system.left, system.left_rows) if side > 0 else (system.right, system.right_rows)
         target = _place(statement.left if side > 0 else statement.right)
         begin = _at_end(ends[side], side, system, spaces[side])
-        return SubdomainDigits([DigitSubdomain(system, begin, target)], [Arrival(rows, count, target)])
+        return SubdomainDigits([DigitSubdomain(system, begin, target)], [ArrivalConditions(rows, count, target)])
     first = reduction.subdomains[0]
     meeting = Fraction(first.offset + first.scale * reduction.end)
     subdomains = [DigitSubdomain(system, _at_end(end, side, system, spaces[side]), meeting) for side, end in ends.items()]
     same = {(i, i): one for i in range(n)} | {(i, n + i): -one for i in range(n)}
-    return SubdomainDigits(subdomains, [Arrival((same,), n, meeting)])
+    return SubdomainDigits(subdomains, [ArrivalConditions((same,), n, meeting)])
 
 
 def _in_layers(
@@ -89,14 +89,14 @@ def _in_layers(
         side = -1 if j == 0 else 1
         outer = j in (0, len(systems) - 1)
         target = places[0] if j == 0 else places[-1] if outer else places[j]
-        begin: Begin = Augmented(places[j - 1])
+        begin: Begin = AugmentedBeginning(places[j - 1])
         if outer:
             end, rows, count = (
                 (statement.left, system.left, system.left_rows) if j == 0 else (statement.right, system.right, system.right_rows)
             )
             if isinstance(end, Conditions) and any(rows[1:]):
-                begin = Augmented(_place(end))
-                arrivals.append(Arrival(_shifted(rows, first), count, _place(end)))
+                begin = AugmentedBeginning(_place(end))
+                arrivals.append(ArrivalConditions(_shifted(rows, first), count, _place(end)))
             elif isinstance(end, Conditions):
                 begin = AtWall(_place(end), rows[0], count)
             else:
@@ -108,7 +108,7 @@ def _in_layers(
     for joint, place, (before, behind), pair in zip(
         statement.joints, places, itertools.pairwise(own), itertools.pairwise(layers), strict=True
     ):
-        arrivals.append(Arrival(_joint_rows(joint, pair, before[1], behind[0]), n, place))
+        arrivals.append(ArrivalConditions(_joint_rows(joint, pair, before[1], behind[0]), n, place))
     return SubdomainDigits(subdomains, arrivals)
 
 

@@ -22,7 +22,7 @@ from shootstab.formulation.evaluation import Evaluator
 from shootstab.formulation.gaussian import Gaussian
 from shootstab.formulation.state_pencil import Powers, StatePencil
 from shootstab.multiprecision.enclosable import ball, row_minors
-from shootstab.multiprecision.minors import Entries
+from shootstab.multiprecision.minors import MinorEntries
 from shootstab.multiprecision.tailed_series import TailedSeries
 
 NOWHERE = acb(arb.nan())  # defined: what is computed with it is no number
@@ -49,7 +49,7 @@ class EquationEnclosable:
     def ends(self) -> tuple[Any, Any]:
         return ball(self._ends[0]), ball(self._ends[1])
 
-    def pencil(self, z: Any) -> tuple[list[Entries], list[Entries]]:
+    def pencil(self, z: Any) -> tuple[list[MinorEntries], list[MinorEntries]]:
         at = on_balls(z, self._parameters)
         C, D = ([{place: at(entry) for place, entry in part.items()} for part in powers] for powers in (self._system.C, self._system.D))
         return C, D

@@ -29,7 +29,7 @@ from shootstab.formulation.evaluation import on_arrays
 from shootstab.formulation.statement import Statement
 from shootstab.formulation.system import Row, coefficients, degree
 from shootstab.spectral import chebyshev, qz
-from shootstab.spectral.qz import Matrix, Spectrum
+from shootstab.spectral.qz import DenseMatrix, Spectrum
 
 SMALLEST_TRUNCATION = 6  # chosen: below, the tail of a series is the series
 MINUS_INFINITY = -1000.0  # chosen: stands for −∞ in S
@@ -37,7 +37,7 @@ BALANCES = 2  # chosen: rounds in which rows and columns are scaled to size one
 
 
 @dataclass(frozen=True, eq=False)
-class Collocation:
+class EquationCollocation:
     """See problems.capabilities.Pseudospectral: a statement between two finite ends. d and c belong to unknowns and equations."""
 
     statement: Statement
@@ -49,7 +49,7 @@ class Collocation:
         if M < SMALLEST_TRUNCATION:
             raise InputError(f"M = {M!r}: allowed is an integer of at least {SMALLEST_TRUNCATION}")
 
-        def unfold(vectors: Matrix) -> Matrix:
+        def unfold(vectors: DenseMatrix) -> DenseMatrix:
             """Values of the unknowns at the extrema, of the degree of the longest; N is what is left of a companion matrix's vectors."""
             lengths = self._lengths(M)
             total, most = sum(lengths), max(lengths)
@@ -66,7 +66,7 @@ class Collocation:
         """QZ alone."""
         return {"qz": lambda M, guess: (qz.nearest(self.spectrum(M, filtered=False), guess), 1)}
 
-    def assembled(self, N: int) -> tuple[Matrix, Matrix, NDArray[np.float64]]:
+    def assembled(self, N: int) -> tuple[DenseMatrix, DenseMatrix, NDArray[np.float64]]:
         """A, B (N′, N′) with A x = σ B x, and scales (N′,): Chebyshev coefficients = scale · x.
 
         Where σ occurs to higher powers, x goes on with σ x, …
@@ -128,7 +128,7 @@ class Collocation:
         return out
 
 
-def collocation(statement: Statement) -> Collocation | None:
+def collocation(statement: Statement) -> EquationCollocation | None:
     """The discretization of a statement; None in layers, with ends at infinity or periodic, and where conditions do not fit."""
     if not all(statement.finite) or isinstance(statement.left, Periodic) or statement.joints:
         return None
@@ -155,4 +155,4 @@ def collocation(statement: Statement) -> Collocation | None:
         lacking -= min(max(lacking, 0), len(d)) if lacking <= len(d) else 0
     if lacking:
         return None
-    return Collocation(statement, tuple(int(x) for x in d), tuple(int(x) for x in c))
+    return EquationCollocation(statement, tuple(int(x) for x in d), tuple(int(x) for x in c))

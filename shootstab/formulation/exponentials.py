@@ -19,7 +19,7 @@ from shootstab.core.errors import InputError
 from shootstab.formulation.atoms import Atom
 from shootstab.formulation.evaluation import on_arrays
 from shootstab.formulation.expression import VARIABLE, Expression, Z, function, number
-from shootstab.formulation.first_order import Entries
+from shootstab.formulation.first_order import ExpressionEntries
 from shootstab.formulation.state_pencil import Powers, StatePencil
 from shootstab.formulation.substitution import substituted
 from shootstab.problems.ends import INFINITIES
@@ -60,7 +60,7 @@ def exponential_end(system: StatePencil, direction: int) -> ExponentialEnd:
     rate = unit * number(step * sign)
     values = {atom: _in_x(atom, slope, -direction * ratio * sign / step) for atom, slope, ratio in zip(atoms, slopes, ratios, strict=True)}
 
-    def changed(part: Entries) -> Entries:
+    def changed(part: ExpressionEntries) -> ExpressionEntries:
         out = {}
         for at, entry in part.items():
             for atom, value in values.items():

@@ -16,7 +16,7 @@ from shootstab.formulation.reduction import Reduction, reduced
 from shootstab.formulation.system import Jet, Row, System, coefficients, combined, degree, differentiated
 from shootstab.formulation.vanishing import Vanishing
 
-Entries = dict[tuple[int, int], Expression]
+ExpressionEntries = dict[tuple[int, int], Expression]
 MOST_SUBSTITUTIONS = 2000  # chosen: substitutions in one expression, more than any needs
 
 
@@ -29,8 +29,8 @@ class FirstOrder:
     """
 
     states: tuple[Jet, ...]
-    C: Entries
-    D: Entries
+    C: ExpressionEntries
+    D: ExpressionEntries
     rules: Mapping[str, tuple[Jet, Row]]
     fluxes: Mapping[str, Row]
     factors: tuple[tuple[Expression, str], ...]
@@ -84,8 +84,8 @@ def first_order(system: System, vanishing: Vanishing, regular: object) -> FirstO
     names = [*(name for name in system.unknowns if name in tops), *(name for name in reduction.fluxes if name in tops)]
     states = tuple((name, k) for name in names for k in range(tops[name]))
     at = {state: i for i, state in enumerate(states)}
-    C: Entries = {(i, i): number(1) for (name, k), i in at.items() if k + 1 < tops[name]}
-    D: Entries = {(i, i + 1): number(1) for (name, k), i in at.items() if k + 1 < tops[name]}
+    C: ExpressionEntries = {(i, i): number(1) for (name, k), i in at.items() if k + 1 < tops[name]}
+    D: ExpressionEntries = {(i, i + 1): number(1) for (name, k), i in at.items() if k + 1 < tops[name]}
     leading: list[dict[str, Expression]] = []
     for name, row in zip(names, _in_order(reduction, names, tops), strict=True):
         place = at[name, tops[name] - 1]

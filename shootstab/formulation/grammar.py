@@ -38,10 +38,10 @@ def read(text: str, where: str, scope: Scope, known: Callable[[], str]) -> Expre
 
     Raises InputError with the place.
     """
-    return Reader(text, where, scope, known).equation()
+    return FormulaReader(text, where, scope, known).equation()
 
 
-class Reader:
+class FormulaReader:
     """One pass over one formula."""
 
     def __init__(self, text: str, where: str, scope: Scope, known: Callable[[], str], sides: Mapping[str, Scope] | None = None) -> None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from shootstab.core.errors import InputError
 from shootstab.formulation.expression import Expression
-from shootstab.formulation.grammar import Reader, Scope
+from shootstab.formulation.grammar import FormulaReader, Scope
 from shootstab.formulation.names import Names
 from shootstab.formulation.system import Denominators, Row, jet, row_of
 
@@ -68,7 +68,7 @@ def read_joint(given: InterfaceConditions, names: tuple[Names, Names], layered: 
     denominators: list[tuple[str, Expression]] = []
     for i, formula in enumerate(given.conditions, 1):
         place = f"{where}, condition {i}"
-        row, found = row_of(Reader(formula, place, outside, listed, scopes).equation(), place)
+        row, found = row_of(FormulaReader(formula, place, outside, listed, scopes).equation(), place)
         denominators += found
         for name, order in row:
             if name in given.amplitudes and order:

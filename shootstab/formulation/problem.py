@@ -15,7 +15,7 @@ from shootstab.formulation.condition_count import require_count
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
 from shootstab.formulation.continuous_spectrum import InteriorSpectrum
 from shootstab.formulation.digits_of import digits_of
-from shootstab.formulation.equation_collocation import Collocation, collocation
+from shootstab.formulation.equation_collocation import EquationCollocation, collocation
 from shootstab.formulation.equation_family import EquationFamily, family_around
 from shootstab.formulation.evaluation import Given, filled, on_arrays
 from shootstab.formulation.explanation import Lines, explanation
@@ -94,7 +94,7 @@ class EquationProblem(LinearProblem):
         return [*told, *at_ends]
 
     @cached_property
-    def pseudospectral(self) -> Collocation | None:
+    def pseudospectral(self) -> EquationCollocation | None:
         """The equations as they stand, by collocation. None with an end at infinity, or in layers."""
         return collocation(self.statement)
 

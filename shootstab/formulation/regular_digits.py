@@ -9,7 +9,7 @@ from typing import Any
 
 from shootstab.core.errors import ConvergenceError
 from shootstab.formulation.expression import Expression
-from shootstab.formulation.regular_singular import Family, RegularSingularEnd
+from shootstab.formulation.regular_singular import RegularSingularEnd, SolutionFamily
 from shootstab.formulation.series_digits import on_series
 from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import TAIL_TERMS, Arithmetic, Matrix
@@ -18,7 +18,7 @@ from shootstab.multiprecision.taylor import Taylor, real_series
 
 MOST_SERIES_TERMS = 4000  # chosen: terms of a series
 
-Series = Mapping[tuple[int, int], list[Any]]  # coefficients by entry
+SeriesEntries = Mapping[tuple[int, int], list[Any]]  # coefficients by entry
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +34,7 @@ class RegularStart:
         columns = [self._family(arithmetic, settings, sigma, family, x) for family in self.end.families]
         return [[value for part in columns for value in part[i]] for i in range(len(self.end.shifts))]
 
-    def _family(self, arithmetic: Arithmetic, settings: Settings, sigma: Any, family: Family, x: Any) -> Matrix:
+    def _family(self, arithmetic: Arithmetic, settings: Settings, sigma: Any, family: SolutionFamily, x: Any) -> Matrix:
         rho, shifts = round(family.exponent.real), self.end.shifts
         terms = max(2 * settings.far_terms, 4 * family.count)
         C, D = self._series(arithmetic, sigma, terms)
@@ -59,7 +59,7 @@ class RegularStart:
                 return [[arithmetic.rounded(value * x ** (rho + shifts[i])) for value in row] for i, row in enumerate(total)]
         raise ConvergenceError("at a regular singular end the series of the regular solutions does not hold where the integration begins")
 
-    def _series(self, arithmetic: Arithmetic, sigma: Any, terms: int) -> tuple[Series, Series]:
+    def _series(self, arithmetic: Arithmetic, sigma: Any, terms: int) -> tuple[SeriesEntries, SeriesEntries]:
         """Ĉ and D̂ at this σ."""
         z = real_series(arithmetic, [arithmetic.number(0), arithmetic.number(1)] + [arithmetic.number(0)] * (terms - 2))
         at = on_series(arithmetic, z)
@@ -71,7 +71,7 @@ class RegularStart:
         C, D = (_at_sigma([{place: coefficients(e) for place, e in part.items()} for part in powers], sigma) for powers in self.end.parts)
         return C, D
 
-    def _first(self, arithmetic: Arithmetic, family: Family, C: Series, D: Series) -> list[Matrix]:
+    def _first(self, arithmetic: Arithmetic, family: SolutionFamily, C: SeriesEntries, D: SeriesEntries) -> list[Matrix]:
         """φ_m (n, k) for m < count."""
         n, rho, shifts = len(self.end.shifts), round(family.exponent.real), self.end.shifts
         nothing = arithmetic.number(0)
@@ -97,7 +97,7 @@ class RegularStart:
         return phi
 
 
-def _entry(C: Series, D: Series, at: tuple[int, int], q: int, factor: int, nothing: Any) -> Any:
+def _entry(C: SeriesEntries, D: SeriesEntries, at: tuple[int, int], q: int, factor: int, nothing: Any) -> Any:
     """L_q = (…) Ĉ_q − D̂_q at one place."""
     value = nothing
     if at in C:
@@ -105,12 +105,14 @@ def _entry(C: Series, D: Series, at: tuple[int, int], q: int, factor: int, nothi
     return value - D[at][q] if at in D else value
 
 
-def _leading(arithmetic: Arithmetic, C: Series, D: Series, mu: int, shifts: tuple[int, ...]) -> Matrix:
+def _leading(arithmetic: Arithmetic, C: SeriesEntries, D: SeriesEntries, mu: int, shifts: tuple[int, ...]) -> Matrix:
     n, nothing = range(len(shifts)), arithmetic.number(0)
     return [[_entry(C, D, (i, j), 0, mu + shifts[j], nothing) for j in n] for i in n]
 
 
-def _carried(arithmetic: Arithmetic, C: Series, D: Series, phi: list[Matrix], rho: int, shifts: tuple[int, ...], m: int) -> Matrix:
+def _carried(
+    arithmetic: Arithmetic, C: SeriesEntries, D: SeriesEntries, phi: list[Matrix], rho: int, shifts: tuple[int, ...], m: int
+) -> Matrix:
     """Σ_{q≥1} L_q(ρ + m − q) φ_{m−q}."""
     n, k = len(shifts), len(phi[0][0])
     total = [[arithmetic.number(0)] * k for _ in range(n)]
@@ -123,7 +125,7 @@ def _carried(arithmetic: Arithmetic, C: Series, D: Series, phi: list[Matrix], rh
     return [[arithmetic.rounded(value) for value in row] for row in total]
 
 
-def _at_sigma(powers: Sequence[Series], sigma: Any) -> Series:
+def _at_sigma(powers: Sequence[SeriesEntries], sigma: Any) -> SeriesEntries:
     out = dict(powers[-1])
     for part in reversed(powers[:-1]):
         out = {at: [sigma * c if not matrices.vanishes(c) else c for c in series] for at, series in out.items()}

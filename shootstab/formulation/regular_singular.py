@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from shootstab.core import polynomial
 from shootstab.core.errors import InputError
 from shootstab.formulation.expression import VARIABLE, Expression, Z, number
-from shootstab.formulation.first_order import Entries
+from shootstab.formulation.first_order import ExpressionEntries
 from shootstab.formulation.state_pencil import Powers, StatePencil
 from shootstab.formulation.substitution import substituted
 from shootstab.problems.protocol import GENERIC_SIGMA
@@ -41,12 +41,12 @@ MOST_TERMS = 80  # chosen: the series has so many terms at most
 FIRST_TERMS = 12  # chosen: so many terms of the coefficients tell the length
 COMPLEX_GENERIC_SIGMA = GENERIC_SIGMA * (1 + 0.37j)  # chosen: a complex σ of no property
 
-Scaled = tuple[Powers, Powers]  # Ĉ and D̂
+ScaledPencil = tuple[Powers, Powers]  # Ĉ and D̂
 SeriesArrays = tuple[list[NDArray[np.complex128]], list[NDArray[np.complex128]]]  # the same, (terms, n, n) for every power of σ
 
 
 @dataclass(frozen=True, eq=False)
-class Family:
+class SolutionFamily:
     """Solutions φ = Σ_{m<count} φ_m x^{ρ+m} + …; allowed are the coefficients (m n + j) that regularity leaves. Of these, by their
     places there, free are those that a basis is named by, and rows the equations that find the others.
     """
@@ -65,10 +65,10 @@ class RegularSingularEnd:
     Series are in x/length, a length over which the coefficients are of the size of their values at the end.
     """
 
-    parts: Scaled
+    parts: ScaledPencil
     shifts: tuple[int, ...]
     length: float
-    families: tuple[Family, ...]
+    families: tuple[SolutionFamily, ...]
     exponents: tuple[complex, ...]
 
     @property
@@ -123,7 +123,7 @@ def _end(system: StatePencil, z0: Fraction, direction: int, bounded: Sequence[in
     return RegularSingularEnd(parts, shifts, length, found, tuple(complex(x) for x in exponents))
 
 
-def coefficient_arrays(parts: Scaled, n: int, terms: int, length: float = 1.0) -> SeriesArrays:
+def coefficient_arrays(parts: ScaledPencil, n: int, terms: int, length: float = 1.0) -> SeriesArrays:
     """Ĉ and D̂ as arrays (terms, n, n) of their power series in x/length, one a power of σ. Raises InputError where they have none."""
     from shootstab.core.series import Series
     from shootstab.formulation.series_evaluation import on_double_series
@@ -131,7 +131,7 @@ def coefficient_arrays(parts: Scaled, n: int, terms: int, length: float = 1.0) -
     at = on_double_series(terms)
     powers = length ** np.arange(terms)
 
-    def array(entries: Entries) -> NDArray[np.complex128]:
+    def array(entries: ExpressionEntries) -> NDArray[np.complex128]:
         out = np.zeros((terms, n, n), dtype=np.complex128)
         for (i, j), entry in entries.items():
             try:
@@ -159,7 +159,7 @@ def blocks(arrays: SeriesArrays, shifts: Sequence[int], family: complex, count: 
     return out
 
 
-def _scaled(system: StatePencil, z0: Fraction, direction: int, where: str) -> tuple[Scaled, tuple[int, ...]]:
+def _scaled(system: StatePencil, z0: Fraction, direction: int, where: str) -> tuple[ScaledPencil, tuple[int, ...]]:
     n = system.size
     place = number(z0) + (Z if direction > 0 else -Z)
     C, D = ([{at: substituted(e, VARIABLE, place) for at, e in part.items()} for part in powers] for powers in (system.C, system.D))
@@ -181,13 +181,13 @@ def _scaled(system: StatePencil, z0: Fraction, direction: int, where: str) -> tu
     else:
         raise InputError(f"{where} is an irregular singular point of the equations: allowed are regular ones")
 
-    def scaled(part: Entries, extra: int) -> Entries:
+    def scaled(part: ExpressionEntries, extra: int) -> ExpressionEntries:
         return {(i, j): e * Z ** (s[j] - s[i] - (own[i] or 0) + extra) for (i, j), e in part.items()}
 
     return (tuple(scaled(part, 0) for part in C), tuple(scaled(part, 1) for part in D)), tuple(s)
 
 
-def _length(parts: Scaled, n: int) -> float:
+def _length(parts: ScaledPencil, n: int) -> float:
     """The x at which the later terms of the coefficients together are as large as the first, for σ of the size 1."""
     arrays = coefficient_arrays(parts, n, FIRST_TERMS)
     sizes = [float(max(np.abs(array[q]).max() for part in arrays for array in part)) for q in range(FIRST_TERMS)]
@@ -202,7 +202,7 @@ def _valuation(entry: Expression) -> int:
     return min(int(dict(monomial).get(VARIABLE, 0)) for monomial in entry.terms)
 
 
-def _exponents(parts: Scaled, shifts: Sequence[int], sigma: complex, where: str) -> NDArray[np.complex128]:
+def _exponents(parts: ScaledPencil, shifts: Sequence[int], sigma: complex, where: str) -> NDArray[np.complex128]:
     n = len(shifts)
     C, D = (polynomial.value([array[0] for array in part], sigma) for part in coefficient_arrays(parts, n, 2))
     if np.linalg.cond(C) > 1 / RANK_TOLERANCE:
@@ -213,8 +213,8 @@ def _exponents(parts: Scaled, shifts: Sequence[int], sigma: complex, where: str)
 
 
 def _family(
-    parts: Scaled, shifts: tuple[int, ...], length: float, rho: complex, count: int, bounded: Sequence[int], where: str
-) -> Family | None:
+    parts: ScaledPencil, shifts: tuple[int, ...], length: float, rho: complex, count: int, bounded: Sequence[int], where: str
+) -> SolutionFamily | None:
     n = len(shifts)
     powers = blocks(coefficient_arrays(parts, n, count + 1, length), shifts, rho, count)
     forbidden = {m * n + j for m in range(count) for j in bounded if (rho + m).real + shifts[j] < -INTEGER_TOLERANCE}
@@ -234,7 +234,7 @@ def _family(
     rows = sorted(order[: len(allowed) - k].tolist())
     for free in _candidates(scipy.linalg.null_space(M, rcond=RANK_TOLERANCE), k):
         if _is_polynomial(matrix, rows, free):
-            return Family(rho, count, tuple(free), tuple(rows), tuple(allowed))
+            return SolutionFamily(rho, count, tuple(free), tuple(rows), tuple(allowed))
     raise InputError(f"at {where} no basis of the regular solutions is found that is a polynomial in the eigenvalue: that is not offered")
 
 

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 from shootstab.core.errors import InputError
 from shootstab.formulation.expression import Expression
-from shootstab.formulation.first_order import Entries, FirstOrder
+from shootstab.formulation.first_order import ExpressionEntries, FirstOrder
 from shootstab.formulation.system import Row, coefficients, degree
 
 Condition = dict[int, Expression]  # of the states by their number, polynomials in σ
-Powers = tuple[Entries, ...]  # of σ⁰, σ¹, …, by their non-zero entries
+Powers = tuple[ExpressionEntries, ...]  # of σ⁰, σ¹, …, by their non-zero entries
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,12 +47,12 @@ def in_states(rows: list[tuple[str, Row]], first: FirstOrder) -> list[Condition]
     return out
 
 
-def by_powers(entries: Entries) -> Powers:
+def by_powers(entries: ExpressionEntries) -> Powers:
     """Entries by powers of σ, up to the highest that occurs."""
     return _powers(entries, max(map(degree, entries.values()), default=0))
 
 
-def _powers(entries: Entries, highest: int) -> Powers:
+def _powers(entries: ExpressionEntries, highest: int) -> Powers:
     out: Powers = tuple({} for _ in range(highest + 1))
     for at, entry in entries.items():
         for power, c in coefficients(entry).items():

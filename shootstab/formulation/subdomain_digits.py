@@ -14,7 +14,8 @@ from fractions import Fraction
 from typing import Any, Protocol
 
 from shootstab.core.errors import InputError
-from shootstab.formulation.decaying_digits import DecayingSpace
+from shootstab.core.progress import Tick
+from shootstab.formulation.decaying_digits import DecayingSpaceInDigits
 from shootstab.formulation.exponentials import ExponentialEnd
 from shootstab.formulation.expression import Expression
 from shootstab.formulation.null_space import null_space
@@ -22,7 +23,7 @@ from shootstab.formulation.regular_digits import RegularStart
 from shootstab.formulation.series_digits import on_numbers, on_series
 from shootstab.formulation.state_pencil import Powers, StatePencil
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
-from shootstab.multiprecision.integration import Base, Expansion, Progress, UnknownRows
+from shootstab.multiprecision.integration import BaseFlowNumbers, Expansion, UnknownRows
 from shootstab.multiprecision.settings import Settings
 from shootstab.multiprecision.taylor import Taylor, real_series
 
@@ -60,7 +61,7 @@ class AtInfinity:
     columns: int
 
     def beginning(self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction) -> Beginning:
-        return DecayingSpace(arithmetic, settings, self.end, system.size, self.columns, target)
+        return DecayingSpaceInDigits(arithmetic, settings, self.end, system.size, self.columns, target)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +94,7 @@ class AtWall:
 
 
 @dataclass(frozen=True, eq=False)
-class Augmented:
+class AugmentedBeginning:
     """A place at which all solutions begin, beside their starting values."""
 
     at: Fraction
@@ -127,11 +128,11 @@ class DigitSubdomain:
     @property
     def size(self) -> int:
         """Components."""
-        return self.system.size * (1 + isinstance(self.begin, Augmented))
+        return self.system.size * (1 + isinstance(self.begin, AugmentedBeginning))
 
 
 @dataclass(frozen=True, eq=False)
-class Arrival:
+class ArrivalConditions:
     """Conditions where all arrive: by powers of σ, entries by (row, component of all subdomains); the coordinate in them is at."""
 
     rows: Powers
@@ -144,14 +145,14 @@ class SubdomainDigits:
 
     real = False
 
-    def __init__(self, subdomains: Sequence[DigitSubdomain], arrivals: Sequence[Arrival]) -> None:
+    def __init__(self, subdomains: Sequence[DigitSubdomain], arrivals: Sequence[ArrivalConditions]) -> None:
         self._subdomains, self._arrivals = subdomains, arrivals
         self.size = sum(subdomain.size for subdomain in subdomains)
 
-    def base(self, arithmetic: Arithmetic, settings: Settings, progress: Progress) -> Base:
+    def base(self, arithmetic: Arithmetic, settings: Settings, progress: Tick) -> BaseFlowNumbers:
         return ()
 
-    def integration(self, arithmetic: Arithmetic, settings: Settings, base: Base) -> SubdomainIntegration:
+    def integration(self, arithmetic: Arithmetic, settings: Settings, base: BaseFlowNumbers) -> SubdomainIntegration:
         return SubdomainIntegration(arithmetic, settings, self._subdomains, self._arrivals)
 
 
@@ -159,7 +160,7 @@ class SubdomainIntegration:
     """See multiprecision.integration.Integration."""
 
     def __init__(
-        self, arithmetic: Arithmetic, settings: Settings, subdomains: Sequence[DigitSubdomain], arrivals: Sequence[Arrival]
+        self, arithmetic: Arithmetic, settings: Settings, subdomains: Sequence[DigitSubdomain], arrivals: Sequence[ArrivalConditions]
     ) -> None:
         self._arithmetic, self._settings, self._subdomains, self._arrivals = arithmetic, settings, subdomains, arrivals
         self._beginnings = [s.begin.beginning(arithmetic, settings, s.system, s.target) for s in subdomains]
@@ -234,7 +235,7 @@ class SubdomainIntegration:
                 whole += [[values.get((i, j), arithmetic.number(0)) for j in range(width)] for i in range(arrival.count)]
         return out
 
-    def corrected_base(self) -> Base:
+    def corrected_base(self) -> BaseFlowNumbers:
         return ()
 
 

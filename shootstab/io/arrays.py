@@ -19,7 +19,7 @@ COMPLEX_PARTS = (("re", "im"), ("real", "imag"), ("r", "i"))  # how a real and a
 
 
 @dataclass(frozen=True)
-class Array:
+class StoredArray:
     """An array of numbers in a file: its kind (NumPy's letter: c for complex), its shape, and a function that loads it."""
 
     kind: str
@@ -58,7 +58,7 @@ def pairs(names: Sequence[str]) -> list[tuple[str, str, str]]:
     return [(stem, both[0], both[1]) for (stem, _), both in halves.items() if len(both) == 2]
 
 
-def with_pairs(arrays: Mapping[str, Array], lone_stem: str) -> dict[str, Array]:
+def with_pairs(arrays: Mapping[str, StoredArray], lone_stem: str) -> dict[str, StoredArray]:
     """The arrays, of any shape (a, b, …), where a real and an imaginary part have become one of the name of their stem."""
     out = dict(arrays)
     for stem, re_name, im_name in pairs(list(arrays)):
@@ -66,22 +66,22 @@ def with_pairs(arrays: Mapping[str, Array], lone_stem: str) -> dict[str, Array]:
         if first.kind == "c" or second.kind == "c":
             continue
         del out[re_name], out[im_name]
-        out[stem or lone_stem] = Array("c", first.shape, lambda a=first, b=second, n=(re_name, im_name): _joined(a, b, n))  # type: ignore[misc]
+        out[stem or lone_stem] = StoredArray("c", first.shape, lambda a=first, b=second, n=(re_name, im_name): _joined(a, b, n))  # type: ignore[misc]
     return out
 
 
-def _joined(first: Array, second: Array, names: tuple[str, str]) -> Any:
+def _joined(first: StoredArray, second: StoredArray, names: tuple[str, str]) -> Any:
     if first.shape != second.shape:
         raise ValueError(f"{names[0]} and {names[1]} are not a real and an imaginary part: their shapes are {first.shape}, {second.shape}")
     return first.load() + 1j * second.load()
 
 
-def spectrum_in(arrays: Mapping[str, Array], wanted: Wanted, there: Sequence[str]) -> NDArray[np.complex128]:
+def spectrum_in(arrays: Mapping[str, StoredArray], wanted: Wanted, there: Sequence[str]) -> NDArray[np.complex128]:
     """The eigenvalues (m,) in the array that is meant. Raises ValueError that lists what is there."""
     return as_complex(arrays[choose(arrays, wanted.dataset, there)].load(), wanted.row)
 
 
-def choose(arrays: Mapping[str, Array], dataset: str | None, there: Sequence[str]) -> str:
+def choose(arrays: Mapping[str, StoredArray], dataset: str | None, there: Sequence[str]) -> str:
     """The name of the array (a, b, …) that is meant.
 
     It is the one asked for; else eigenvalues or sigma; else the only one; else the only complex vector.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from typing import TYPE_CHECKING, Any
 
-from shootstab.io.arrays import COMPLEX_PARTS, Array, Wanted, spectrum_in, with_pairs
+from shootstab.io.arrays import COMPLEX_PARTS, StoredArray, Wanted, spectrum_in, with_pairs
 
 if TYPE_CHECKING:
     import numpy as np
@@ -70,11 +70,11 @@ def _complex(array: Any) -> Any:
     raise ValueError(f"fields {', '.join(names)}: allowed are re and im, numbers both")
 
 
-def _found(file: Any, largest: int) -> dict[str, Array]:
+def _found(file: Any, largest: int) -> dict[str, StoredArray]:
     """Every dataset of numbers by its path, those that are a real and an imaginary part as one; what other files hold is not visited."""
     import h5py
 
-    groups: dict[str, dict[str, Array]] = {}
+    groups: dict[str, dict[str, StoredArray]] = {}
     count = 0
 
     def note(name: str, item: Any) -> bool | None:
@@ -84,11 +84,11 @@ def _found(file: Any, largest: int) -> dict[str, Array]:
         if numbers and name.split("/")[0] not in MATLABS_OWN:
             group, _, last = name.rpartition("/")
             kind = "c" if item.dtype.kind == "V" else item.dtype.kind
-            groups.setdefault(group, {})[last] = Array(kind, item.shape, lambda: _values(item, largest))
+            groups.setdefault(group, {})[last] = StoredArray(kind, item.shape, lambda: _values(item, largest))
         return True if count > MOST_OBJECTS else None
 
     file.visititems(note)
-    found: dict[str, Array] = {}
+    found: dict[str, StoredArray] = {}
     for group, members in groups.items():
         for last, array in with_pairs(members, "").items():
             found["/".join(part for part in (group, last) if part) or "/"] = array

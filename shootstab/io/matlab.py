@@ -7,7 +7,7 @@ import struct
 import zlib
 from typing import TYPE_CHECKING, Any
 
-from shootstab.io.arrays import Array, Wanted, spectrum_in, with_pairs
+from shootstab.io.arrays import StoredArray, Wanted, spectrum_in, with_pairs
 
 if TYPE_CHECKING:
     import numpy as np
@@ -33,7 +33,7 @@ def from_mat(data: bytes, wanted: Wanted, largest: int) -> NDArray[np.complex128
         loaded = scipy.io.loadmat(io.BytesIO(data), variable_names=names)
     except Exception as error:  # a parser of somebody else's on bytes of anybody's
         raise ValueError("broken MATLAB file: allowed is a file as MATLAB saves it, whole") from error
-    arrays: dict[str, Array] = {}
+    arrays: dict[str, StoredArray] = {}
     for name in names:
         if name not in loaded:
             raise ValueError(f"broken MATLAB file: {name} cannot be read")
@@ -45,14 +45,14 @@ def from_mat(data: bytes, wanted: Wanted, largest: int) -> NDArray[np.complex128
         raise ValueError(f"MATLAB file: {error}") from None
 
 
-def _collect(name: str, value: Any, into: dict[str, Array], depth: int) -> None:
+def _collect(name: str, value: Any, into: dict[str, StoredArray], depth: int) -> None:
     """Every array of numbers in the value, by its name in MATLAB; a cell whose entries are numbers is one array."""
     import numpy as np
 
     if depth < 0 or len(into) > MOST_VARIABLES or not isinstance(value, np.ndarray):
         return
     if value.dtype.kind in "iufc":
-        into[name] = Array(value.dtype.kind, value.shape, lambda: value)
+        into[name] = StoredArray(value.dtype.kind, value.shape, lambda: value)
     elif value.dtype.names is not None:
         for number, entry in enumerate(value.ravel()[:MOST_VARIABLES], 1):
             for field in value.dtype.names:
@@ -62,7 +62,7 @@ def _collect(name: str, value: Any, into: dict[str, Array], depth: int) -> None:
         entries = list(value.ravel())
         if entries and all(isinstance(e, np.ndarray) and e.dtype.kind in "iufc" and e.size == 1 for e in entries):
             whole = np.array([e.ravel()[0] for e in entries])
-            into[name] = Array(whole.dtype.kind, whole.shape, lambda: whole)
+            into[name] = StoredArray(whole.dtype.kind, whole.shape, lambda: whole)
             return
         for number, entry in enumerate(entries[:MOST_VARIABLES], 1):
             if (isinstance(entry, np.ndarray) and entry.size > 1) or getattr(getattr(entry, "dtype", None), "names", None):

@@ -9,7 +9,7 @@ import zipfile
 import zlib
 from typing import TYPE_CHECKING, Any
 
-from shootstab.io.arrays import ALLOWED_ARRAYS, Array, Wanted, as_complex, spectrum_in, with_pairs
+from shootstab.io.arrays import ALLOWED_ARRAYS, StoredArray, Wanted, as_complex, spectrum_in, with_pairs
 
 if TYPE_CHECKING:
     import numpy as np
@@ -65,7 +65,7 @@ def from_npz(data: bytes, wanted: Wanted, largest: int) -> NDArray[np.complex128
                 header = _header(archive, info)
                 if header is not None:
                     kind, shape = header
-                    arrays[name] = Array(kind, shape, lambda info=info: _member(archive, info, largest))  # type: ignore[misc]
+                    arrays[name] = StoredArray(kind, shape, lambda info=info: _member(archive, info, largest))  # type: ignore[misc]
             return spectrum_in(with_pairs(arrays, "re, im"), wanted, list(members))
     except _BROKEN_ZIP as error:
         raise ValueError(f"broken npz: {error}") from error

@@ -25,7 +25,7 @@ INFINITE = 1e15
 
 
 @dataclass(frozen=True, eq=False)
-class Spectrum:
+class ClaimedSpectrum:
     """Eigenvalues as they were read: values (m,), and how many entries were left out as infinite, not a number, or 1e15 and more."""
 
     values: NDArray[np.complex128]
@@ -68,7 +68,7 @@ class Reader:
     several: bool = False
 
 
-def read(path: str | Path, dataset: str | None = None, row: int | None = None) -> Spectrum:
+def read(path: str | Path, dataset: str | None = None, row: int | None = None) -> ClaimedSpectrum:
     """The eigenvalues in a file, in their order: csv or text, json, npy, npz, MATLAB, HDF5, Legolas.
 
     dataset is the name of the array that is meant, in a file that may hold several; row, counted from 1, the spectrum in an array of
@@ -99,7 +99,7 @@ def read(path: str | Path, dataset: str | None = None, row: int | None = None) -
         raise InputError(f"{path}: holds no eigenvalue: all {len(values)} entries are infinite, not a number, or 1e15 and more")
     import numpy as np
 
-    return Spectrum(np.array(kept, dtype=np.complex128), len(values) - len(kept), Path(path).name)
+    return ClaimedSpectrum(np.array(kept, dtype=np.complex128), len(values) - len(kept), Path(path).name)
 
 
 def _require_several(reader: Reader, path: str | Path, dataset: str | None, row: int | None) -> None:

@@ -9,8 +9,10 @@ from typing import Any
 import mpmath
 
 from shootstab.core.errors import InputError
+from shootstab.core.progress import Tick
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix, exact, simplified
-from shootstab.multiprecision.integration import Base, Entries, Expansion, Progress, UnknownRows
+from shootstab.multiprecision.integration import BaseFlowNumbers, Expansion, UnknownRows
+from shootstab.multiprecision.linear_step import TaylorEntries
 from shootstab.multiprecision.settings import Settings
 from shootstab.multiprecision.taylor import Taylor, real_series
 from shootstab.problems.capabilities import EXACT_UNKNOWNS
@@ -26,10 +28,10 @@ class ClosedFormDigits:
         self._problem = problem
         self.size = problem.size
 
-    def base(self, arithmetic: Arithmetic, settings: Settings, progress: Progress) -> Base:
+    def base(self, arithmetic: Arithmetic, settings: Settings, progress: Tick) -> BaseFlowNumbers:
         return ()
 
-    def integration(self, arithmetic: Arithmetic, settings: Settings, base: Base) -> ClosedFormIntegration:
+    def integration(self, arithmetic: Arithmetic, settings: Settings, base: BaseFlowNumbers) -> ClosedFormIntegration:
         return ClosedFormIntegration(arithmetic, self._problem, settings)
 
 
@@ -89,10 +91,10 @@ class ClosedFormIntegration:
     def wall_rows(self) -> list[Matrix]:
         return [self._matrix(W) for W in self._problem.exact_wall(self._exact)]
 
-    def corrected_base(self) -> Base:
+    def corrected_base(self) -> BaseFlowNumbers:
         return ()
 
-    def _entries(self, part: Mapping[tuple[int, int], Any], z: Taylor) -> Entries:
+    def _entries(self, part: Mapping[tuple[int, int], Any], z: Taylor) -> TaylorEntries:
         return {at: e if isinstance(e, Taylor) else 0 * z + e for at, e in part.items()}
 
     def _matrix(self, rows: Sequence[Sequence[Any]]) -> Matrix:

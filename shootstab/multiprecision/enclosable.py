@@ -10,7 +10,7 @@ from flint import acb, arb, fmpq
 
 from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import exact
-from shootstab.multiprecision.minors import Entries, minors
+from shootstab.multiprecision.minors import MinorEntries, minors
 from shootstab.problems.closed_form import ClosedForm
 
 
@@ -37,7 +37,7 @@ class Enclosable(Protocol):
         """z of the first and of the second end, arb."""
         ...
 
-    def pencil(self, z: Any) -> tuple[Sequence[Entries], Sequence[Entries]]:
+    def pencil(self, z: Any) -> tuple[Sequence[MinorEntries], Sequence[MinorEntries]]:
         """C and D at z, an acb or a TailedSeries, by powers of σ and non-zero entries."""
         ...
 
@@ -70,7 +70,7 @@ class ClosedFormEnclosable:
         far, wall = (ball(exact(end)) if isinstance(end, float) else ball(end) for end in self._form.exact_ends(_exact))
         return far, wall
 
-    def pencil(self, z: Any) -> tuple[Sequence[Entries], Sequence[Entries]]:
+    def pencil(self, z: Any) -> tuple[Sequence[MinorEntries], Sequence[MinorEntries]]:
         parts = [dict(part) for part in self._form.exact_pencil(z, _exact)]
         half = len(parts) // 2
         return parts[:half], parts[half:]

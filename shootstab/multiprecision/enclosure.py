@@ -25,7 +25,7 @@ from flint import acb, acb_mat, arb, ctx
 
 from shootstab.core.errors import ConvergenceError
 from shootstab.multiprecision.enclosable import Enclosable, ball
-from shootstab.multiprecision.minors import Entries, at_sigma, compound, solved
+from shootstab.multiprecision.minors import MinorEntries, at_sigma, compound, solved
 from shootstab.multiprecision.tailed_series import NO_TAIL, TailedSeries, variable
 
 ENCLOSURE_STEPS = 20_000  # chosen, a budget: some minutes for one D
@@ -158,7 +158,7 @@ class Enclosure:
         ratio = _largest([r / N / arb(x) for r, x in zip(rest, w, strict=True)]) / (1 - g)
         return [arb(x) * ratio for x in w]
 
-    def _system(self, z: Any, sigma: Any) -> Entries:
+    def _system(self, z: Any, sigma: Any) -> MinorEntries:
         """A = C⁻¹ D at z, a number or a series, by its non-zero entries."""
         C, D = self.problem.pencil(z)
         n = self.problem.size

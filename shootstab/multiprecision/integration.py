@@ -6,18 +6,17 @@ end to the wall, in one arithmetic with one choice of settings. All numbers and 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+from shootstab.core.progress import Tick
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
+from shootstab.multiprecision.linear_step import TaylorEntries
 from shootstab.multiprecision.settings import Settings
-from shootstab.multiprecision.taylor import Taylor
 
-Entries = Mapping[tuple[int, int], Taylor]
 UnknownRows = Mapping[str, Mapping[int, Any]]  # of each unknown by name, its factors of components of ψ: series, or numbers
-Progress = Callable[[], None]
-Base = tuple[Any, ...]  # what a base flow had to be solved for, as mpmath numbers; empty if nothing
+BaseFlowNumbers = tuple[Any, ...]  # what a base flow had to be solved for, as mpmath numbers; empty if nothing
 
 
 @dataclass(frozen=True)
@@ -28,8 +27,8 @@ class Expansion:
     """
 
     h: Any
-    C: Sequence[Entries]
-    D: Sequence[Entries]
+    C: Sequence[TaylorEntries]
+    D: Sequence[TaylorEntries]
     at_wall: bool
 
 
@@ -72,7 +71,7 @@ class Integration(Protocol):
         """W0, W1, … (k, n), asked for at the wall."""
         ...
 
-    def corrected_base(self) -> Base:
+    def corrected_base(self) -> BaseFlowNumbers:
         """The base flow that should have been taken, going by what this integration found at the wall."""
         ...
 
@@ -90,13 +89,13 @@ class MultiprecisionProblem(Protocol):
         """Whether D is real for real σ."""
         ...
 
-    def base(self, arithmetic: Arithmetic, settings: Settings, progress: Progress) -> Base:
+    def base(self, arithmetic: Arithmetic, settings: Settings, progress: Tick) -> BaseFlowNumbers:
         """The base flow, found with these settings; to be called inside the working precision.
 
         Raises ConvergenceError where the parameters do not determine it.
         """
         ...
 
-    def integration(self, arithmetic: Arithmetic, settings: Settings, base: Base) -> Integration:
+    def integration(self, arithmetic: Arithmetic, settings: Settings, base: BaseFlowNumbers) -> Integration:
         """A integration with these settings on this base flow; to be called inside the working precision."""
         ...

@@ -17,11 +17,11 @@ from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import TAIL_TERMS, Arithmetic, Matrix, Payloads
 from shootstab.multiprecision.taylor import Taylor
 
-Entries = Mapping[tuple[int, int], Taylor]
-Subsystem = tuple[list[int], list[int]]  # rows and unknowns
+TaylorEntries = Mapping[tuple[int, int], Taylor]
+BlockPlaces = tuple[list[int], list[int]]  # rows and unknowns
 
 
-def at_sigma(parts: Sequence[Entries], sigma: Any) -> dict[tuple[int, int], Taylor]:
+def at_sigma(parts: Sequence[TaylorEntries], sigma: Any) -> dict[tuple[int, int], Taylor]:
     """Σ σ^k (part k), entry by entry; what is exactly zero is left out."""
     out: dict[tuple[int, int], Taylor] = {}
     factor: Any = 1
@@ -33,7 +33,7 @@ def at_sigma(parts: Sequence[Entries], sigma: Any) -> dict[tuple[int, int], Tayl
     return {at: entry for at, entry in out.items() if not entry.zero}
 
 
-def subsystems(n: int, C: Entries, D: Entries) -> list[Subsystem]:
+def subsystems(n: int, C: TaylorEntries, D: TaylorEntries) -> list[BlockPlaces]:
     """The parts into which the system falls apart, each with its equations and its unknowns."""
     group = list(range(n))
     columns: dict[int, list[int]] = {i: [j for r, j in (*C, *D) if r == i] for i in range(n)}
@@ -49,7 +49,7 @@ def subsystems(n: int, C: Entries, D: Entries) -> list[Subsystem]:
     return found
 
 
-def carried(arithmetic: Arithmetic, n: int, C: Entries, D: Entries, Y: Matrix, terms: int) -> tuple[Matrix, list[Matrix]]:
+def carried(arithmetic: Arithmetic, n: int, C: TaylorEntries, D: TaylorEntries, Y: Matrix, terms: int) -> tuple[Matrix, list[Matrix]]:
     """ψ(1) (n, k) from ψ(0) = Y by a series of so many terms, and the last of them."""
     k, nothing = len(Y[0]), arithmetic.number(0)
     end, *last = ([[nothing] * k for _ in range(n)] for _ in range(1 + TAIL_TERMS))
@@ -67,7 +67,7 @@ def carried(arithmetic: Arithmetic, n: int, C: Entries, D: Entries, Y: Matrix, t
     return end, last
 
 
-def series(arithmetic: Arithmetic, n: int, C: Entries, D: Entries, Y: Matrix, terms: int) -> list[Matrix]:
+def series(arithmetic: Arithmetic, n: int, C: TaylorEntries, D: TaylorEntries, Y: Matrix, terms: int) -> list[Matrix]:
     """So many coefficients (n, k) of ψ(t) from ψ(0) = Y."""
     k, nothing = len(Y[0]), arithmetic.number(0)
     out = [[[nothing] * k for _ in range(n)] for _ in range(terms)]
@@ -83,13 +83,13 @@ def series(arithmetic: Arithmetic, n: int, C: Entries, D: Entries, Y: Matrix, te
     return out
 
 
-def leading(arithmetic: Arithmetic, C: Entries, rows: Sequence[int], unknowns: Sequence[int]) -> Matrix:
+def leading(arithmetic: Arithmetic, C: TaylorEntries, rows: Sequence[int], unknowns: Sequence[int]) -> Matrix:
     """C_0 (n, n) of one subsystem."""
     return [[C[i, j].coefficients(1)[0] if (i, j) in C else arithmetic.number(0) for j in unknowns] for i in rows]
 
 
 def stacked(
-    arithmetic: Arithmetic, C: Entries, D: Entries, rows: Sequence[int], unknowns: Sequence[int], terms: int, shift: int
+    arithmetic: Arithmetic, C: TaylorEntries, D: TaylorEntries, rows: Sequence[int], unknowns: Sequence[int], terms: int, shift: int
 ) -> Payloads:
     """The rows of D + C′ over those of C, as payloads (Re, Im) of series: in t from C_1 on (shift = 1), or, where t d/dt stands
     for d/dt, all of both but the terms of order zero (shift = 0).

@@ -11,12 +11,12 @@ from flint import acb, acb_mat
 from shootstab.core.errors import ConvergenceError
 from shootstab.multiprecision.tailed_series import TailedSeries
 
-Entries = dict[tuple[int, int], Any]
+MinorEntries = dict[tuple[int, int], Any]
 
 
-def at_sigma(parts: Sequence[Any], sigma: Any) -> Entries:
+def at_sigma(parts: Sequence[Any], sigma: Any) -> MinorEntries:
     """Σ σ^k (part k), entry by entry."""
-    out: Entries = {}
+    out: MinorEntries = {}
     factor = acb(1)
     for k, part in enumerate(parts):
         factor = factor * sigma if k else factor
@@ -27,7 +27,7 @@ def at_sigma(parts: Sequence[Any], sigma: Any) -> Entries:
     return out
 
 
-def solved(n: int, C: Entries, D: Entries) -> Entries:
+def solved(n: int, C: MinorEntries, D: MinorEntries) -> MinorEntries:
     """C⁻¹ D by elimination in the ring of the entries; the pivot is the entry whose first coefficient is largest."""
     rows: list[dict[int, Any]] = [
         {**{j: C[i, j] for j in range(n) if (i, j) in C}, **{n + j: D[i, j] for j in range(n) if (i, j) in D}} for i in range(n)
@@ -60,11 +60,11 @@ def minors(rows: Sequence[Sequence[Any]], k: int) -> list[Any]:
     return [acb_mat([list(rows[i]) for i in subset]).det() for subset in combinations(range(len(rows)), k)]
 
 
-def compound(n: int, k: int, A: Entries) -> Entries:
+def compound(n: int, k: int, A: MinorEntries) -> MinorEntries:
     """A^(k) of Λ^k: (A^(k))_{IJ} = Σ ± a_ij where J is I with i replaced by j."""
     subsets = list(combinations(range(n), k))
     place = {s: i for i, s in enumerate(subsets)}
-    out: Entries = {}
+    out: MinorEntries = {}
     for row, subset in enumerate(subsets):
         for at, i in enumerate(subset):
             for j in range(n):

@@ -9,10 +9,12 @@ from typing import Any
 
 from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
-from shootstab.multiprecision.linear_step import Entries, leading, stacked, subsystems
+from shootstab.multiprecision.linear_step import TaylorEntries, leading, stacked, subsystems
 
 
-def decaying_series(arithmetic: Arithmetic, C: Entries, D: Entries, P0: Matrix, rate: Any, nilpotent: Matrix, terms: int) -> list[Matrix]:
+def decaying_series(
+    arithmetic: Arithmetic, C: TaylorEntries, D: TaylorEntries, P0: Matrix, rate: Any, nilpotent: Matrix, terms: int
+) -> list[Matrix]:
     """P_m (n, k) for m below terms, from P_0 and Λ = rate I + N with N² = 0: P_m = G (R − C_0 G R N), G = ((m + rate) C_0 − D_0)⁻¹."""
     n, k = len(P0), len(P0[0])
     nothing = arithmetic.number(0)

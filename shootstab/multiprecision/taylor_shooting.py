@@ -11,9 +11,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from shootstab.core.errors import ConvergenceError
+from shootstab.core.progress import Tick
 from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
-from shootstab.multiprecision.integration import Base, Expansion, Integration, Progress, UnknownRows
+from shootstab.multiprecision.integration import BaseFlowNumbers, Expansion, Integration, UnknownRows
 from shootstab.multiprecision.linear_step import at_sigma, carried
 from shootstab.multiprecision.settings import Settings, step_limit
 
@@ -39,7 +40,7 @@ class Factors:
 class TaylorShooting:
     """D(σ) on one integration; the steps are chosen at the first σ and kept, with the pencil's series, for the others."""
 
-    def __init__(self, arithmetic: Arithmetic, n: int, settings: Settings, integration: Integration, progress: Progress) -> None:
+    def __init__(self, arithmetic: Arithmetic, n: int, settings: Settings, integration: Integration, progress: Tick) -> None:
         self.arithmetic, self.settings, self._n, self._progress = arithmetic, settings, n, progress
         self.integration = integration
         self._steps: list[Expansion] = []
@@ -49,7 +50,7 @@ class TaylorShooting:
         """How many there are."""
         return len(self._steps)
 
-    def corrected_base(self) -> Base:
+    def corrected_base(self) -> BaseFlowNumbers:
         """See protocol.Integration."""
         return self.integration.corrected_base()
 
@@ -133,4 +134,4 @@ def _transpose(A: Matrix) -> Matrix:
     return [list(column) for column in zip(*A, strict=True)]
 
 
-Discriminant = Callable[[Any], Any]
+DiscriminantInDigits = Callable[[Any], Any]

@@ -24,7 +24,7 @@ from shootstab.multiprecision.linear_step import at_sigma, series
 from shootstab.multiprecision.taylor import Taylor
 from shootstab.multiprecision.taylor_shooting import TaylorShooting
 
-Values = list[Any]  # numbers of the arithmetic
+Numbers = list[Any]  # numbers of the arithmetic
 OUTSIDE_DIGITS = 1e-15  # chosen: of the length of the domain, by which a z may miss an end that is known as a double
 
 
@@ -34,7 +34,7 @@ class TaylorSolution:
 
     arithmetic: Arithmetic
     sigma: Any
-    z: Values
+    z: Numbers
     steps: Sequence[Expansion]
     psi: Sequence[Matrix]
     rows: Sequence[UnknownRows]

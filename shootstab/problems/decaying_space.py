@@ -46,7 +46,7 @@ class ConstantSpace:
 
 
 @dataclass(frozen=True, eq=False)
-class AtInfinity:
+class AsymptoticRates:
     """How solutions behave at an end for one σ: rates μ (n,) by rising growth outwards, decaying of them counted, the gap behind these.
 
     margin is −Re μ of the slowest that is counted, and the growth of the slowest other, whichever is smaller: below 0, σ lies beyond the
@@ -95,8 +95,8 @@ class DecayingSpace:
             raise ConvergenceError(f"{where}, the decaying space is known to {error:.1e} only for sigma = {sigma:.6g}")
         return FarFrame(frame, tangent, log_scale, error)
 
-    def at(self, sigma: complex) -> AtInfinity:
+    def at(self, sigma: complex) -> AsymptoticRates:
         """How solutions behave there."""
         k, rates = self.columns, self.kato_frame.limit.rates(sigma)
         margins = [*(-rates[k - 1 : k].real if k > 0 else ()), *rates[k : k + 1].real]
-        return AtInfinity(self.where, rates, k, gap(rates, k), float(min(margins)))
+        return AsymptoticRates(self.where, rates, k, gap(rates, k), float(min(margins)))

@@ -40,7 +40,7 @@ MOST_CELLS = 600  # chosen: cells looked at for one path, some seconds
 PER_DOUBLING = 3.0  # chosen: steps that a change of the cell's size counts for in the search of a path
 EIGHT_DIRECTIONS = np.exp(0.25j * np.pi * np.arange(8)).tolist()  # chosen: in which a path around a branch point is looked for
 
-Key = tuple[int, int, int]  # ln2 of the side, and the place of the anchor from σ0 in sides
+CellKey = tuple[int, int, int]  # ln2 of the side, and the place of the anchor from σ0 in sides
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +67,8 @@ class KatoFrame:
 
     def __init__(self, limit: AsymptoticPencil, k: int, reference: complex, distance: float = 0.0) -> None:
         self.limit, self.k, self.reference, self.distance = limit, k, reference, distance
-        self._plain: dict[Key, SeriesCell | None] = {}
-        self._joined: dict[Key, SeriesCell] = {}
+        self._plain: dict[CellKey, SeriesCell | None] = {}
+        self._joined: dict[CellKey, SeriesCell] = {}
 
     def frame(self, sigma: complex) -> tuple[ComplexArray, ComplexArray, float, SpectralSplitting]:
         """The frame (n, k), its σ-derivative, the logarithm of a factor on its determinant, and the split they come from.
@@ -101,7 +101,7 @@ class KatoFrame:
             self._join(key, sigma)
         return self._joined[key]
 
-    def _key(self, sigma: complex) -> Key:
+    def _key(self, sigma: complex) -> CellKey:
         """Level and place of the largest cell around σ in which the series converges. Raises Undecidable if there is none."""
         scale = max(abs(sigma - self.reference), abs(self.reference))
         top = math.ceil(math.log2(scale)) + 1
@@ -130,13 +130,13 @@ class KatoFrame:
         m = np.arange(KEPT_TERMS)
         return SeriesCell(anchor, side, R, np.concatenate(([0j], series[:KEPT_TERMS] / ((m + 1) * SAMPLE_RADIUS ** (m + 1.0)))))
 
-    def _join(self, key: Key, sigma: complex) -> None:
+    def _join(self, key: CellKey, sigma: complex) -> None:
         """Find c of a cell along neighbours that lead to σ0 or to a cell whose c is known, those first that seem nearest to σ0.
 
         So a path leads away from a cut first, to where cells are large. Raises Undecidable if none is found.
         """
-        queue: list[tuple[float, int, Key]] = [(0.0, 0, key)]
-        came: dict[Key, tuple[Key, complex] | None] = {key: None}
+        queue: list[tuple[float, int, CellKey]] = [(0.0, 0, key)]
+        came: dict[CellKey, tuple[CellKey, complex] | None] = {key: None}
         while queue and len(came) < MOST_CELLS:
             _, _, here = heapq.heappop(queue)
             if here in self._joined or here[1:] == (0, 0):
@@ -160,7 +160,7 @@ class KatoFrame:
         at_reference = self._cell_at(self._key(self.reference)).side
         return abs(cell.anchor - self.reference) / cell.side + PER_DOUBLING * abs(math.log2(cell.side / at_reference))
 
-    def _walk_back(self, here: Key, came: dict[Key, tuple[Key, complex] | None]) -> None:
+    def _walk_back(self, here: CellKey, came: dict[CellKey, tuple[CellKey, complex] | None]) -> None:
         """c of every cell on the path: at the place where two meet, their determinants are the same."""
         step = came[here]
         while step is not None:
@@ -171,7 +171,7 @@ class KatoFrame:
             self._joined[key] = replace(cell, log_c=cmath.log(ratio) + before.logarithm(place) - cell.logarithm(place))
             here, step = key, came[key]
 
-    def _cell_at(self, key: Key) -> SeriesCell:
+    def _cell_at(self, key: CellKey) -> SeriesCell:
         cell = self._plain[key]
         assert cell is not None
         return cell

@@ -22,7 +22,7 @@ from shootstab.core.scaled import EPSILON
 from shootstab.problems.protocol import ComplexArray
 
 Reals = NDArray[np.float64]
-Coefficients = Callable[[Reals], ComplexArray]  # z (m,) to values (m, entries)
+CoefficientFunction = Callable[[Reals], ComplexArray]  # z (m,) to values (m, entries)
 
 KNOT_POINTS, KNOT_DEGREE = 12, 7  # chosen: of an interval; the residual of smooth coefficients falls by 2^8 from an interval to its half
 FIRST_INTERVALS = 65  # chosen: intervals to begin with, in all; narrower features than a twelfth of one may be overlooked
@@ -74,7 +74,7 @@ class _Pieces:
         return zip(self.low.tolist(), self.high.tolist(), self.size, strict=True)
 
 
-def find_knots(coefficients: Coefficients, low: float, high: float, given: Reals) -> Reals:
+def find_knots(coefficients: CoefficientFunction, low: float, high: float, given: Reals) -> Reals:
     """The knots of coefficients inside an interval, those given among them, rising.
 
     Raises InputError with the place where they are more than MOST_KNOTS beside those given, or where coefficients go with a power that is
@@ -133,7 +133,7 @@ def with_pairs(nodes: Reals, pairs: Reals) -> Reals:
     return np.asarray(out if nodes[-1] > nodes[0] else out[::-1])
 
 
-def _roots(coefficients: Coefficients, ends: Reals) -> _Pieces:
+def _roots(coefficients: CoefficientFunction, ends: Reals) -> _Pieces:
     """The intervals to begin with that are not resolved, FIRST_INTERVALS in all or two between each pair of ends if that is more."""
     lengths = np.diff(ends)
     counts = np.maximum(2, np.ceil(FIRST_INTERVALS * lengths / lengths.sum())).astype(int)
@@ -155,7 +155,7 @@ def _roots(coefficients: Coefficients, ends: Reals) -> _Pieces:
     )
 
 
-def _halves(coefficients: Coefficients, parents: _Pieces) -> _Pieces:
+def _halves(coefficients: CoefficientFunction, parents: _Pieces) -> _Pieces:
     """Both parts of every interval, in turn."""
     middle = parents.low + INTERVAL_CUT * (parents.high - parents.low)
     low, high = np.column_stack((parents.low, middle)).ravel(), np.column_stack((middle, parents.high)).ravel()
@@ -174,13 +174,13 @@ def _without_noise(active: _Pieces) -> _Pieces:
     return replace(kept, ancestor=np.arange(len(kept.low)))
 
 
-def _values(coefficients: Coefficients, low: Reals, high: Reals) -> ComplexArray:
+def _values(coefficients: CoefficientFunction, low: Reals, high: Reals) -> ComplexArray:
     """The coefficients at Chebyshev's points of intervals: (m, KNOT_POINTS, entries)."""
     z = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * PIECE_ABSCISSAE
     return coefficients(z.ravel()).reshape(len(low), KNOT_POINTS, -1)
 
 
-def _residuals(coefficients: Coefficients, low: Reals, high: Reals, size: Reals) -> Reals:
+def _residuals(coefficients: CoefficientFunction, low: Reals, high: Reals, size: Reals) -> Reals:
     """The largest residual over the entries of the fit by a polynomial, each in its size.
 
     What is no larger than a rounding of z makes it, where the entry is steep, counts as resolved.
@@ -194,7 +194,7 @@ def _residuals(coefficients: Coefficients, low: Reals, high: Reals, size: Reals)
     return np.asarray(np.where(size > 0.0, relative, 0.0).max(axis=1, initial=0.0))
 
 
-def _bisected(coefficients: Coefficients, span: float, low: float, high: float, size: Reals) -> Reals:
+def _bisected(coefficients: CoefficientFunction, span: float, low: float, high: float, size: Reals) -> Reals:
     """Where the coefficients jump (1,) between two points that are some hairs apart."""
     while (middle := 0.5 * (low + high)) not in (low, high) and high - low > 0.1 * hair(middle, span):
         at = coefficients(np.array([low, middle, high]))
@@ -204,7 +204,7 @@ def _bisected(coefficients: Coefficients, span: float, low: float, high: float, 
     return np.array([high])
 
 
-def _between_fits(coefficients: Coefficients, ends: Reals, low: float, high: float, size: Reals) -> Reals:
+def _between_fits(coefficients: CoefficientFunction, ends: Reals, low: float, high: float, size: Reals) -> Reals:
     """Where polynomials that fit the coefficients on either side of an interval take turns (1,); its middle where none do.
 
     A jump of the p-th derivative is seen in the residual of a fit when it is a part of what the coefficients are off if the wrong one of
@@ -233,7 +233,7 @@ def _between_fits(coefficients: Coefficients, ends: Reals, low: float, high: flo
     return np.array([0.5 * (low + high)])
 
 
-def _require_smooth_beside(coefficients: Coefficients, at: _Pieces, ends: Reals) -> None:
+def _require_smooth_beside(coefficients: CoefficientFunction, at: _Pieces, ends: Reals) -> None:
     """Raise InputError where coefficients go with a power of the distance beside a knot: their residual does with that of the length."""
     length = at.high - at.low
     for side, edge in ((-1.0, at.low), (1.0, at.high)):

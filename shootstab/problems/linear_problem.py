@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 from shootstab.core.errors import InputError
 from shootstab.core.regions import Rectangle
 from shootstab.problems.capabilities import ENCLOSABLE, MULTIPRECISION, VARIED
-from shootstab.problems.decaying_space import AtInfinity, DecayingSpace
+from shootstab.problems.decaying_space import AsymptoticRates, DecayingSpace
 from shootstab.problems.ends import Infinity, Interface, Wall
 from shootstab.problems.first_mesh import resolving
-from shootstab.problems.knots import Coefficients, find_knots, with_pairs
+from shootstab.problems.knots import CoefficientFunction, find_knots, with_pairs
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
 from shootstab.problems.singular_curve import CURVE_PROBES, ContinuumOnLine, SingularCurve, singular_curves
@@ -196,7 +196,7 @@ class LinearProblem:
         return np.unique(np.concatenate([find_knots(self._varying, *line, known) for line in self.reduction.intervals]))
 
     @cached_property
-    def _varying(self) -> Coefficients:
+    def _varying(self) -> CoefficientFunction:
         """The entries of the pencil that are not the same everywhere, as a function of real z."""
         (low, high) = np.array(self.reduction.intervals).T
         x = np.modf(GOLDEN * np.arange(1, KNOT_PROBES + 1))[0]
@@ -263,7 +263,7 @@ class LinearProblem:
         """A σ without any property at which the decaying spaces exist: next to the one that they are normalized at."""
         return BESIDE * (self.at_infinity[0].kato_frame.reference if self.at_infinity else 1.0)
 
-    def ends(self, sigma: complex) -> tuple[AtInfinity, ...]:
+    def ends(self, sigma: complex) -> tuple[AsymptoticRates, ...]:
         """How solutions behave at the ends at infinity: rates, how many decay, and the gap by which they are told apart."""
         return tuple(end.at(complex(sigma)) for end in self.at_infinity)
 

@@ -19,7 +19,7 @@ from shootstab.core.straight_line import Program, Recorded, Recorder, program
 from shootstab.problems.protocol import ComplexArray
 
 Entries = dict[tuple[int, int], Any]
-Row = dict[tuple[int, int], Any]  # of an elimination: by (side, column)
+EliminationRow = dict[tuple[int, int], Any]  # of an elimination: by (side, column)
 I_POWERS = np.array([1, 1j])  # exact: the powers of i by which states and equations are turned so that a system may be real
 
 
@@ -146,8 +146,8 @@ def _solve(n: int, moving: list[int], columns: list[int], C: Entries, D0: Entrie
     Constants are pivots first, then what leaves the rest sparse.
     """
     rows = [i for i in range(n) if i not in moving]
-    left: dict[int, Row] = {i: {(0, j): C[i, j] for j in range(n) if (i, j) in C and j not in columns} for i in rows}
-    right: dict[int, Row] = {i: {} for i in rows}
+    left: dict[int, EliminationRow] = {i: {(0, j): C[i, j] for j in range(n) if (i, j) in C and j not in columns} for i in rows}
+    right: dict[int, EliminationRow] = {i: {} for i in rows}
     for which, D in enumerate((D0, D1)):
         for (i, j), v in D.items():
             if i in right:

@@ -24,7 +24,7 @@ from shootstab.core.errors import ConvergenceError
 NO_RADIUS = arb(0)
 SPARE_POINTS = 2  # chosen: points beyond those that the tail asks for
 FIRST_LENGTH, SHORTEST_LENGTH = 1 / 64, 2.0**-48  # of a side of a polygon; chosen
-Ball = Callable[[Any], Any]  # σ ↦ an enclosure of D(σ)
+EnclosedDiscriminant = Callable[[Any], Any]  # σ ↦ an enclosure of D(σ)
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ class TaylorModel:
         return None
 
 
-def taylor_model(D: Ball, log_bound: Any, centre: Any, radius: Any, outer: Any, points: int) -> TaylorModel:
+def taylor_model(D: EnclosedDiscriminant, log_bound: Any, centre: Any, radius: Any, outer: Any, points: int) -> TaylorModel:
     """From `points` values of D on |σ − centre| = radius, and ln |D| ≤ log_bound on |σ − centre| ≤ outer."""
     K = points
     roots = [(2 * acb(j) / K).exp_pi_i() for j in range(K)]
@@ -163,7 +163,13 @@ def _bounded(coefficients: Sequence[Any], s: Any) -> Any:
 
 
 def polynomial_model(
-    D: Ball, log_bound: Any, centre: Any, radius: Any, outer: Any, points: int, progress: Callable[[int, int], None] | None = None
+    D: EnclosedDiscriminant,
+    log_bound: Any,
+    centre: Any,
+    radius: Any,
+    outer: Any,
+    points: int,
+    progress: Callable[[int, int], None] | None = None,
 ) -> PolynomialModel:
     """The Taylor polynomial of D on |σ − centre| ≤ radius from K = points values on the circle; see the head of this module."""
     K, values = points, []

@@ -13,11 +13,11 @@ from typing import Any
 
 from flint import acb, acb_poly
 
-from shootstab.roots.pellet import NO_RADIUS, Ball, PolynomialModel
+from shootstab.roots.pellet import NO_RADIUS, EnclosedDiscriminant, PolynomialModel
 
 
 def two_variable_model(
-    D: Sequence[Ball],
+    D: Sequence[EnclosedDiscriminant],
     log_bound: Any,
     centre: Any,
     radius: Any,

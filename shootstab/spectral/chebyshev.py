@@ -12,22 +12,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+RealArray = NDArray[np.float64]
 
 
-def extrema(degree: int) -> Array:
+def extrema(degree: int) -> RealArray:
     """y_j = cos(πj/N), j = 0 … N: the N + 1 Gauss–Lobatto points (N + 1,), exactly antisymmetric."""
     j = np.arange(degree + 1)
     return np.asarray(np.sin(np.pi * (degree - 2 * j) / (2 * degree)))
 
 
-def roots(degree: int) -> Array:
+def roots(degree: int) -> RealArray:
     """The zeros of T_{N+1}, cos(π(2j + 1)/(2N + 2)), j = 0 … N: the Gauss points (N + 1,)."""
     j = np.arange(degree + 1)
     return np.asarray(np.sin(np.pi * (degree - 2 * j) / (2 * degree + 2)))
 
 
-def differentiation(degree: int) -> Array:
+def differentiation(degree: int) -> RealArray:
     """D (N + 1, N + 1) with (D f)_i = f′(y_i) on the extrema, for every polynomial f of degree ≤ N.
 
     D_ij = (c_i/c_j)(−1)^{i+j}/(y_i − y_j), c = 2 at both ends and 1 between them. The differences are taken as products of sines
@@ -42,20 +42,20 @@ def differentiation(degree: int) -> Array:
     differences = np.where(upper, differences, -2 * np.sin(angle * (2 * degree - total)) * np.sin(angle * gap))
     np.fill_diagonal(differences, 1.0)
     weights = np.where((j == 0) | (j == degree), 2.0, 1.0) * (-1.0) ** j
-    D: Array = np.divide.outer(weights, weights) / differences
+    D: RealArray = np.divide.outer(weights, weights) / differences
     np.fill_diagonal(D, 0.0)
     np.fill_diagonal(D, -D.sum(axis=1))
     return D
 
 
-def interpolation(degree: int, y: Array) -> Array:
+def interpolation(degree: int, y: RealArray) -> RealArray:
     """The matrix (m, N + 1) from values on the extrema to values at y (m,), by the second barycentric formula."""
     nodes, j = extrema(degree), np.arange(degree + 1)
     weights = (-1.0) ** j * np.where((j == 0) | (j == degree), 0.5, 1.0)
     differences = np.subtract.outer(np.asarray(y, dtype=np.float64), nodes)
     exact = differences == 0.0
     terms = weights / np.where(exact, 1.0, differences)
-    matrix: Array = terms / terms.sum(axis=1, keepdims=True)
+    matrix: RealArray = terms / terms.sum(axis=1, keepdims=True)
     hit = exact.any(axis=1)
     matrix[hit] = exact[hit]
     return matrix
@@ -73,24 +73,24 @@ def values(coefficients: NDArray[Any]) -> NDArray[Any]:
     return np.asarray(coefficients @ _cosines(degree))
 
 
-def _cosines(degree: int) -> Array:
+def _cosines(degree: int) -> RealArray:
     """T_n(y_j) = cos(πnj/N); the product is reduced modulo 2N before it is multiplied by π."""
     j = np.arange(degree + 1)
     return np.cos(np.pi * (np.multiply.outer(j, j) % (2 * degree)) / degree)
 
 
-def _to_coefficients(degree: int) -> Array:
+def _to_coefficients(degree: int) -> RealArray:
     halves = np.ones(degree + 1)
     halves[[0, -1]] = 0.5
     return 2 / degree * halves[:, None] * _cosines(degree) * halves
 
 
 @dataclass(frozen=True, eq=False)
-class Grid:
+class ChebyshevGrid:
     """Collocation on z(y): points z (N + 1,), z[0] at y = 1, and D = d/dz (N + 1, N + 1)."""
 
-    z: Array
-    D: Array
+    z: RealArray
+    D: RealArray
 
     @property
     def degree(self) -> int:
@@ -98,13 +98,13 @@ class Grid:
         return len(self.z) - 1
 
 
-def interval(degree: int, first: float = 1.0, last: float = -1.0) -> Grid:
+def interval(degree: int, first: float = 1.0, last: float = -1.0) -> ChebyshevGrid:
     """The grid on [first, last] by the linear map that takes y = 1 to first and y = −1 to last."""
     y = extrema(degree)
-    return Grid((first + last) / 2 + (first - last) / 2 * y, 2 / (first - last) * differentiation(degree))
+    return ChebyshevGrid((first + last) / 2 + (first - last) / 2 * y, 2 / (first - last) * differentiation(degree))
 
 
-def malik(degree: int, z_max: float, z_half: float, focus: float = 0.0) -> Grid:
+def malik(degree: int, z_max: float, z_half: float, focus: float = 0.0) -> ChebyshevGrid:
     """Malik's grid (2.18)–(2.19) on [0, z_m]: z = 0 at x = 1, z_h at x = 0, z_m at x = −1.
 
     With s = (1 − y)/2 = 1 − ζ1 the inverse of (2.18) is z = z_m z_h s/(z_m − z_h + (2z_h − z_m)s), which is regular at
@@ -125,4 +125,4 @@ def malik(degree: int, z_max: float, z_half: float, focus: float = 0.0) -> Grid:
     z_x = -0.5 * z_max * z_half * (z_max - z_half) / denominator**2 * y_x
     z = z_max * z_half * s / denominator
     z[-1] = z_max
-    return Grid(z, differentiation(degree) / z_x[:, None])
+    return ChebyshevGrid(z, differentiation(degree) / z_x[:, None])

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from shootstab.core.errors import ConvergenceError
+from shootstab.spectral.qz import DenseMatrix
 
-Matrix = NDArray[Any]
 INVERSE_SETTLED = 1e-14  # chosen: a step below this part of |σ| ends the iteration
 HELD = 3  # chosen: iterations with the guess as shift, so that the mode nearest to the guess wins
 
@@ -27,10 +26,10 @@ class Refined:
     iterations: int
     residual: float
     change: float
-    vector: Matrix
+    vector: DenseMatrix
 
 
-def refine(A: Matrix, B: Matrix, guess: complex, max_iterations: int = 40) -> Refined:
+def refine(A: DenseMatrix, B: DenseMatrix, guess: complex, max_iterations: int = 40) -> Refined:
     """The eigenvalue of A, B (n, n) next to guess by two-sided Rayleigh quotient iteration: x ← (A − σB)⁻¹Bx, y ← (A − σB)⁻ᴴBᴴy,
     σ ← σ + yᴴ(A − σB)x/(yᴴBx). A step falls as the cube of the one before.
 
@@ -66,10 +65,10 @@ def refine(A: Matrix, B: Matrix, guess: complex, max_iterations: int = 40) -> Re
     )
 
 
-def _unit(x: Matrix) -> Matrix:
+def _unit(x: DenseMatrix) -> DenseMatrix:
     return np.asarray(x / np.linalg.norm(x))
 
 
-def _residual(A: Matrix, B: Matrix, sigma: complex, x: Matrix) -> float:
+def _residual(A: DenseMatrix, B: DenseMatrix, sigma: complex, x: DenseMatrix) -> float:
     """Relative to what rounding alone leaves; x has length 1."""
     return float(np.linalg.norm(A @ x - sigma * (B @ x)) / (np.linalg.norm(A) + abs(sigma) * np.linalg.norm(B)))

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from shootstab.core.errors import InputError
 from shootstab.spectral import chebyshev
 
-Matrix = NDArray[Any]
-Assemble = Callable[[int], tuple[Matrix, Matrix]]
-Unfold = Callable[[Matrix], Matrix]
+DenseMatrix = NDArray[Any]
+Assemble = Callable[[int], tuple[DenseMatrix, DenseMatrix]]
+Unfold = Callable[[DenseMatrix], DenseMatrix]
 
 SECOND_TRUNCATION = 1.2  # chosen: the second truncation over the first
 TAIL_PART = 0.1  # chosen: the part of the coefficients that counts as the tail
@@ -84,7 +84,7 @@ def union(parts: list[Spectrum]) -> Spectrum:
     return Spectrum(raw, parts[0].truncation, eigenvalues[order], drift[order], tail[order], parts[0].larger_truncation)
 
 
-def tails(nodal: Matrix) -> NDArray[np.float64]:
+def tails(nodal: DenseMatrix) -> NDArray[np.float64]:
     """(k,) from nodal values (k, fields, N + 1): the largest of the last tenth of the Chebyshev coefficients over the largest of all,
     in the worst field. Fields below FAINT of the largest field are noise as likely as not, and are measured against FAINT of it.
     """
@@ -95,7 +95,7 @@ def tails(nodal: Matrix) -> NDArray[np.float64]:
     return np.asarray((sizes[..., -count:].max(axis=-1) / np.maximum(largest, floor)).max(axis=-1))
 
 
-def _finite(A: Matrix, B: Matrix, vectors: bool = False) -> tuple[NDArray[np.complex128], Matrix]:
+def _finite(A: DenseMatrix, B: DenseMatrix, vectors: bool = False) -> tuple[NDArray[np.complex128], DenseMatrix]:
     """Finite eigenvalues and, if asked for, their right eigenvectors as columns."""
     from scipy.linalg import eig, eigvals
 

@@ -19,7 +19,7 @@ CLOSE = 3e-7  # 7e-10, the least that a zero is moved by and not lost in others,
 
 
 @dataclass
-class Flow:
+class RoughFlow:
     """A problem whose base flows, less accurate by 4 and by 2, move the zero so far; and whose farther walls do."""
 
     moves: dict[float, float]
@@ -27,7 +27,7 @@ class Flow:
     move: float = 0.0
 
     def with_base_flow_error(self, factor: float) -> Any:
-        return Flow({}, move=self.moves[factor]) if self.moves else self
+        return RoughFlow({}, move=self.moves[factor]) if self.moves else self
 
 
 @dataclass
@@ -71,7 +71,7 @@ class Linear:
         return self.moved(problem.move)
 
 
-def of(problem: Flow, coarse: Linear, fine: Linear, scale: float) -> Any:
+def of(problem: RoughFlow, coarse: Linear, fine: Linear, scale: float) -> Any:
     meshed: Any = (coarse, coarse.with_derivative(SIGMA), fine, fine.with_derivative(SIGMA))
     return budget(problem, *meshed, scale)  # type: ignore[arg-type]
 
@@ -79,7 +79,7 @@ def of(problem: Flow, coarse: Linear, fine: Linear, scale: float) -> Any:
 def test_every_part_is_what_the_variants_move_the_zero_by() -> None:
     coarse = Linear(ZERO + 3e-9, start=4e-9, rotated={1: 3e-13, 2: 4e-13})
     fine = Linear(ZERO)
-    found = of(Flow({4.0: 7e-10, 2.0: 5e-10}), coarse, fine, 0.25)
+    found = of(RoughFlow({4.0: 7e-10, 2.0: 5e-10}), coarse, fine, 0.25)
     assert found.integration == pytest.approx(3e-9 / HALVED, rel=CLOSE, abs=0.0)
     assert found.far_field == pytest.approx(SAFETY * 4e-9 / FAR_PROBE * 1e-5, rel=CLOSE, abs=0.0)
     assert found.steady_flow == pytest.approx(FLOW_NOISE * 7e-10, rel=CLOSE, abs=0.0)
@@ -89,13 +89,13 @@ def test_every_part_is_what_the_variants_move_the_zero_by() -> None:
 def test_rounding_is_sampled_on_the_fine_mesh_where_it_matters() -> None:
     coarse = Linear(ZERO + 3e-9, rotated={1: 3e-9, 2: 4e-9}, recut=ZERO + 5e-9)
     fine = Linear(ZERO, rotated={1: 1e-9, 2: 2e-9})
-    found = of(Flow({}), coarse, fine, 0.25)
+    found = of(RoughFlow({}), coarse, fine, 0.25)
     samples = (3e-9, 4e-9, 1e-9, 2e-9, 5e-9)
     rms = math.sqrt(sum(x * x for x in samples) / len(samples))
     assert found.rounding == pytest.approx(NOISE * rms + 8 * EPSILON * abs(SIGMA), rel=CLOSE, abs=0.0)
     assert found.steady_flow == 0.0
     assert found.far_field == 0.0
-    quiet = of(Flow({4.0: 0.0, 2.0: 0.0}), Linear(ZERO + 3e-9, rotated={1: 3e-13, 2: 4e-13}), fine, 0.25)
+    quiet = of(RoughFlow({4.0: 0.0, 2.0: 0.0}), Linear(ZERO + 3e-9, rotated={1: 3e-13, 2: 4e-13}), fine, 0.25)
     rms = math.sqrt((3e-13**2 + 4e-13**2) / 2)
     assert quiet.rounding == pytest.approx(NOISE * rms + 8 * EPSILON * abs(SIGMA), rel=1e-3, abs=0.0)
 
@@ -103,7 +103,7 @@ def test_rounding_is_sampled_on_the_fine_mesh_where_it_matters() -> None:
 def test_the_rounding_of_the_system_is_what_its_entries_move_the_zero_by() -> None:
     """Two draws of entries that are changed by the probe; of D alone, whose other variants do not move, nothing else is seen."""
     coarse = Linear(ZERO + 3e-9, rotated={1: 0.0, 2: 0.0}, entries={1: 3e-9, 2: 4e-9})
-    found = of(Flow({4.0: 0.0, 2.0: 0.0}), coarse, Linear(ZERO), 0.25)
+    found = of(RoughFlow({4.0: 0.0, 2.0: 0.0}), coarse, Linear(ZERO), 0.25)
     rms = math.sqrt((3e-9**2 + 4e-9**2) / 2)
     expected = SYSTEM_NOISE * EPSILON * rms / SYSTEM_PROBE + 8 * EPSILON * abs(SIGMA)
     assert found.rounding == pytest.approx(expected, rel=1e-3, abs=0.0)
@@ -111,7 +111,7 @@ def test_the_rounding_of_the_system_is_what_its_entries_move_the_zero_by() -> No
 
 def test_farther_walls_and_the_total() -> None:
     coarse = Linear(ZERO + 3e-9, start=4e-9, rotated={1: 3e-13, 2: 4e-13})
-    problem = Flow({4.0: 0.0, 2.0: 1e-8}, farther_walls=Flow({}, move=6e-9))
+    problem = RoughFlow({4.0: 0.0, 2.0: 1e-8}, farther_walls=RoughFlow({}, move=6e-9))
     found = of(problem, coarse, Linear(ZERO), 0.25)
     assert found.far_field == pytest.approx(SAFETY * 4e-9 / FAR_PROBE * 1e-5 + 6e-9, rel=CLOSE, abs=0.0)
     assert found.steady_flow == 0.0  # the first flow moves nothing against the integration: the second is not asked

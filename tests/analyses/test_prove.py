@@ -27,7 +27,7 @@ from shootstab.multiprecision.enclosure import Enclosure  # noqa: E402
 MODE = 0.0037396706229799 - 0.2375264888204701j  # Orszag's, R = 10000, α = 1
 
 
-class String:
+class EnclosedString:
     """ψ″ = σ ψ with ψ = 0 at 0 and 1: σ = −(nπ)². The state is (ψ, ψ′)."""
 
     size, decaying = 2, 1
@@ -45,7 +45,7 @@ class String:
         return [[1, 0]], [[0, 0]]
 
 
-class Airy(String):
+class Airy(EnclosedString):
     """(1 + z/2) ψ′ = χ, χ′ = (z + σ) ψ: C depends on z, so that A = C⁻¹D is a series with a tail."""
 
     def exact_pencil(self, z: Any, exact: Any) -> tuple[Any, ...]:
@@ -61,7 +61,7 @@ def string_D(sigma: complex) -> Any:
 @pytest.mark.parametrize("sigma", [-3.0 + 0.5j, 40 - 7j, -500 + 0.125j])
 def test_the_enclosure_holds_the_exact_value(sigma: complex) -> None:
     with ctx.workprec(200), mpmath.workprec(200):
-        D = Enclosure(ClosedFormEnclosable(String()), 200)(acb(sigma.real, sigma.imag))  # type: ignore[arg-type]
+        D = Enclosure(ClosedFormEnclosable(EnclosedString()), 200)(acb(sigma.real, sigma.imag))  # type: ignore[arg-type]
         truth = string_D(sigma)
         assert D.real.contains(arb(mpmath.nstr(truth.real, 40))) or abs(D.real - arb(mpmath.nstr(truth.real, 40))) < arb("1e-35") * abs(D)
         assert D.rel_accuracy_bits() > 100
@@ -81,20 +81,20 @@ def test_the_bound_on_growth_lies_above_the_values() -> None:
 
 @pytest.mark.parametrize(("radius", "count"), [(1.0, 1), (5.0, 1), (1e-6, 1)])
 def test_discs_about_an_eigenvalue_known_exactly(radius: float, count: int) -> None:
-    proof = prove_disc(st.ClosedProblem(String()), -(math.pi**2), radius)  # type: ignore[arg-type]
+    proof = prove_disc(st.ClosedProblem(EnclosedString()), -(math.pi**2), radius)  # type: ignore[arg-type]
     assert proof.count == count
     assert proof.margin > 1.0
 
 
 def test_a_disc_without_eigenvalues_and_one_with_several() -> None:
-    problem = st.ClosedProblem(String())  # type: ignore[arg-type]
+    problem = st.ClosedProblem(EnclosedString())  # type: ignore[arg-type]
     assert prove_disc(problem, -20.0, 5.0).count == 0
     found = prove_rectangle(problem, st.Rectangle(-100 - 4j, -5 + 4j))
     assert found.count == 3  # π², 4π² and 9π²
 
 
 def test_an_edge_within_a_rounding_of_an_eigenvalue_is_on_the_right_side_of_it() -> None:
-    problem, edge = st.ClosedProblem(String()), -9.869604401089358  # type: ignore[arg-type]
+    problem, edge = st.ClosedProblem(EnclosedString()), -9.869604401089358  # type: ignore[arg-type]
     with mpmath.workdps(30):
         assert edge > -(mpmath.pi**2)
     assert prove_rectangle(problem, st.Rectangle(edge - 1j, -5 + 1j)).count == 0
@@ -281,11 +281,11 @@ def test_what_cannot_be_proved_says_why(scenes: Any) -> None:
     with pytest.raises(st.InputError, match="in equations"):
         prove(given, -9.87)
     with pytest.raises(st.InputError, match="no theorem"):
-        prove_growing(st.ClosedProblem(String()), 0.0)  # type: ignore[arg-type]
+        prove_growing(st.ClosedProblem(EnclosedString()), 0.0)  # type: ignore[arg-type]
     with pytest.raises(st.InputError, match="digits"):
         prove(st.gallery.PlanePoiseuille(), MODE, digits=0)
     with pytest.raises(st.ConvergenceError, match="take a smaller disc"):
-        prove_disc(st.ClosedProblem(String()), -25.0, 14.0)  # type: ignore[arg-type]
+        prove_disc(st.ClosedProblem(EnclosedString()), -25.0, 14.0)  # type: ignore[arg-type]
 
 
 @pytest.mark.slow

@@ -21,7 +21,7 @@ from shootstab.analyses.sweep import run, walk
 from shootstab.analyses.sweep import sweep as swept
 from shootstab.analyses.sweep.dominance import count_dominant
 from shootstab.analyses.sweep.following import ARRIVED, FADED, LOST, FollowedMode, follow, land
-from shootstab.analyses.sweep.grid import LONGEST_LINE, Grid, Line
+from shootstab.analyses.sweep.grid import LONGEST_LINE, GridLine, SweepGrid
 from shootstab.analyses.sweep.outcomes import FOLLOWED, NO_FLOW, NO_WAVE, NONE_GROWS, PROVED
 from shootstab.core.discriminant import Value
 from shootstab.core.errors import ConvergenceError, InputError
@@ -34,7 +34,7 @@ from shootstab.models.chute.parameter_family import ChuteFamily
 
 def test_lines_are_the_grid_cut_along_a_wavenumber(scenes: dict[str, ChuteProblem]) -> None:
     axes = {"ky": np.linspace(0.0, 0.03, 150), "tan_theta": [0.29, 0.3, 0.31]}
-    grid = Grid.of(axes, scenes["high"].family(tuple(axes)))
+    grid = SweepGrid.of(axes, scenes["high"].family(tuple(axes)))
     lines = grid.lines()
     points = [p for line in lines for p in line.points]
     assert len(points) == len(grid) == 450
@@ -46,7 +46,7 @@ def test_lines_are_the_grid_cut_along_a_wavenumber(scenes: dict[str, ChuteProble
 
 
 def test_a_place_between_two_points() -> None:
-    line = Line("ky", ("kx", "ky"), ((1e-3, 0.0), (1e-3, 0.02)))
+    line = GridLine("ky", ("kx", "ky"), ((1e-3, 0.0), (1e-3, 0.02)))
     assert line.values(0.25) == {"kx": 1e-3, "ky": 0.005}
     assert line.values(1.0) == {"kx": 1e-3, "ky": 0.02}
 
@@ -90,7 +90,7 @@ def test_a_flow_chosen_by_its_flux_keeps_flux_and_branch(scenes: dict[str, Chute
 # following
 
 
-class Polynomial:
+class KnownPolynomial:
     """D(σ) = Π (σ − zero)."""
 
     def __init__(self, zeros: Sequence[complex]) -> None:
@@ -105,10 +105,10 @@ class Polynomial:
     def __call__(self, sigma: complex) -> Scaled:
         return self.with_derivative(sigma).D
 
-    def refined(self) -> Polynomial:
-        return Polynomial(self.zeros)
+    def refined(self) -> KnownPolynomial:
+        return KnownPolynomial(self.zeros)
 
-    def at(self, sigma: complex) -> Polynomial:
+    def at(self, sigma: complex) -> KnownPolynomial:
         return self
 
     meshes = None
@@ -124,10 +124,10 @@ def test_the_prediction_is_exact_for_cubics() -> None:
 
 def test_newton_lands_on_a_zero_only_if_no_other_is_near() -> None:
     a, b = 1.0 + 0.5j, 1.1 + 0.5j
-    assert land(Polynomial([a, b]), a - 0.01) == pytest.approx(a, abs=1e-11)
-    assert land(Polynomial([a, b]), a + 0.045) is None  # about as near to the one as to the other
-    assert land(Polynomial([a]), a + 0.4) == pytest.approx(a, abs=1e-11)
-    assert land(Polynomial([-0.5]), 0.2 + 0j) is None  # decaying modes are not looked for
+    assert land(KnownPolynomial([a, b]), a - 0.01) == pytest.approx(a, abs=1e-11)
+    assert land(KnownPolynomial([a, b]), a + 0.045) is None  # about as near to the one as to the other
+    assert land(KnownPolynomial([a]), a + 0.4) == pytest.approx(a, abs=1e-11)
+    assert land(KnownPolynomial([-0.5]), 0.2 + 0j) is None  # decaying modes are not looked for
 
 
 @pytest.mark.parametrize("detour", [0.3, 0.03])
@@ -140,13 +140,13 @@ def test_a_mode_is_followed_past_another(detour: float) -> None:
     places = np.linspace(0.0, 1.0, 6)
     branch = FollowedMode([0.0], [zeros(0.0)[0]])
     for t in places[1:]:
-        assert follow(branch, t, lambda t: Polynomial(zeros(t))) == ARRIVED  # type: ignore[arg-type,return-value]
+        assert follow(branch, t, lambda t: KnownPolynomial(zeros(t))) == ARRIVED  # type: ignore[arg-type,return-value]
     assert abs(branch.last - zeros(1.0)[0]) < 1e-10
 
 
 def test_two_real_modes_that_become_a_pair_are_lost_and_not_guessed() -> None:
     def at(t: float) -> Any:
-        return Polynomial([2 + cmath.sqrt(0.55 - t), 2 - cmath.sqrt(0.55 - t)])
+        return KnownPolynomial([2 + cmath.sqrt(0.55 - t), 2 - cmath.sqrt(0.55 - t)])
 
     branch = FollowedMode([0.0], [2 + cmath.sqrt(0.55)])
     assert [follow(branch, t, at) for t in (0.2, 0.4)] == [ARRIVED, ARRIVED]
@@ -155,7 +155,7 @@ def test_two_real_modes_that_become_a_pair_are_lost_and_not_guessed() -> None:
 
 def test_a_mode_that_stops_growing_has_faded() -> None:
     branch = FollowedMode([0.0], [1 + 0.2j])
-    reached = [follow(branch, t, lambda t: Polynomial([1 - t + 0.2j])) for t in (0.3, 0.6, 0.9, 1.2)]  # type: ignore[arg-type,return-value]
+    reached = [follow(branch, t, lambda t: KnownPolynomial([1 - t + 0.2j])) for t in (0.3, 0.6, 0.9, 1.2)]  # type: ignore[arg-type,return-value]
     assert reached == [ARRIVED, ARRIVED, ARRIVED, FADED]
 
 
@@ -170,22 +170,22 @@ def walked(monkeypatch: pytest.MonkeyPatch, zeros: Callable[[float], list[comple
         level = max(floor, 0.5 * max((z.real for z in growing), default=0.0))
         return SimpleNamespace(modes=[z for z in growing if z.real > level], floor=level, evaluations=1)
 
-    class Method:
+    class CountedMethod:
         def __init__(self, rtol: float) -> None: ...
 
-        def on(self, problem: Any, begin: Any) -> Polynomial:
-            return Polynomial(problem.zeros)
+        def on(self, problem: Any, begin: Any) -> KnownPolynomial:
+            return KnownPolynomial(problem.zeros)
 
     family: Any = SimpleNamespace(
         absent=lambda values: None, beside=lambda values: {}, problem=lambda values: SimpleNamespace(zeros=zeros(values["kx"]))
     )
     monkeypatch.setattr(walk, "count_dominant", counted)
-    monkeypatch.setattr(walk, "Frame", Method)
+    monkeypatch.setattr(walk, "Frame", CountedMethod)
     monkeypatch.setattr(
         walk, "refine", lambda problem, sigma, rtol: SimpleNamespace(converged=True, sigma=sigma, error=1e-12, evaluations=1)
     )
     points = tuple((x,) for x in np.linspace(0.0, 1.0, count))
-    return walk.walk(family, walk.Settings(every=every), Line("kx", ("kx",), points))
+    return walk.walk(family, walk.WalkSettings(every=every), GridLine("kx", ("kx",), points))
 
 
 def test_a_crossing_between_two_counts_is_found_on_its_own_side(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -239,8 +239,8 @@ def test_a_count_that_fails_leaves_its_neighbours_unresolved(monkeypatch: pytest
         absent=lambda values: None, beside=lambda values: {}, problem=lambda values: SimpleNamespace(zeros=zeros(values["kx"]))
     )
     monkeypatch.setattr(walk, "count_dominant", lambda *given: next(calls)(*given))
-    line = Line("kx", ("kx",), tuple((x,) for x in np.linspace(0.0, 1.0, 9)))
-    outcomes = walk.walk(family, walk.Settings(every=4), line)
+    line = GridLine("kx", ("kx",), tuple((x,) for x in np.linspace(0.0, 1.0, 9)))
+    outcomes = walk.walk(family, walk.WalkSettings(every=4), line)
     assert [o.status.partition(":")[0] for o in outcomes] == [PROVED, *["unresolved"] * 7, PROVED]
     assert all("a mode lies on the boundary" in o.status for o in outcomes[1:-1])
 
@@ -313,10 +313,10 @@ def test_an_interrupted_sweep_goes_on_and_repeats_nothing(
     scenes: dict[str, ChuteProblem], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     axes = {"kx": [0.0, 5e-4, 1e-3], "ky": [0.009, 0.0095, 0.01, 0.0105]}
-    worked: list[Line] = []
+    worked: list[GridLine] = []
     original = run.walk
 
-    def counted(family: ChuteFamily, settings: Any, line: Line) -> Any:
+    def counted(family: ChuteFamily, settings: Any, line: GridLine) -> Any:
         worked.append(line)
         return original(family, settings, line)
 

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from shootstab.analyses.sweep import Swept
-from shootstab.analyses.sweep.grid import Axis
+from shootstab.analyses.sweep.grid import ParameterAxis
 from shootstab.analyses.sweep.outcomes import FOLLOWED, NO_FLOW, NO_WAVE, NONE_GROWS, PROVED, Outcome
-from shootstab.analyses.sweep.walk import Settings
+from shootstab.analyses.sweep.walk import WalkSettings
 from shootstab.cli import main as cli
 from shootstab.cli import maps
 from shootstab.cli import sweep_command as sweeping
@@ -41,7 +41,9 @@ def outcome(kx: float, ky: float) -> Outcome:
 def swept(kx: tuple[float, ...] = KX, ky: tuple[float, ...] = KY) -> Swept:
     problem: Any = load("poiseuille").problem  # only its place is taken
     family = ChuteFamily(problem, 0.0, 0.01, 7.0, None, None, ChuteProblem)
-    return Swept((Axis("kx", kx), Axis("ky", ky)), {(a, b): outcome(a, b) for a in kx for b in ky}, Settings(), family)
+    return Swept(
+        (ParameterAxis("kx", kx), ParameterAxis("ky", ky)), {(a, b): outcome(a, b) for a in kx for b in ky}, WalkSettings(), family
+    )
 
 
 def test_the_command_and_its_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

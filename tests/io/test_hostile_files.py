@@ -21,7 +21,7 @@ import numpy as np
 import pytest
 
 from shootstab.analyses import certificate
-from shootstab.analyses.sweep.grid import Axis, Grid
+from shootstab.analyses.sweep.grid import ParameterAxis, SweepGrid
 from shootstab.analyses.sweep.outcomes import PROVED, Outcome
 from shootstab.analyses.sweep.store import Store
 from shootstab.core.errors import InputError
@@ -243,7 +243,7 @@ def test_a_pipe_that_somebody_writes_to(tmp_path: Path) -> None:
 # stores
 
 AXES = {"kx": (0.0, 1.0), "ky": (0.5,)}
-GRID = Grid(tuple(Axis(name, values) for name, values in AXES.items()))
+GRID = SweepGrid(tuple(ParameterAxis(name, values) for name, values in AXES.items()))
 DEFINITION = {"format": 2, "axes": {name: list(values) for name, values in AXES.items()}}
 OUTCOME = Outcome(PROVED, True, 0.1 + 0.2j, 1e-9, 1e-8, 5, {"far_temperature": 7.0})
 

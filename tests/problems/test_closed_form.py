@@ -17,7 +17,7 @@ from shootstab.problems.closed_form import ClosedProblem, Exact
 
 
 @dataclass(frozen=True)
-class String:
+class ClosedString:
     """y″ = (σ + V(z)) y with y = 0 at both ends."""
 
     ends: Callable[[Exact], tuple[Any, Any]]
@@ -52,7 +52,7 @@ ENDS: dict[str, Callable[[Exact], tuple[Any, Any]]] = {
 def test_ends_of_any_kind_of_number(kind: str) -> None:
     """σ = −(π/0.7)² in doubles and in 30 digits, from either end."""
     exact = -((mpmath.mp.pi / (mpmath.mpf(7) / 10)) ** 2)
-    problem = ClosedProblem(String(ENDS[kind]))
+    problem = ClosedProblem(ClosedString(ENDS[kind]))
     mode = st.refine(problem, -20.0)
     assert abs(mode.sigma - complex(exact)) <= mode.error < 1e-10
     with mpmath.workdps(40):
@@ -63,7 +63,7 @@ def test_ends_of_any_kind_of_number(kind: str) -> None:
 
 
 def test_functions_of_numpy_are_no_formulas_for_any_number() -> None:
-    problem = ClosedProblem(String(lambda exact: (0, 1), np.cosh))
+    problem = ClosedProblem(ClosedString(lambda exact: (0, 1), np.cosh))
     assert st.refine(problem, -11.0).converged
     with pytest.raises(InputError, match="exact_pencil") as refusal:
         st.refine(problem, -11.0, digits=30)

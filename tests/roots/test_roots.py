@@ -21,7 +21,7 @@ from shootstab.roots.separation import separation
 from shootstab.roots.winding import power_sums, whole_turns, wind
 
 
-class Known:
+class KnownZeros:
     """c Π (σ − z) e^{aσ}, scaled so that it would overflow as a number."""
 
     def __init__(self, zeros: Sequence[complex], exponent: complex = 0.0) -> None:
@@ -49,31 +49,31 @@ class Known:
 
 @pytest.mark.parametrize("iteration", [newton, muller])
 def test_iterations_find_a_zero_to_rounding(iteration) -> None:
-    root = iteration(Known([0.3 + 0.4j, -1.0, 2j], exponent=3 - 1j), 0.33 + 0.35j, 1e-13)
+    root = iteration(KnownZeros([0.3 + 0.4j, -1.0, 2j], exponent=3 - 1j), 0.33 + 0.35j, 1e-13)
     assert root.converged
     assert root.sigma == pytest.approx(0.3 + 0.4j, abs=1e-13)
 
 
 def test_newton_converges_quadratically() -> None:
-    assert newton(Known([1.0, -1.0]), 1.1, 1e-14).iterations <= 5
+    assert newton(KnownZeros([1.0, -1.0]), 1.1, 1e-14).iterations <= 5
 
 
 def test_newton_learns_the_curvature_from_two_points() -> None:
     """With e the error, e₂ is of size e₀² e₁² and no longer e₁²; it is foreseen, and evaluations are saved."""
     zeros, guess = [0.3 + 0.4j, -1.0, 2j], 0.305 + 0.402j
-    steps = itertools.islice(newton_steps(Known(zeros, exponent=3 - 1j), guess), 2)
+    steps = itertools.islice(newton_steps(KnownZeros(zeros, exponent=3 - 1j), guess), 2)
     e = [abs(guess - zeros[0]), *(abs(step.sigma - zeros[0]) for step in steps)]
     assert e[2] < 300 * (e[0] * e[1]) ** 2 < 1e-2 * e[1] ** 2
-    foreseen = list(itertools.islice(newton_steps(Known(zeros, exponent=3 - 1j), guess), 2))[1].ahead
+    foreseen = list(itertools.islice(newton_steps(KnownZeros(zeros, exponent=3 - 1j), guess), 2))[1].ahead
     assert 0.1 * e[2] < foreseen < 10 * e[2]
-    assert newton(Known(zeros, exponent=3 - 1j), guess, 1e-9).iterations == 2
+    assert newton(KnownZeros(zeros, exponent=3 - 1j), guess, 1e-9).iterations == 2
 
 
 @pytest.mark.parametrize("m", [2, 3, 4, 5])
 @pytest.mark.parametrize("zero", [0.0, 0.2 + 0.1j])
 def test_newton_notices_a_multiple_zero(zero: complex, m: int) -> None:
     """Steps that shrink by 1 − 1/m lead there in 1/log(m/(m−1)) evaluations a digit: m times as long they are quadratic."""
-    root = newton(Known([zero] * m + [3.0], exponent=0.3j), zero + 0.3, 1e-13)
+    root = newton(KnownZeros([zero] * m + [3.0], exponent=0.3j), zero + 0.3, 1e-13)
     assert root.converged
     assert root.multiplicity == m
     assert root.iterations < 15
@@ -83,7 +83,7 @@ def test_newton_notices_a_multiple_zero(zero: complex, m: int) -> None:
 @pytest.mark.parametrize("iteration", [newton, muller])
 @pytest.mark.parametrize("guess", [0.3, 1e-13, -1e-20j])
 def test_iterations_end_at_zero_though_no_step_is_short_against_it(iteration, guess: complex) -> None:
-    root = iteration(Known([0.0, 2.0, -3j], exponent=1.0), guess, 1e-12)
+    root = iteration(KnownZeros([0.0, 2.0, -3j], exponent=1.0), guess, 1e-12)
     assert root.converged
     assert abs(root.sigma) < 1e-15
 
@@ -93,23 +93,23 @@ def test_separation_is_the_distance_of_the_other_zero(exponent: float, other: co
     """D = (σ − z) (σ − w) has |2D′/D″| = |z − w|, wherever z is; 0 included."""
     gap = other * 10.0**exponent
     for zero in (0.0, gap, 300 * gap):
-        D = Known([zero, zero - gap])
+        D = KnownZeros([zero, zero - gap])
         assert separation(D, D.with_derivative(zero)) == pytest.approx(abs(gap), rel=0.15)
 
 
 def test_where_nothing_bends_the_separation_is_infinite() -> None:
-    D = Known([1.0])
+    D = KnownZeros([1.0])
     assert separation(D, D.with_derivative(1.0)) == math.inf
 
 
 def test_an_exact_hit_is_a_root() -> None:
     for iteration in (newton, muller):
-        assert iteration(Known([0.5]), 0.5, 1e-12).converged
+        assert iteration(KnownZeros([0.5]), 0.5, 1e-12).converged
 
 
 def test_a_function_without_zeros_does_not_converge() -> None:
     for iteration in (newton, muller):
-        assert not iteration(Known([], exponent=1.0), 1.0, 1e-12).converged
+        assert not iteration(KnownZeros([], exponent=1.0), 1.0, 1e-12).converged
 
 
 @settings(max_examples=60, deadline=None)
@@ -121,7 +121,7 @@ def test_count_in_a_disc_is_the_number_of_zeros(zeros: list[complex], exponent: 
     disc = Disc(0.2 + 0.1j, 1.0)
     if any(abs(abs(z - disc.centre) - 1) < 1e-3 for z in zeros):
         return
-    winding = wind(Known(zeros, exponent), disc)
+    winding = wind(KnownZeros(zeros, exponent), disc)
     assert winding.count == sum(disc.contains(z) for z in zeros)
     assert winding.closure < 0.5
 
@@ -129,22 +129,22 @@ def test_count_in_a_disc_is_the_number_of_zeros(zeros: list[complex], exponent: 
 def test_count_in_a_rectangle_with_steep_phase_between_samples() -> None:
     """e^{300σ} turns the phase by some hundred times on the way: no turn may be missed."""
     box = Rectangle(-1 - 1j, 1 + 1j)
-    assert wind(Known([0.5j, 0.5j, -0.9, 3.0], exponent=300.0), box).count == 3
+    assert wind(KnownZeros([0.5j, 0.5j, -0.9, 3.0], exponent=300.0), box).count == 3
 
 
 def test_a_zero_next_to_the_boundary_is_counted_on_its_side() -> None:
     for offset, count in ((-1e-9, 1), (1e-9, 0)):
-        assert wind(Known([1.0 + offset]), Disc(0j, 1.0)).count == count
+        assert wind(KnownZeros([1.0 + offset]), Disc(0j, 1.0)).count == count
 
 
 def test_a_zero_on_the_boundary_is_refused() -> None:
     with pytest.raises(ConvergenceError, match="boundary"):
-        wind(Known([1.0]), Disc(0j, 1.0))
+        wind(KnownZeros([1.0]), Disc(0j, 1.0))
     with pytest.raises(ConvergenceError, match="boundary"):
-        wind(Known([0.3 - 1j]), Rectangle(-1 - 1j, 1 + 1j))
+        wind(KnownZeros([0.3 - 1j]), Rectangle(-1 - 1j, 1 + 1j))
 
 
-def search(D: Known) -> Search:
+def search(D: KnownZeros) -> Search:
     return Search(lambda region: wind(D, region), lambda disc: wind(D, disc), polish(D))
 
 
@@ -162,7 +162,7 @@ def test_find_returns_all_zeros_and_no_other(region: Region, cells: list[tuple[i
     zeros = [complex(a / 10 + 0.013, b / 10 + 0.007) for a, b in cells]
     if any(abs(z - region.boundary(region.parameter(z))) < 1e-4 for z in zeros):
         return
-    found = find(search(Known(zeros, exponent=5 + 2j)), region)
+    found = find(search(KnownZeros(zeros, exponent=5 + 2j)), region)
     key = lambda z: (round(z.real, 6), round(z.imag, 6))  # noqa: E731
     assert sorted(key(z.sigma) for z in found) == sorted(key(z) for z in zeros if region.contains(z))
     assert all(z.multiplicity == 1 for z in found)
@@ -170,20 +170,20 @@ def test_find_returns_all_zeros_and_no_other(region: Region, cells: list[tuple[i
 
 def test_a_handful_of_zeros_needs_few_evaluations() -> None:
     """Those of the contour, and a few Newton steps a zero: dividing would take hundreds."""
-    D = Known([0.3 + 0.1j, -0.2j, 0.5 + 0.5j, 2.0], exponent=3.0)
+    D = KnownZeros([0.3 + 0.1j, -0.2j, 0.5 + 0.5j, 2.0], exponent=3.0)
     assert len(find(search(D), Disc(0j, 1.0))) == 3
     assert D.evaluations < 80
 
 
 def test_power_sums_are_those_of_the_zeros() -> None:
     zeros = [0.3, -0.2j, 0.5 + 0.5j]
-    sums = power_sums(wind(Known([*zeros, 2.0], exponent=5 + 2j), Rectangle(-1 - 1j, 1 + 1j)).legs, 0.1, 2.0, 3)
+    sums = power_sums(wind(KnownZeros([*zeros, 2.0], exponent=5 + 2j), Rectangle(-1 - 1j, 1 + 1j)).legs, 0.1, 2.0, 3)
     assert sums == pytest.approx([sum(((z - 0.1) / 2) ** k for z in zeros) for k in range(4)], abs=1e-3)
 
 
 @pytest.mark.parametrize("multiplicity", [2, 3])
 def test_a_multiple_zero_is_one_zero_with_its_multiplicity(multiplicity: int) -> None:
-    multiple, simple = sorted(find(search(Known([0.2 + 0.1j] * multiplicity + [0.5])), Disc(0j, 1.0)), key=lambda z: z.sigma.real)
+    multiple, simple = sorted(find(search(KnownZeros([0.2 + 0.1j] * multiplicity + [0.5])), Disc(0j, 1.0)), key=lambda z: z.sigma.real)
     assert multiple.multiplicity == multiplicity
     assert abs(multiple.sigma - 0.2 - 0.1j) < 1e-9
     assert 0.0 < multiple.radius < 1e-4
@@ -213,20 +213,20 @@ def test_zeros_between_which_d_is_noise_are_one_zero_where_they_are_near_and_non
 
 def test_zeros_that_lie_close_together_are_told_apart() -> None:
     pair = (0.2 + 0.1j, 0.2 + 0.1j + 1e-6)
-    found = find(search(Known([*pair, -0.4])), Disc(0j, 1.0))
+    found = find(search(KnownZeros([*pair, -0.4])), Disc(0j, 1.0))
     assert sorted(z.sigma.real for z in found) == pytest.approx([-0.4, 0.2, 0.200001], abs=1e-9)
     assert all(z.multiplicity == 1 for z in found)
 
 
 def test_known_zeros_are_not_found_again() -> None:
-    D = Known([0.3, -0.2j, 0.5 + 0.5j])
+    D = KnownZeros([0.3, -0.2j, 0.5 + 0.5j])
     assert [z.sigma for z in find(search(D), Disc(0j, 1.0), [Zero(0.3 + 0j), Zero(-0.2j)])] == pytest.approx([0.5 + 0.5j])
     assert find(search(D), Disc(0j, 1.0), [Zero(z + 0j) for z in D.zeros]) == []
     # a double one, of which one is known
-    (left,) = find(search(Known([0.3, 0.3])), Disc(0j, 1.0), [Zero(0.3 + 0j)])
+    (left,) = find(search(KnownZeros([0.3, 0.3])), Disc(0j, 1.0), [Zero(0.3 + 0j)])
     assert left.multiplicity == 1
     with pytest.raises(ConvergenceError, match="fewer than are known"):
-        find(search(Known([0.3])), Disc(0j, 1.0), [Zero(0.3 + 0j), Zero(0.4 + 0j)])
+        find(search(KnownZeros([0.3])), Disc(0j, 1.0), [Zero(0.3 + 0j), Zero(0.4 + 0j)])
 
 
 @pytest.mark.parametrize("region", REGIONS)
@@ -272,7 +272,7 @@ def test_a_phase_that_is_no_whole_turn_is_refused() -> None:
 
 def test_an_iteration_that_stops_beside_a_zero_is_not_believed() -> None:
     """No zero is where iterations from the moments of the whole region stop: its parts are searched, and their iterations arrive."""
-    D, region = Known([0.3, -0.2j]), Disc(0j, 1.0)
+    D, region = KnownZeros([0.3, -0.2j]), Disc(0j, 1.0)
     arrive = polish(D)
     beside = Search(
         lambda part: wind(D, part),
@@ -285,6 +285,6 @@ def test_an_iteration_that_stops_beside_a_zero_is_not_believed() -> None:
 def test_a_double_zero_next_to_the_boundary_is_found() -> None:
     """No circle around it as wide as the steps of an iteration that converges linearly lies inside the region: parts are smaller."""
     zero = 0.5 - 2e-6 + 0.1j
-    (found,) = find(search(Known([zero, zero])), Rectangle(-0.5 - 0.5j, 0.5 + 0.5j))
+    (found,) = find(search(KnownZeros([zero, zero])), Rectangle(-0.5 - 0.5j, 0.5 + 0.5j))
     assert found.multiplicity == 2
     assert abs(found.sigma - zero) < 1e-6

@@ -18,14 +18,14 @@ Point = tuple[float, ...]  # the values of the axes, in their order
 
 
 @dataclass(frozen=True)
-class Axis:
+class ParameterAxis:
     """One parameter and the values that it takes, rising or falling."""
 
     name: str
     values: tuple[float, ...]
 
     @classmethod
-    def of(cls, name: str, values: Any) -> Axis:
+    def of(cls, name: str, values: Any) -> ParameterAxis:
         """From one number or a sequence of numbers. Raises InputError unless they are finite, different, and in order."""
         try:
             numbers = tuple(float(v) + 0.0 for v in (values if hasattr(values, "__iter__") else (values,)))
@@ -40,7 +40,7 @@ class Axis:
 
 
 @dataclass(frozen=True)
-class Line:
+class GridLine:
     """Points that differ in one parameter alone, and rise or fall in it."""
 
     along: str
@@ -58,16 +58,16 @@ class Line:
 
 
 @dataclass(frozen=True)
-class Grid:
+class SweepGrid:
     """The product of the axes; sharing names those along which the base flow is the same."""
 
-    axes: tuple[Axis, ...]
+    axes: tuple[ParameterAxis, ...]
     sharing: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, axes: Mapping[str, Any], family: Family) -> Grid:
+    def of(cls, axes: Mapping[str, Any], family: Family) -> SweepGrid:
         """From values by name. Raises InputError for values that no member can have, and for more than MOST_GRID_POINTS points."""
-        grid = cls(tuple(Axis.of(name, values) for name, values in axes.items()), family.sharing)
+        grid = cls(tuple(ParameterAxis.of(name, values) for name, values in axes.items()), family.sharing)
         if not grid.axes:
             raise InputError("nothing to sweep over: needed is one parameter at least")
         if len(grid) > MOST_GRID_POINTS:
@@ -90,7 +90,7 @@ class Grid:
         """All points, the last axis running fastest."""
         return list(product(*(axis.values for axis in self.axes)))
 
-    def lines(self, done: Sequence[Point] = ()) -> list[Line]:
+    def lines(self, done: Sequence[Point] = ()) -> list[GridLine]:
         """Lines of at most LONGEST_LINE points, those that are done wholly left out.
 
         They run along a wavenumber where one varies, so that all points of a line share their steady flow: along the longest such axis.
@@ -105,7 +105,7 @@ class Grid:
             for i in range(cuts):
                 points = tuple(run[i * len(run) // cuts : (i + 1) * len(run) // cuts])
                 if not known.issuperset(points):
-                    lines.append(Line(along, self.names, points))
+                    lines.append(GridLine(along, self.names, points))
         return lines
 
     @property

@@ -14,17 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.analyses.processes import in_processes
-from shootstab.analyses.sweep.grid import Axis, Grid, Line, Point
+from shootstab.analyses.sweep.grid import GridLine, ParameterAxis, Point, SweepGrid
 from shootstab.analyses.sweep.outcomes import OUTCOMES, Outcome
 from shootstab.analyses.sweep.store import Store
-from shootstab.analyses.sweep.walk import Settings, walk
+from shootstab.analyses.sweep.walk import WalkSettings, walk
 from shootstab.analyses.sweep.workers import on_cluster, serially
 from shootstab.core.errors import InputError
+from shootstab.core.progress import Progress
 from shootstab.core.records import UNRESOLVED
 from shootstab.problems.capabilities import FAMILY, Family
 from shootstab.problems.protocol import Problem
 
-Progress = Callable[[int, int], None]
 FORMAT = 2  # defined by the store: the version of the file of results; one of another version is refused
 
 
@@ -32,15 +32,15 @@ FORMAT = 2  # defined by the store: the version of the file of results; one of a
 class Swept:
     """The outcome at every point of a grid; axes in the order in which they were given, the last one running fastest."""
 
-    axes: tuple[Axis, ...]
+    axes: tuple[ParameterAxis, ...]
     outcomes: Mapping[Point, Outcome]
-    settings: Settings
+    settings: WalkSettings
     family: Family
 
     @property
-    def grid(self) -> Grid:
+    def grid(self) -> SweepGrid:
         """The points."""
-        return Grid(self.axes, self.family.sharing)
+        return SweepGrid(self.axes, self.family.sharing)
 
     def rows(self) -> Iterator[tuple[Point, Outcome]]:
         """Points and outcomes in the order of the grid; points that are not done yet are left out."""
@@ -108,9 +108,9 @@ def sweep(
     family_of = FAMILY.required(problem)
     if workers is not None and not 1 <= workers <= 1024:
         raise InputError(f"workers = {workers}: allowed is 1 to 1024")
-    settings = Settings(digits, every, floor)
+    settings = WalkSettings(digits, every, floor)
     family = family_of(tuple(axes))
-    grid = Grid.of(axes, family)
+    grid = SweepGrid.of(axes, family)
     with Store(None if out is None else Path(out), grid.names, _definition(grid, family, settings)) as store:
         lines = grid.lines(store.done(grid))
         done = len(grid) - sum(len(line.points) for line in lines)
@@ -126,15 +126,15 @@ def sweep(
 
 
 def _results(
-    work: Callable[[Line], list[Outcome]], lines: list[Line], workers: int | None, cluster: str | None
-) -> Generator[tuple[Line, list[Outcome]], None, None]:
+    work: Callable[[GridLine], list[Outcome]], lines: list[GridLine], workers: int | None, cluster: str | None
+) -> Generator[tuple[GridLine, list[Outcome]], None, None]:
     if cluster is not None:
         return on_cluster(work, lines, cluster)
     count = os.cpu_count() or 1 if workers is None else workers
     return serially(work, lines) if count == 1 or len(lines) < 2 else in_processes(work, lines, count)
 
 
-def _definition(grid: Grid, family: Family, settings: Settings) -> dict[str, Any]:
+def _definition(grid: SweepGrid, family: Family, settings: WalkSettings) -> dict[str, Any]:
     """What makes two sweeps the same, for JSON."""
     axes = {axis.name: list(axis.values) for axis in grid.axes}
     swept = {name: value for name, value in family.as_dict().items() if name not in axes}

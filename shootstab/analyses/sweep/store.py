@@ -16,7 +16,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, NoReturn
 
-from shootstab.analyses.sweep.grid import Grid, Point
+from shootstab.analyses.sweep.grid import Point, SweepGrid
 from shootstab.analyses.sweep.outcomes import OUTCOMES, Outcome
 from shootstab.core.errors import InputError, OutputError, shortened
 
@@ -102,7 +102,7 @@ class Store:
         except UnicodeDecodeError:
             self._broken("a text in it is not UTF-8")
 
-    def done(self, grid: Grid) -> list[Point]:
+    def done(self, grid: SweepGrid) -> list[Point]:
         """The points that have a result. Raises InputError for one that is not of the grid."""
         values = [frozenset(axis.values) for axis in grid.axes]
         with self._refusing():

@@ -15,7 +15,7 @@ from shootstab.analyses.error_budget import HALVING
 from shootstab.analyses.refine import refine
 from shootstab.analyses.sweep.dominance import SAME_MODE, DominantModes, count_dominant
 from shootstab.analyses.sweep.following import ARRIVED, LOST, FollowedMode, follow, land
-from shootstab.analyses.sweep.grid import Line
+from shootstab.analyses.sweep.grid import GridLine
 from shootstab.analyses.sweep.outcomes import FOLLOWED, NONE_GROWS, PROVED, Outcome
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.records import UNRESOLVED
@@ -30,7 +30,7 @@ MESH = 1e-8  # chosen: local errors on the meshes, unless the digits ask for sma
 
 
 @dataclass(frozen=True)
-class Settings:
+class WalkSettings:
     """What is asked of every point: digits of σ; a count at every `every`-th point of a line; the Re σ above which a mode counts."""
 
     digits: int = 8
@@ -58,7 +58,7 @@ class Place:
     evaluations: int = 0
 
 
-def walk(family: Family, settings: Settings, line: Line) -> list[Outcome]:
+def walk(family: Family, settings: WalkSettings, line: GridLine) -> list[Outcome]:
     """What is to be said of each point of the line. Trouble at one point is said of that point, and does not stop the walk."""
     outcomes: list[Outcome] = [_without_problem(family, line.values(i)) or Outcome("") for i in range(len(line.points))]
     for first, last in _stretches([not o.status for o in outcomes]):
@@ -83,7 +83,7 @@ def _stretches(good: Sequence[bool]) -> list[tuple[int, int]]:
 class _Walk:
     """From one point to another, over points that all have a problem."""
 
-    def __init__(self, family: Family, line: Line, settings: Settings, first: int, last: int) -> None:
+    def __init__(self, family: Family, line: GridLine, settings: WalkSettings, first: int, last: int) -> None:
         self._family, self._line, self._settings = family, line, settings
         self._first, self._last = first, last
         self._method = Frame(rtol=min(MESH, 10.0**-settings.digits))

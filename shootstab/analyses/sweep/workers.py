@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import CancelledError
 from importlib import import_module
-from typing import Any, TypeVar
+from typing import Any
 
+from shootstab.analyses.processes import Job, Result
 from shootstab.core.errors import InputError, ShootstabError
 
-Job = TypeVar("Job")
-Result = TypeVar("Result")
 CONNECT = 15  # chosen: seconds to wait for a cluster
 
 

@@ -18,21 +18,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
-from shootstab.models.chute.collocation_profile import Profile, clustering, profile, truncation_height
+from shootstab.models.chute.collocation_profile import SteadyProfile, clustering, profile, truncation_height
 from shootstab.models.chute.collocation_wall import Trace, conditions
 from shootstab.models.chute.steady_flow import Flow
 from shootstab.spectral import chebyshev, inverse, qz
-from shootstab.spectral.chebyshev import Grid
+from shootstab.spectral.chebyshev import ChebyshevGrid
 from shootstab.spectral.inverse import Refined
-from shootstab.spectral.qz import Spectrum
+from shootstab.spectral.qz import DenseMatrix, Spectrum
 
-Matrix = NDArray[Any]
 Way = Callable[[int, complex], tuple[complex, int]]
 FIELDS = 5  # exact: ν, u, v, w, T
 PHASE = 1j  # exact: v̂ = PHASE · (the unknown)
@@ -57,7 +55,7 @@ def window(
 
 def assemble(
     flow: Flow, kx: float, ky: float, M: int, z_max: float | None = None, z_half: float | None = None, focus: float | None = None
-) -> tuple[Matrix, Matrix]:
+) -> tuple[DenseMatrix, DenseMatrix]:
     """(A, B), each (5M + 5, 5M + 5), with A X = σ B X; rows scaled to largest element 1 in A; real for kx = 0.
 
     Raises InputError for kx = ky = 0, where the far-field conditions are singular, and for M < 4.
@@ -71,14 +69,14 @@ def assemble(
     return (A.real.copy(), B.real.copy()) if kx == 0.0 else (A, B)
 
 
-def _pencil(flow: Flow, s: Profile, points: Grid, kx: float, ky: float) -> tuple[Matrix, Matrix]:
+def _pencil(flow: Flow, s: SteadyProfile, points: ChebyshevGrid, kx: float, ky: float) -> tuple[DenseMatrix, DenseMatrix]:
     """The rows in the order mass, x-, y-, z-momentum, energy, M + 1 of each."""
     D, m = points.D, len(points.z)
     unit = np.eye(FIELDS * m, dtype=complex).reshape(FIELDS, m, FIELDS * m)
     n, u, v, w, T = unit[0], unit[1], PHASE * unit[2], unit[3], unit[4]
     ikx, iky = 1j * kx, 1j * ky
 
-    def times(f: NDArray[np.float64], op: Matrix) -> Matrix:
+    def times(f: NDArray[np.float64], op: DenseMatrix) -> DenseMatrix:
         return np.asarray(f[:, None] * op)
 
     nu = times(s.nu, n)
@@ -99,7 +97,7 @@ def _pencil(flow: Flow, s: Profile, points: Grid, kx: float, ky: float) -> tuple
     sideways = (kx * kx + ky * ky) * (times(s.K, T) - times(s.K_star, nu))  # ik_x q_x + ik_y q_y
     heating = times(s.p, div) - 2 * times(s.eta * s.u_z, u_z + ikx * w) - times(s.u_z**2, eta)  # P : ∇u
 
-    def carried(f: Matrix) -> Matrix:
+    def carried(f: DenseMatrix) -> DenseMatrix:
         """u0 ∂f/∂x."""
         return times(s.u, ikx * f)
 
@@ -146,7 +144,7 @@ def spectrum(
     blocks = [(0, 1, 2, 3, 4)] if ky != 0.0 else [(0, 1, 3, 4), (2,)] if cross_stream else [(0, 1, 3, 4)]
 
     def block(fields: tuple[int, ...]) -> Spectrum:
-        def part(degree: int) -> tuple[Matrix, Matrix]:
+        def part(degree: int) -> tuple[DenseMatrix, DenseMatrix]:
             A, B = assemble(flow, kx, ky, degree, *chosen)
             keep = np.concatenate([np.arange(degree + 1) + f * (degree + 1) for f in fields])
             return A[np.ix_(keep, keep)], B[np.ix_(keep, keep)]
@@ -171,7 +169,7 @@ def refine(
 
 
 @dataclass(frozen=True, eq=False)
-class Collocation:
+class ChuteCollocation:
     """The twin of a chute problem: see problems.capabilities.Pseudospectral."""
 
     flow: Flow

@@ -8,7 +8,7 @@ from shootstab.models.chute.mode_shape import ModeShape
 from shootstab.models.chute.perturbations import Perturbations
 
 if TYPE_CHECKING:  # what most questions do not need is imported when it is asked for
-    from shootstab.models.chute.chute_collocation import Collocation
+    from shootstab.models.chute.chute_collocation import ChuteCollocation
     from shootstab.models.chute.multiprecision_problem import ChuteDigits
     from shootstab.models.chute.parameter_family import ChuteFamily
 
@@ -17,11 +17,11 @@ class ChuteProblem(Perturbations):
     """See `Perturbations` for the equations and problems.capabilities for what is offered beside them."""
 
     @property
-    def pseudospectral(self) -> Collocation:
+    def pseudospectral(self) -> ChuteCollocation:
         """Chebyshev collocation of the conservative form."""
-        from shootstab.models.chute.chute_collocation import Collocation
+        from shootstab.models.chute.chute_collocation import ChuteCollocation
 
-        return Collocation(self.flow, self.kx, self.ky)
+        return ChuteCollocation(self.flow, self.kx, self.ky)
 
     @property
     def mode_shape(self) -> ModeShape:

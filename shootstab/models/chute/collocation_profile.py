@@ -13,7 +13,7 @@ from shootstab.models.chute import constitutive as law
 from shootstab.models.chute.balance import slopes
 from shootstab.models.chute.steady_flow import Flow
 from shootstab.spectral import chebyshev
-from shootstab.spectral.chebyshev import Array
+from shootstab.spectral.chebyshev import RealArray
 
 NU_TRUNCATED = 1e-14  # chosen: ν0(z_m); (2.20)–(2.22) cost a relative error in σ of 10 to 1500 ν0(z_m) on the paper's flows
 FOCI = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0)  # chosen: foci of candidate grids, among which the profile decides
@@ -21,42 +21,42 @@ COMPARED_DEGREE = 64  # chosen: the degree at which candidate grids are compared
 
 
 @dataclass(frozen=True, eq=False)
-class Profile:
+class SteadyProfile:
     """Steady quantities at points z, each of shape (m,), in the paper's letters: (2.7), (2.10) and table 1.
 
     nu_z, T_z, u_z are z-derivatives, log_nu_z = ν0′/ν0. a … m are the derivatives of p, η, K, K*, γ by ν and T.
     """
 
-    nu: Array
-    T: Array
-    u: Array
-    log_nu_z: Array
-    T_z: Array
-    u_z: Array
-    p: Array
-    q: Array
-    eta: Array
-    xi: Array
-    K: Array
-    K_star: Array
-    a: Array
-    b: Array
-    c: Array
-    d: Array
-    e: Array
-    h: Array
-    e_star: Array
-    h_star: Array
-    l: Array  # noqa: E741
-    m: Array
+    nu: RealArray
+    T: RealArray
+    u: RealArray
+    log_nu_z: RealArray
+    T_z: RealArray
+    u_z: RealArray
+    p: RealArray
+    q: RealArray
+    eta: RealArray
+    xi: RealArray
+    K: RealArray
+    K_star: RealArray
+    a: RealArray
+    b: RealArray
+    c: RealArray
+    d: RealArray
+    e: RealArray
+    h: RealArray
+    e_star: RealArray
+    h_star: RealArray
+    l: RealArray  # noqa: E741
+    m: RealArray
 
     @property
-    def nu_z(self) -> Array:
+    def nu_z(self) -> RealArray:
         """ν0′ (m,)."""
         return self.nu * self.log_nu_z
 
 
-def profile(flow: Flow, z: Array) -> Profile:
+def profile(flow: Flow, z: RealArray) -> SteadyProfile:
     """The steady flow at the points z (m,)."""
     chute = flow.chute
     states = flow.states_at(z).real
@@ -64,7 +64,7 @@ def profile(flow: Flow, z: Array) -> Profile:
     log_nu_z, T_z, u_z, _ = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.radial_law, math.pi)
     g = law.coefficients(nu, chute.ep, chute.radial_law, math.pi)
     root = np.sqrt(T)
-    return Profile(
+    return SteadyProfile(
         nu=nu, T=T, u=u, log_nu_z=log_nu_z, T_z=T_z, u_z=u_z,
         p=g.g1[0] * T, q=Q * nu, eta=g.g2[0] * root, xi=g.g6[0] * root, K=g.g3[0] * root, K_star=g.g4[0] * T * root,
         a=g.g1[1] * T, b=g.g1[0],
@@ -100,7 +100,7 @@ def clustering(
     return float(best[0]), float(best[1])
 
 
-def _area(flow: Flow, z: Array, kx: float, ky: float) -> float:
+def _area(flow: Flow, z: RealArray, kx: float, ky: float) -> float:
     s, K, mean = profile(flow, z), math.hypot(kx, ky), flow.mass_flux / flow.hold_up
     c = s.nu * (s.a * s.K + s.b * s.K_star) / (s.K * (s.xi + 4 / 3 * s.eta))
     resonance = c / (c + K * flow.far_temperature**0.5 / 10 + 1j * kx * (s.u - mean))

@@ -14,31 +14,31 @@ from numpy.typing import NDArray
 
 from shootstab.core.series import Series
 from shootstab.models.chute import constitutive as law
-from shootstab.models.chute.collocation_profile import Profile
+from shootstab.models.chute.collocation_profile import SteadyProfile
 from shootstab.models.chute.parameters import Chute
 
-Row = NDArray[Any]
+WallRow = NDArray[Any]
 
 
 class Trace(NamedTuple):
     """Perturbations at z = 0 as rows (n,) that act on the unknowns: fields, slopes, x- and y-derivatives, and fluxes towards z."""
 
-    nu: Row
-    u: Row
-    v: Row
-    T: Row
-    u_z: Row
-    v_z: Row
-    w_z: Row
-    u_x: Row
-    v_y: Row
-    P_xz: Row
-    P_yz: Row
-    P_zz: Row
-    q_z: Row
+    nu: WallRow
+    u: WallRow
+    v: WallRow
+    T: WallRow
+    u_z: WallRow
+    v_z: WallRow
+    w_z: WallRow
+    u_x: WallRow
+    v_y: WallRow
+    P_xz: WallRow
+    P_yz: WallRow
+    P_zz: WallRow
+    q_z: WallRow
 
 
-def conditions(chute: Chute, flow: Profile, at: Trace) -> tuple[Row, Row, Row]:
+def conditions(chute: Chute, flow: SteadyProfile, at: Trace) -> tuple[WallRow, WallRow, WallRow]:
     """Three rows (n,) that vanish: the tractions along x and y, and the energy balance q_z = −M·u − ΔΦT^{3/2}. The fourth is w = 0."""
     r, pi = chute.r, math.pi
     nu, T, u, u_z, p = (float(f[0]) for f in (flow.nu, flow.T, flow.u, flow.u_z, flow.p))

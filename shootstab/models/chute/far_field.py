@@ -26,8 +26,8 @@ from shootstab.models.chute.balance import slopes
 from shootstab.models.chute.first_order_system import DECAYING, SIZE
 from shootstab.models.chute.parameters import Chute
 from shootstab.models.chute.tabulated import FIELD_COUNT, as_background, expanded, pencil_formula
+from shootstab.problems.protocol import ComplexArray
 
-ComplexArray = NDArray[np.complex128]
 Terms = NDArray[np.inexact]
 FAR_TERMS = 12  # chosen: more cost more than the steps they save
 # With v̂ and all that goes with it multiplied by i the series is real where k_x and σ's imaginary part are zero

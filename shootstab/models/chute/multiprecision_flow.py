@@ -65,7 +65,7 @@ def evaluate(arithmetic: Arithmetic, coefficients: list[Any], x: Any) -> Any:
 
 
 @dataclass(frozen=True)
-class Base:
+class FlowAtBase:
     """Where the flow ends: the state there, u_∞ that the slip asks for, and the mass flux Q0."""
 
     state: State
@@ -131,7 +131,7 @@ class Descent:
             best = size
         raise ConvergenceError("the base of the flow cannot be located: its energy condition is met by grazing")
 
-    def at_base(self) -> Base:
+    def at_base(self) -> FlowAtBase:
         """The base, if the flow has arrived there: u_∞ from the slip, Q0 = Φ + u_∞ p."""
         arithmetic, chute = self.arithmetic, self.chute
         nu, T, u, Q, flux = self.state
@@ -139,7 +139,7 @@ class Descent:
         u_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.radial_law, arithmetic.pi)[2]
         far_velocity = arithmetic.rounded(slip(nu, T, u_z, g0, chute.r, chute.tan_theta, arithmetic.pi) - u)
         pressure = nu * law.f1(nu, g0, chute.ep) * T
-        return Base(self.state, far_velocity, arithmetic.rounded(flux + far_velocity * pressure))
+        return FlowAtBase(self.state, far_velocity, arithmetic.rounded(flux + far_velocity * pressure))
 
 
 def energy_defect(chute: Chute, nu: Any, T: Any, Q: Any, pi: Any) -> Any:
@@ -171,7 +171,7 @@ def descend(
     settings: Settings,
     seen: Flow,
     progress: Callable[[], None],
-) -> Base:
+) -> FlowAtBase:
     """The base of the flow that decays to T_∞; seen is the same flow in doubles, which tells how far the base lies below a ν0."""
     series = far_series(arithmetic, chute, far_temperature, settings.far_terms)
     nu = seen.inside(2.0 ** start_of(arithmetic, series, settings))

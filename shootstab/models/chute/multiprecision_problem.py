@@ -9,18 +9,18 @@ from typing import Any
 import mpmath
 
 from shootstab.core.errors import ConvergenceError
+from shootstab.core.progress import Tick
 from shootstab.core.series import Series
 from shootstab.models.chute import constitutive as law
 from shootstab.models.chute import first_order_system as system
 from shootstab.models.chute.background import Background, background, fields
-from shootstab.models.chute.multiprecision_flow import FLOW_NEWTONS, Descent, descend, evaluate, far_series, start_of
-from shootstab.models.chute.multiprecision_flow import Base as FlowBase
+from shootstab.models.chute.multiprecision_flow import FLOW_NEWTONS, Descent, FlowAtBase, descend, evaluate, far_series, start_of
 from shootstab.models.chute.parameters import Chute
 from shootstab.models.chute.perturbations import PERTURBED, Perturbations
 from shootstab.models.chute.wall import wall_rows
 from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import TAIL_TERMS, Arithmetic, Matrix, exact, simplified
-from shootstab.multiprecision.integration import Base, Expansion, Progress, UnknownRows
+from shootstab.multiprecision.integration import BaseFlowNumbers, Expansion, UnknownRows
 from shootstab.multiprecision.linear_step import at_sigma
 from shootstab.multiprecision.regular_singular_end import decaying_series
 from shootstab.multiprecision.secant import Secant, Values
@@ -51,15 +51,15 @@ class ChuteDigits:
         """The parameters as exact decimals."""
         return self.problem.flow.chute.with_numbers(lambda x: arithmetic.number(exact(x)))
 
-    def integration(self, arithmetic: Arithmetic, settings: Settings, base: Base) -> ChuteIntegration:
+    def integration(self, arithmetic: Arithmetic, settings: Settings, base: BaseFlowNumbers) -> ChuteIntegration:
         """See protocol.MultiprecisionProblem."""
         return ChuteIntegration(self, arithmetic, settings, base)
 
-    def base(self, arithmetic: Arithmetic, settings: Settings, progress: Progress) -> Base:
+    def base(self, arithmetic: Arithmetic, settings: Settings, progress: Tick) -> BaseFlowNumbers:
         """(T_∞, u_∞): for a given mass flux by secants on Q0(T_∞), from a rougher precision on; u_∞ comes along."""
         flow = self.problem.flow
 
-        def end(at: Settings, T: Any) -> FlowBase:
+        def end(at: Settings, T: Any) -> FlowAtBase:
             return descend(arithmetic, self.chute(arithmetic), arithmetic.number(T), at, flow, progress)
 
         def found(at: Settings, T: Any) -> Values:
@@ -87,7 +87,7 @@ class ChuteDigits:
         asked = arithmetic.number(exact(self.problem.flow.asked_flux))
         return arithmetic.to_mpmath(arithmetic.rounded((mass_flux - asked) / asked))
 
-    def corrected_base(self, arithmetic: Arithmetic, end: FlowBase, base: Base) -> Base:
+    def corrected_base(self, arithmetic: Arithmetic, end: FlowAtBase, base: BaseFlowNumbers) -> BaseFlowNumbers:
         """(T_∞, u_∞) after one secant step from those of a flow that ended so."""
         T, _ = base
         u = arithmetic.to_mpmath(end.far_velocity)
@@ -108,7 +108,7 @@ class ChuteDigits:
 class ChuteIntegration:
     """One way down a chute flow of known T_∞ and u_∞. See protocol.Integration."""
 
-    def __init__(self, problem_in_digits: ChuteDigits, arithmetic: Arithmetic, settings: Settings, base: Base) -> None:
+    def __init__(self, problem_in_digits: ChuteDigits, arithmetic: Arithmetic, settings: Settings, base: BaseFlowNumbers) -> None:
         self.arithmetic, self.chute, self.settings = arithmetic, problem_in_digits.chute(arithmetic), settings
         self._problem_in_digits, self._base, self._problem = problem_in_digits, base, problem_in_digits.problem
         self._kx, self._ky = (arithmetic.complex(exact(k)) for k in (self._problem.kx, self._problem.ky))
@@ -230,7 +230,7 @@ class ChuteIntegration:
     def wall(self) -> Any:
         return self.arithmetic.number(0)
 
-    def corrected_base(self) -> Base:
+    def corrected_base(self) -> BaseFlowNumbers:
         return self._problem_in_digits.corrected_base(self.arithmetic, self._descent.at_base(), self._base)
 
     @property

@@ -19,7 +19,7 @@ from shootstab.models.chute.steady_flow import Flow
 from shootstab.models.chute.tabulated import FIELD_COUNT, as_background, pencil_formula, tabulated
 from shootstab.models.chute.wall import wall_rows
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
-from shootstab.problems.recorded_pencil import RecordedPencil
+from shootstab.problems.recorded_pencil import Entries, RecordedPencil
 from shootstab.problems.unknowns import Unknowns
 
 PERTURBED = ("nu", "u", "v", "w", "T")
@@ -152,7 +152,7 @@ def _base(flow: Flow) -> Background:
     return as_background(tabulated(flow.chute, flow.states_at(np.zeros(1)))[:, 0].tolist())
 
 
-def _dense(entries: system.Entries, points: int) -> ComplexArray:
+def _dense(entries: Entries, points: int) -> ComplexArray:
     out = np.zeros((points, system.SIZE, system.SIZE), dtype=np.complex128)
     for (i, j), entry in entries.items():
         out[:, i, j] = entry

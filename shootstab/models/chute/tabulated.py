@@ -16,10 +16,11 @@ from shootstab.core.straight_line import Program, Recorded, Recorder, program
 from shootstab.kernels.recorded_programs import evaluate, series
 from shootstab.models.chute import constitutive as law
 from shootstab.models.chute.background import Background, background, fields
-from shootstab.models.chute.first_order_system import Entries, pencil_entries
+from shootstab.models.chute.first_order_system import pencil_entries
 from shootstab.models.chute.parameters import Chute
+from shootstab.problems.recorded_pencil import Entries
 
-Matrices = tuple[Entries, Entries, Entries, Entries]
+PencilEntries = tuple[Entries, Entries, Entries, Entries]
 NAMES = tuple(f.name for f in fields_of(Background))
 FIELD_COUNT = 2 * len(NAMES)  # derived: the fields with their derivatives
 

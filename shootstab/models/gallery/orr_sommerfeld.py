@@ -15,14 +15,14 @@ import numpy as np
 from shootstab.core.errors import InputError
 from shootstab.problems.protocol import ComplexArray
 
-Profile = Callable[[ComplexArray], tuple[ComplexArray, ComplexArray]]  # U, U″ at points
-Matrices = Callable[[ComplexArray], tuple[ComplexArray, ComplexArray]]  # D0, D1
+VelocityProfile = Callable[[ComplexArray], tuple[ComplexArray, ComplexArray]]  # U, U″ at points
+AffineMatrices = Callable[[ComplexArray], tuple[ComplexArray, ComplexArray]]  # D0, D1
 
 CLAMPED = np.eye(2, 4)  # exact: φ = φ′ = 0
 REGION_MARGIN = 2.0**-20  # chosen: by which a region that holds all growing modes is widened, far above rounding
 
 
-def orr_sommerfeld(profile: Profile, reynolds: complex, alpha: complex, V: float = 0.0) -> Matrices:
+def orr_sommerfeld(profile: VelocityProfile, reynolds: complex, alpha: complex, V: float = 0.0) -> AffineMatrices:
     """D0 (m, 4, 4) and D1 (4, 4) as a function of y (m,); C is the identity."""
     a2, R = alpha * alpha, reynolds
     D1 = np.zeros((4, 4), dtype=np.complex128)

@@ -14,7 +14,7 @@ import numpy as np
 from shootstab.core.errors import InputError
 from shootstab.models.gallery.orr_sommerfeld import require_positive
 from shootstab.models.gallery.plate_flow import Gas, PlateFlow, plate_flow
-from shootstab.models.gallery.plate_system import PLATE_SIZE, Entries, background, system
+from shootstab.models.gallery.plate_system import PLATE_SIZE, PolynomialEntries, background, system
 from shootstab.problems import Infinity, LinearProblem, Wall
 from shootstab.problems.linear_problem import problem
 from shootstab.problems.protocol import ComplexArray
@@ -26,7 +26,7 @@ STILL_WALL = np.eye(PLATE_SIZE)[[0, 2, 4, 6]]  # exact: u = v = θ = w = 0
 SHOWN_COMPONENTS = {"u": 0, "v": 2, "w": 6, "p": 3, "theta": 4}  # in which eigenfunctions are shown
 PLATE_ROUNDING = 1e-16  # chosen, a unit of rounding: relative error of the profile
 
-Matrices = Callable[[ComplexArray], tuple[Any, ...]]
+PlateMatrices = Callable[[ComplexArray], tuple[Any, ...]]
 
 
 def stagnation(mach: float, temperature: float, gamma: float = 1.4) -> float:
@@ -40,7 +40,7 @@ def plate_temporal(
     """The eigenvalue is σ = −iω. second is m, the second coefficient of viscosity in μ."""
     _require(reynolds, second, alpha=alpha)
 
-    def pencil(flow: PlateFlow) -> Matrices:
+    def pencil(flow: PlateFlow) -> PlateMatrices:
         def matrices(y: ComplexArray) -> tuple[Any, ...]:
             C, D = system(background(flow, y), gas, reynolds, beta, second)
             at = {(i, j): alpha**i for i in range(3) for j in range(2)}
@@ -62,7 +62,7 @@ def plate_spatial(
     """The eigenvalue is α, to the second power: in α², aΔ and aΛ."""
     _require(reynolds, second, omega=omega)
 
-    def pencil(flow: PlateFlow) -> Matrices:
+    def pencil(flow: PlateFlow) -> PlateMatrices:
         def matrices(y: ComplexArray) -> tuple[Any, ...]:
             C, D = system(background(flow, y), gas, reynolds, beta, second)
             at = {(i, j): (-1j * omega) ** j for i in range(3) for j in range(2)}
@@ -119,7 +119,9 @@ def _flow(gas: Gas, accuracy: float) -> PlateFlow:
     return flow.shortened(accuracy) if accuracy else flow
 
 
-def _dense(entries: Entries, at: Mapping[tuple[int, int], complex], powers: tuple[tuple[int, int], ...], points: int) -> ComplexArray:
+def _dense(
+    entries: PolynomialEntries, at: Mapping[tuple[int, int], complex], powers: tuple[tuple[int, int], ...], points: int
+) -> ComplexArray:
     """Σ over these powers of α and σ of the coefficients, (points, 8, 8), at the values given for them."""
     out = np.zeros((points, PLATE_SIZE, PLATE_SIZE), dtype=np.complex128)
     for (i, j), polynomial in entries.items():

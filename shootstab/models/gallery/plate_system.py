@@ -25,7 +25,7 @@ from shootstab.models.gallery.plate_flow import Gas, PlateFlow
 
 PLATE_SIZE = 8  # exact: states of the first-order system
 Polynomial = dict[tuple[int, int], Any]  # coefficients of α^i σ^j
-Entries = dict[tuple[int, int], Polynomial]
+PolynomialEntries = dict[tuple[int, int], Polynomial]
 
 
 def times(p: Polynomial, q: Polynomial) -> Polynomial:
@@ -60,7 +60,7 @@ def background(flow: PlateFlow, y: Any) -> dict[str, Any]:
     return {**named, "mu_yy": mu_TT * T_y**2 + mu_T * T_yy, "turn": mu_TT * T_y * U_y + mu_T * U_yy}
 
 
-def system(bg: Mapping[str, Any], gas: Gas, reynolds: Any, beta: Any, m: Any) -> tuple[Entries, Entries]:
+def system(bg: Mapping[str, Any], gas: Gas, reynolds: Any, beta: Any, m: Any) -> tuple[PolynomialEntries, PolynomialEntries]:
     """C and D of C ψ′ = D ψ by their non-zero entries, each a polynomial in α and σ."""
     U, U_y, T, T_y, T_yy = (bg[name] for name in ("U", "U_y", "T", "T_y", "T_yy"))
     mu, mu_T, mu_y, mu_yy = (bg[name] for name in ("mu", "mu_T", "mu_y", "mu_yy"))
@@ -76,9 +76,9 @@ def system(bg: Mapping[str, Any], gas: Gas, reynolds: Any, beta: Any, m: Any) ->
     Delta: dict[int, Polynomial] = {v: total((T_y / T, one)), p: total((-g, L)), th: total((1 / T, L))}
     v_y = {**Delta, u: total((-1, a)), w: total((-1, b))}
 
-    C: Entries = {(i, i): one for i in range(PLATE_SIZE)}
+    C: PolynomialEntries = {(i, i): one for i in range(PLATE_SIZE)}
     C[p, p] = total((1, one), (c * g / r, L))  # the row divided by r
-    D: Entries = {(u, u_y): one, (w, w_y): one, (th, th_y): one}
+    D: PolynomialEntries = {(u, u_y): one, (w, w_y): one, (th, th_y): one}
     D.update({(v, j): e for j, e in v_y.items()})
 
     for row, direction, here, slope in ((u_y, a, u, u_y), (w_y, b, w, w_y)):

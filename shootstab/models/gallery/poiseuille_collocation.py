@@ -17,11 +17,11 @@ import numpy as np
 
 from shootstab.core.errors import InputError
 from shootstab.spectral import chebyshev, qz
-from shootstab.spectral.chebyshev import Array
-from shootstab.spectral.qz import Matrix, Spectrum
+from shootstab.spectral.chebyshev import RealArray
+from shootstab.spectral.qz import DenseMatrix, Spectrum
 
 
-def assemble(reynolds: float, alpha: float, M: int, even: bool = False) -> tuple[Matrix, Matrix]:
+def assemble(reynolds: float, alpha: float, M: int, even: bool = False) -> tuple[DenseMatrix, DenseMatrix]:
     """(A, B) with A x = σ B x, x = (ω, ψ) at the extrema of degree M, (2M + 2, 2M + 2); rows scaled to largest element 1 in A.
 
     even=True: only modes with even ψ, from their values at the points y ≥ 0, (2h, 2h) with h = ⌊M/2⌋ + 1.
@@ -56,14 +56,14 @@ def assemble(reynolds: float, alpha: float, M: int, even: bool = False) -> tuple
 def spectrum(reynolds: float, alpha: float, M: int, even: bool = False, filtered: bool = True) -> Spectrum:
     """The spectrum in σ = −iαc at truncation M by QZ, of the whole channel or of the modes with even ψ."""
 
-    def unfold(vectors: Matrix) -> Matrix:
+    def unfold(vectors: DenseMatrix) -> DenseMatrix:
         fields = vectors.T.reshape(vectors.shape[1], 2, -1)
         return np.concatenate([fields, fields[..., : (M + 1) // 2][..., ::-1]], axis=-1) if even else fields
 
     return qz.spectrum(lambda degree: assemble(reynolds, alpha, degree, even), M, unfold, filtered)
 
 
-def _fold(D: Array) -> Array:
+def _fold(D: RealArray) -> RealArray:
     """The matrix D on functions with f(−y) = f(y), given and wanted at the points y ≥ 0 only."""
     M = len(D) - 1
     kept = M // 2 + 1

@@ -284,20 +284,20 @@ NAMES = ("g1", "g2", "g6", "g3", "g4", "g5")
 POWERS = (1.0, 0.5, 0.5, 0.5, 1.5, 1.5)  # of T in p, η, ξ, K, K*, γ
 
 
-class Jet:
+class JetOfSymbols:
     """ν, u, v, w, T at one point, (5,), with first, (5, 4), and second, (5, 4, 4), derivatives with respect to (t, x, y, z)."""
 
     def __init__(self, value, first, second):
         self.value, self.first, self.second = value, first, second
 
-    def moved(self, other: Jet, h: complex) -> Jet:
-        return Jet(self.value + h * other.value, self.first + h * other.first, self.second + h * other.second)
+    def moved(self, other: JetOfSymbols, h: complex) -> JetOfSymbols:
+        return JetOfSymbols(self.value + h * other.value, self.first + h * other.first, self.second + h * other.second)
 
-    def part(self, which: str) -> Jet:
-        return Jet(*(np.array(getattr(a, which)) for a in (self.value, self.first, self.second)))
+    def part(self, which: str) -> JetOfSymbols:
+        return JetOfSymbols(*(np.array(getattr(a, which)) for a in (self.value, self.first, self.second)))
 
 
-def nonlinear_residual(jet_: Jet, chute: Chute) -> np.ndarray:
+def nonlinear_residual(jet_: JetOfSymbols, chute: Chute) -> np.ndarray:
     """(2.1), (2.2), (2.3) at a point, all derivatives of fluxes taken by the chain rule; signs as in (2.12)."""
     nu, T, V = jet_.value[0], jet_.value[4], jet_.value[1:4]
     grad_nu, grad_T = jet_.first[0, 1:], jet_.first[4, 1:]
@@ -322,21 +322,21 @@ def nonlinear_residual(jet_: Jet, chute: Chute) -> np.ndarray:
     return np.concatenate(([rate[0] + nu * div], nu * gravity - div_P - nu * rate[1:4], [energy]))
 
 
-def linear_residual(base: Jet, mode: Jet, chute: Chute) -> np.ndarray:
+def linear_residual(base: JetOfSymbols, mode: JetOfSymbols, chute: Chute) -> np.ndarray:
     """d/dε of the residual at base + ε mode: two complex steps, for the real and for the imaginary part of the mode."""
     h = 1e-40
     real, imag = (nonlinear_residual(base.moved(mode.part(which), 1j * h), chute).imag / h for which in ("real", "imag"))
     return real + 1j * imag
 
 
-def base_jet(bg: Background) -> Jet:
+def base_jet(bg: Background) -> JetOfSymbols:
     value, first, second = np.zeros(5), np.zeros((5, 4)), np.zeros((5, 4, 4))
     for i, (f, f_z) in zip((0, 1, 4), ((bg.nu, bg.nu_z), (bg.u, bg.u_z), (bg.T, bg.T_z)), strict=True):
         value[i], first[i, 3], second[i, 3, 3] = f[0], f_z[0], f_z[1]
-    return Jet(value, first, second)
+    return JetOfSymbols(value, first, second)
 
 
-def mode_jet(fields, slopes, curvatures, sigma, kx, ky) -> Jet:
+def mode_jet(fields, slopes, curvatures, sigma, kx, ky) -> JetOfSymbols:
     """Of X(z) exp(σt + i k_x x + i k_y y) with X, X′, X″ given, at t = x = y = 0."""
     s = np.array([sigma, 1j * kx, 1j * ky])
     first, second = np.zeros((5, 4), complex), np.zeros((5, 4, 4), complex)
@@ -344,7 +344,7 @@ def mode_jet(fields, slopes, curvatures, sigma, kx, ky) -> Jet:
     second[:, :3, :3] = np.einsum("i,j,k->ijk", fields, s, s)
     second[:, :3, 3] = second[:, 3, :3] = np.outer(slopes, s)
     second[:, 3, 3] = curvatures
-    return Jet(fields, first, second)
+    return JetOfSymbols(fields, first, second)
 
 
 def dense(entries, index=()):

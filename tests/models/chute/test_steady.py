@@ -45,7 +45,7 @@ def flow_of(chute: Chute, far_temperature: float) -> Flow:
 cases = pytest.mark.parametrize(("chute", "far_temperature"), CASES, ids=name_of)
 
 
-class Fields:
+class SteadyFields:
     """ν, T, u, q and p, η, γ at real heights, from the flow's states and the table of guide/theory.md 1.1."""
 
     def __init__(self, flow: Flow, z):
@@ -86,7 +86,7 @@ def test_residual_of_the_steady_equations(chute, far_temperature):
     flow = flow_of(chute, far_temperature)
     for a, b in pairwise(panels(flow, 6)):
         z, D = chebyshev(20, a, b)
-        f = Fields(flow, z)
+        f = SteadyFields(flow, z)
         # what errors of one unit in the last place of ln ν and of z do to D f
         rounding = 2.3e-16 * (2 + np.abs(np.log(f.nu)).max() + b / far_temperature) * np.abs(D).sum(axis=1)
         shear = chute.tan_theta * f.p / f.eta
@@ -102,7 +102,7 @@ def test_residual_of_the_steady_equations(chute, far_temperature):
 
 @cases
 def test_base_conditions(chute, far_temperature):
-    f = Fields(flow_of(chute, far_temperature), 0.0)
+    f = SteadyFields(flow_of(chute, far_temperature), 0.0)
     s = math.sqrt(1 - chute.r**2)
     kappa, delta = 2 / 3 * (2 / (1 + s) - s), math.sqrt(2 / math.pi) * 2 * (1 - chute.e_w) / (1 + s)
     u_z = chute.tan_theta * f.p / f.eta
@@ -146,12 +146,12 @@ def test_integrals_by_quadrature(chute, far_temperature):
     edges = panels(flow, 10)
     z = (edges[:-1, None] + edges[1:, None]) / 2 + np.diff(edges)[:, None] / 2 * x
     weights = np.diff(edges)[:, None] / 2 * w
-    f = Fields(flow, z)
+    f = SteadyFields(flow, z)
     M0, Q0, moment = (float((weights * g).sum()) for g in (f.nu, f.nu * f.u, f.nu * z))
     assert flow.hold_up == pytest.approx(M0, rel=2e-12, abs=0.0)
     assert flow.mass_flux == pytest.approx(Q0, rel=2e-12, abs=0.0)
     assert flow.centre_of_mass == pytest.approx(moment / M0, rel=2e-12, abs=0.0)
-    base = Fields(flow, 0.0)
+    base = SteadyFields(flow, 0.0)
     assert flow.hold_up == pytest.approx(float(base.p), rel=1e-14, abs=0.0)
     assert flow.base == {"nu": pytest.approx(base.nu, rel=1e-14, abs=0.0), "T": base.T, "u": base.u}
 
@@ -220,7 +220,7 @@ def collocate(flow: Flow, heights: np.ndarray, orders: list[int], top_order: int
     for s, _, _, above in panels:
         zeta = np.maximum(s, 1e-12) if above else np.ones_like(s)
         z = heights[-1] - T_inf * np.log(zeta) if above else s
-        f = Fields(flow, z)
+        f = SteadyFields(flow, z)
         wave = np.sin(3 * z / (T_inf + z))
         ys.append(np.array([f.nu / zeta * (1 + 0.03 * wave), f.T * (1 - 0.03 * wave), f.u * (1 + 0.05 * wave), f.Q + 0.02 * wave * f.T]))
 
@@ -290,7 +290,7 @@ def test_independent_collocation(chute, far_temperature, heights):
     solution = collocate(flow, np.array(heights), [24] * (len(heights) - 1), 30)
     for panel in solution:
         finite = np.isfinite(panel["z"])
-        f = Fields(flow, panel["z"][finite])
+        f = SteadyFields(flow, panel["z"][finite])
         for name in ("nu", "T", "u"):
             assert np.all(np.abs(getattr(f, name) / panel[name][finite] - 1) <= 1e-11), name
         q = panel["nu"][finite] * panel["Q"][finite]
