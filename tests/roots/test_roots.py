@@ -193,7 +193,7 @@ def test_a_multiple_zero_is_one_zero_with_its_multiplicity(multiplicity: int) ->
 def test_zeros_between_which_d_is_noise_are_one_zero_where_they_are_near_and_none_where_they_are_not() -> None:
     """No contour passes near them, and no iteration arrives: what is left is one region with both, if it is small enough."""
     zeros = (0.21 + 0.13j, 0.21 + 0.13j + 1e-7)
-    D = Known(zeros)
+    D = KnownZeros(zeros)
 
     def within(noise: float) -> Search:
         def count(region: Region):
