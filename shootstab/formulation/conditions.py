@@ -10,7 +10,7 @@ from shootstab.core.errors import InputError, shortened
 from shootstab.core.scene_keys import LARGEST_NUMBER
 from shootstab.formulation.expression import Expression
 from shootstab.formulation.names import Names
-from shootstab.formulation.system import Denominators, Row, row_of
+from shootstab.formulation.system import Denominators, EquationRow, row_of
 from shootstab.problems.ends import Infinity
 
 
@@ -58,11 +58,11 @@ def end_of(given: Any, side: str) -> End:
     return given
 
 
-def rows_of(end: End, side: str, names: Names) -> tuple[tuple[tuple[str, Row], ...], Denominators]:
+def rows_of(end: End, side: str, names: Names) -> tuple[tuple[tuple[str, EquationRow], ...], Denominators]:
     """The conditions as the user means them, each with what errors call it, and the denominators that they were multiplied by."""
     if not isinstance(end, Conditions):
         return (), ()
-    rows: list[tuple[str, Row]] = []
+    rows: list[tuple[str, EquationRow]] = []
     denominators: list[tuple[str, Expression]] = []
     for i, formula in enumerate(end.conditions, 1):
         where = f"{side} condition {i}"

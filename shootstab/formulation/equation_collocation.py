@@ -27,7 +27,7 @@ from shootstab.core.errors import InputError
 from shootstab.formulation.conditions import Conditions, Periodic
 from shootstab.formulation.evaluation import on_arrays
 from shootstab.formulation.statement import Statement
-from shootstab.formulation.system import Row, coefficients, degree
+from shootstab.formulation.system import EquationRow, coefficients, degree
 from shootstab.spectral import chebyshev, qz
 from shootstab.spectral.qz import DenseMatrix, Spectrum
 
@@ -109,7 +109,7 @@ class EquationCollocation:
         low, high = self.statement.domain.left, self.statement.domain.right
         return np.asarray(0.5 * (low + high) + 0.5 * (high - low) * chebyshev.roots(count - 1))
 
-    def _sampled(self, row: Row, z: NDArray[np.float64], lengths: list[int], highest: int) -> NDArray[np.complex128]:
+    def _sampled(self, row: EquationRow, z: NDArray[np.float64], lengths: list[int], highest: int) -> NDArray[np.complex128]:
         """An equation at the points z, over the Chebyshev coefficients of the unknowns, (highest + 1, points, Σ lengths)."""
         low, high = self.statement.domain.left, self.statement.domain.right
         y, stretch = (2 * z - low - high) / (high - low), 2 / (high - low)

@@ -15,7 +15,7 @@ from shootstab.formulation.names import Names
 from shootstab.formulation.reduced_layers import ReducedLayer
 from shootstab.formulation.state_pencil import Condition, StatePencil
 from shootstab.formulation.statement import Statement
-from shootstab.formulation.system import Row, coefficients, degree, shown
+from shootstab.formulation.system import EquationRow, coefficients, degree, shown
 from shootstab.problems.ends import INFINITIES
 
 Lines = list[tuple[str, str]]
@@ -37,7 +37,7 @@ def explanation(
             found = _renamed(found, ours, theirs)
         return found if len(found) <= LONGEST_SHOWN else found[:LONGEST_SHOWN] + " …"
 
-    def row_text(row: Row) -> str:
+    def row_text(row: EquationRow) -> str:
         return " + ".join(f"({text(c)})*{shown(at)}" for at, c in sorted(row.items()))
 
     def condition_text(condition: Condition) -> str:

@@ -13,7 +13,7 @@ from shootstab.core.errors import InputError
 from shootstab.formulation.expression import Expression, number
 from shootstab.formulation.linear_algebra import determinant
 from shootstab.formulation.reduction import Reduction, reduced
-from shootstab.formulation.system import Jet, Row, System, coefficients, combined, degree, differentiated
+from shootstab.formulation.system import EquationRow, Jet, System, coefficients, combined, degree, differentiated
 from shootstab.formulation.vanishing import Vanishing
 
 ExpressionEntries = dict[tuple[int, int], Expression]
@@ -31,8 +31,8 @@ class FirstOrder:
     states: tuple[Jet, ...]
     C: ExpressionEntries
     D: ExpressionEntries
-    rules: Mapping[str, tuple[Jet, Row]]
-    fluxes: Mapping[str, Row]
+    rules: Mapping[str, tuple[Jet, EquationRow]]
+    fluxes: Mapping[str, EquationRow]
     factors: tuple[tuple[Expression, str], ...]
     leading: tuple[dict[str, Expression], ...]
     vanishing: Vanishing
@@ -54,12 +54,12 @@ class FirstOrder:
         whole = {power: c for power, c in coefficients(determinant(self.leading, columns)).items() if not self.vanishing(c)}
         return dict(sorted(whole.items()))
 
-    def in_states(self, row: Row, beside: Iterable[Jet] = ()) -> Row:
+    def in_states(self, row: EquationRow, beside: Iterable[Jet] = ()) -> EquationRow:
         """The same in terms of the states, and of what may stand beside them, up to a factor that vanishes for single σ at most."""
         return reduced_to(row, {*self.states, *beside}, self.rules, self.vanishing)
 
 
-def reduced_to(row: Row, states: Set[Jet], rules: Mapping[str, tuple[Jet, Row]], vanishing: Vanishing) -> Row:
+def reduced_to(row: EquationRow, states: Set[Jet], rules: Mapping[str, tuple[Jet, EquationRow]], vanishing: Vanishing) -> EquationRow:
     """A row in terms of the states alone, by rules of which each finds a jet and its derivatives from lower ones."""
     for _ in range(MOST_SUBSTITUTIONS):
         foreign = [at for at in row if at not in states]
@@ -99,7 +99,7 @@ def first_order(system: System, vanishing: Vanishing, regular: object) -> FirstO
     return FirstOrder(states, C, D, rules, reduction.fluxes, tuple(reduction.factors), tuple(leading), vanishing)
 
 
-def _in_order(reduction: Reduction, names: list[str], tops: dict[str, int]) -> list[Row]:
+def _in_order(reduction: Reduction, names: list[str], tops: dict[str, int]) -> list[EquationRow]:
     """The rows so that each has its own unknown's highest derivative, alone with the factor 1 where it is a number that stands there."""
     price = np.full((len(names), len(names)), 1e6)
     for i, row in enumerate(reduction.rows):
@@ -116,7 +116,7 @@ def _in_order(reduction: Reduction, names: list[str], tops: dict[str, int]) -> l
     return out
 
 
-def _solved(reduction: Reduction, names: list[str], tops: dict[str, int]) -> list[tuple[Jet, Row]]:
+def _solved(reduction: Reduction, names: list[str], tops: dict[str, int]) -> list[tuple[Jet, EquationRow]]:
     """The rows combined so that each holds one of the highest derivatives only."""
     rows = [dict(row) for row in reduction.rows]
     left = list(range(len(rows)))

@@ -23,12 +23,12 @@ from shootstab.formulation.first_order import FirstOrder, reduced_to
 from shootstab.formulation.joints import INTERFACE_SIDES, Joint
 from shootstab.formulation.linear_algebra import coprime, minus
 from shootstab.formulation.substitution import substituted
-from shootstab.formulation.system import Jet, Row, coefficients, degree
+from shootstab.formulation.system import EquationRow, Jet, coefficients, degree
 from shootstab.formulation.vanishing import Vanishing
 from shootstab.problems.ends import Interface
 
 
-def rows_over_states(joint: Joint, layers: tuple[FirstOrder, FirstOrder]) -> list[Row]:
+def rows_over_states(joint: Joint, layers: tuple[FirstOrder, FirstOrder]) -> list[EquationRow]:
     """The rows over the states of both sides. Raises InputError where they are too many, too few, or say nothing."""
     states = {on_side(side, state) for side, layer in zip(INTERFACE_SIDES, layers, strict=True) for state in layer.states}
     states |= {(name, 0) for name in joint.amplitudes}
@@ -56,7 +56,7 @@ def _here(joint: Joint, coefficient: Expression) -> Expression:
     return substituted(coefficient, VARIABLE, number(joint.at))
 
 
-def _without(joint: Joint, name: str, rows: list[Row], vanishing: Vanishing) -> list[Row]:
+def _without(joint: Joint, name: str, rows: list[EquationRow], vanishing: Vanishing) -> list[EquationRow]:
     """Without an amplitude, and the condition that finds it."""
     at = (name, 0)
     holders = [i for i, row in enumerate(rows) if at in row]

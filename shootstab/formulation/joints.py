@@ -13,7 +13,7 @@ from shootstab.core.errors import InputError
 from shootstab.formulation.expression import Expression
 from shootstab.formulation.grammar import FormulaReader, Scope
 from shootstab.formulation.names import Names
-from shootstab.formulation.system import Denominators, Row, jet, row_of
+from shootstab.formulation.system import Denominators, EquationRow, jet, row_of
 
 INTERFACE_SIDES = ("before", "behind")  # chosen: the words of the language for the sides of smaller and of larger coordinate
 
@@ -32,7 +32,7 @@ class Joint:
     """An interface whose conditions have been read: rows over before(u), behind(u) and the amplitudes, times their denominators."""
 
     at: float
-    rows: tuple[tuple[str, Row], ...]
+    rows: tuple[tuple[str, EquationRow], ...]
     amplitudes: tuple[str, ...]
     denominators: Denominators = ()
 
@@ -64,7 +64,7 @@ def read_joint(given: InterfaceConditions, names: tuple[Names, Names], layered: 
     def listed() -> str:
         return ", ".join([*given.amplitudes, "before(...)", "behind(...)", "jump(...)", names[0].listed()])
 
-    rows: list[tuple[str, Row]] = []
+    rows: list[tuple[str, EquationRow]] = []
     denominators: list[tuple[str, Expression]] = []
     for i, formula in enumerate(given.conditions, 1):
         place = f"{where}, condition {i}"

@@ -24,7 +24,7 @@ from dataclasses import dataclass, field, replace
 from shootstab.core.errors import InputError
 from shootstab.formulation.expression import Expression, number, quotient
 from shootstab.formulation.linear_algebra import left_null_vector
-from shootstab.formulation.system import Jet, Row, System, combined, degree, differentiated, orders
+from shootstab.formulation.system import EquationRow, Jet, System, combined, degree, differentiated, orders
 from shootstab.formulation.vanishing import Vanishing
 
 MOST_REDUCTIONS = 400  # chosen: steps of a reduction, more than any needs
@@ -38,12 +38,12 @@ class Reduction:
     those of the equations that a row came from; factors what rows were multiplied by that may vanish, with the equation.
     """
 
-    rows: list[Row]
+    rows: list[EquationRow]
     names: list[str]
     vanishing: Vanishing
     regular: Callable[[Expression], bool]
-    rules: list[tuple[Jet, Row]] = field(default_factory=list)
-    fluxes: dict[str, Row] = field(default_factory=dict)
+    rules: list[tuple[Jet, EquationRow]] = field(default_factory=list)
+    fluxes: dict[str, EquationRow] = field(default_factory=dict)
     factors: list[tuple[Expression, str]] = field(default_factory=list)
 
     def run(self) -> None:
@@ -167,7 +167,7 @@ class Reduction:
             whole, weights = weights[columns[0]], {columns[0]: number(1)}
         flux = f"q{len(self.fluxes) + 1}"
         self.fluxes[flux] = {(name, c[name] - 1): w for name, w in weights.items()}
-        change: Row = {(flux, 1): number(1), **{(name, c[name] - 1): -w.derivative() for name, w in weights.items()}}
+        change: EquationRow = {(flux, 1): number(1), **{(name, c[name] - 1): -w.derivative() for name, w in weights.items()}}
         self.rows[i] = combined([(number(1), row), (whole, change)], self.vanishing)
         self.rows.append({(flux, 0): number(-1), **self.fluxes[flux]})
         self.names.append(f"the flux in {self.names[i]}")
@@ -196,7 +196,7 @@ class Reduction:
         c = orders(others)
         return sum(max(0, order - c.get(other, 0)) for other, order in orders([self.rows[e]]).items() if other != name)
 
-    def _without_factors(self, row: Row) -> Row:
+    def _without_factors(self, row: EquationRow) -> EquationRow:
         """The row divided by what rows were multiplied by, where that comes out."""
         for factor, _ in self.factors:
             if degree(factor):
@@ -215,7 +215,7 @@ def _cost(pivot: Expression, regular: Callable[[Expression], bool]) -> int:
     return 1 if regular(pivot) else 2
 
 
-def _size(row: Row) -> int:
+def _size(row: EquationRow) -> int:
     return sum(len(c.terms) for c in row.values())
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from shootstab.core.errors import InputError
 from shootstab.formulation.expression import Expression
 from shootstab.formulation.first_order import ExpressionEntries, FirstOrder
-from shootstab.formulation.system import Row, coefficients, degree
+from shootstab.formulation.system import EquationRow, coefficients, degree
 
 Condition = dict[int, Expression]  # of the states by their number, polynomials in σ
 Powers = tuple[ExpressionEntries, ...]  # of σ⁰, σ¹, …, by their non-zero entries
@@ -35,7 +35,7 @@ def state_pencil(first: FirstOrder, left: Sequence[Condition], right: Sequence[C
     return StatePencil(first.order, _powers(first.C, highest), _powers(first.D, highest), at_left, at_right, len(left), len(right))
 
 
-def in_states(rows: list[tuple[str, Row]], first: FirstOrder) -> list[Condition]:
+def in_states(rows: list[tuple[str, EquationRow]], first: FirstOrder) -> list[Condition]:
     """The conditions on the states. Raises InputError for one that holds already, by the equations."""
     number_of = {state: i for i, state in enumerate(first.states)}
     out = []

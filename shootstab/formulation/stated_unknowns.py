@@ -9,14 +9,14 @@ import numpy as np
 from shootstab.formulation.evaluation import Given, on_arrays
 from shootstab.formulation.expression import Expression, number
 from shootstab.formulation.first_order import FirstOrder
-from shootstab.formulation.system import Jet, Row
+from shootstab.formulation.system import EquationRow, Jet
 from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.unknowns import Unknowns
 
 ITSELF: Jet = ("the unknown itself", 0)  # a name that no unknown can have
 
 
-def stated_rows(names: Sequence[str], first: FirstOrder) -> list[Row]:
+def stated_rows(names: Sequence[str], first: FirstOrder) -> list[EquationRow]:
     """The reduction of u − (itself) = 0 to states for each unknown u: it has the coefficients r_j, and −p before itself."""
     return [first.in_states({(name, 0): number(1), ITSELF: number(-1)}, beside=(ITSELF,)) for name in names]
 

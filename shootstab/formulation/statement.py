@@ -17,7 +17,7 @@ from shootstab.formulation.expression import Expression, number, of_atom
 from shootstab.formulation.joints import InterfaceConditions, Joint, read_joint
 from shootstab.formulation.layers import Layer, own_definitions
 from shootstab.formulation.names import Names
-from shootstab.formulation.system import Denominators, Row, System
+from shootstab.formulation.system import Denominators, EquationRow, System
 from shootstab.problems.ends import Infinity
 
 
@@ -32,8 +32,8 @@ class Statement:
 
     left: End
     right: End
-    left_rows: tuple[tuple[str, Row], ...]
-    right_rows: tuple[tuple[str, Row], ...]
+    left_rows: tuple[tuple[str, EquationRow], ...]
+    right_rows: tuple[tuple[str, EquationRow], ...]
     domain: Domain
     layers: tuple[Layer, ...]
     joints: tuple[Joint, ...]

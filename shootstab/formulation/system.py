@@ -13,7 +13,7 @@ from shootstab.formulation.expression import Expression, number, of_atom
 from shootstab.formulation.vanishing import Vanishing
 
 Jet = tuple[str, int]  # an unknown and the order of its derivative
-Row = dict[Jet, Expression]
+EquationRow = dict[Jet, Expression]
 
 EIGENVALUE = Atom("eigenvalue", "sigma")
 SIGMA = of_atom(EIGENVALUE)
@@ -33,12 +33,12 @@ def shown(at: Jet) -> str:
 Denominators = tuple[tuple[str, Expression], ...]  # where each stood, and what it is: see denominators.py
 
 
-def row_of(expression: Expression, where: str) -> tuple[Row, Denominators]:
+def row_of(expression: Expression, where: str) -> tuple[EquationRow, Denominators]:
     """The coefficients of the unknowns and their derivatives, polynomials in the eigenvalue, and the denominators that were cleared.
 
     Raises InputError for what is not linear in the unknowns.
     """
-    row: Row = {}
+    row: EquationRow = {}
     for outer, coefficient in expression.collected(lambda atom: atom.kind == "jet"):
         if len(outer) == 1 and outer[0][1] == 1:
             atom = outer[0][0]
@@ -54,7 +54,7 @@ def row_of(expression: Expression, where: str) -> tuple[Row, Denominators]:
     return row, tuple((where, denominator) for denominator in denominators)
 
 
-def linear(row: Row) -> Expression:
+def linear(row: EquationRow) -> Expression:
     """The expression that a row stands for."""
     total = number(0)
     for (name, order), coefficient in row.items():
@@ -62,9 +62,9 @@ def linear(row: Row) -> Expression:
     return total
 
 
-def combined(rows: Iterable[tuple[Expression, Row]], vanishing: Vanishing) -> Row:
+def combined(rows: Iterable[tuple[Expression, EquationRow]], vanishing: Vanishing) -> EquationRow:
     """Σ factor · row, without the coefficients that vanish."""
-    total: Row = {}
+    total: EquationRow = {}
     for factor, row in rows:
         for at, coefficient in row.items():
             term = factor * coefficient
@@ -72,10 +72,10 @@ def combined(rows: Iterable[tuple[Expression, Row]], vanishing: Vanishing) -> Ro
     return {at: c for at, c in total.items() if not vanishing(c)}
 
 
-def differentiated(row: Row, times: int, vanishing: Vanishing) -> Row:
+def differentiated(row: EquationRow, times: int, vanishing: Vanishing) -> EquationRow:
     """d^times/dz^times of the equation."""
     for _ in range(times):
-        out: Row = {}
+        out: EquationRow = {}
         for (name, order), c in row.items():
             for at, term in (((name, order + 1), c), ((name, order), c.derivative())):
                 out[at] = out[at] + term if at in out else term
@@ -83,7 +83,7 @@ def differentiated(row: Row, times: int, vanishing: Vanishing) -> Row:
     return row
 
 
-def orders(rows: Iterable[Row]) -> dict[str, int]:
+def orders(rows: Iterable[EquationRow]) -> dict[str, int]:
     """The highest derivative of each unknown in the rows."""
     found: dict[str, int] = {}
     for row in rows:
@@ -109,7 +109,7 @@ class System:
     """
 
     unknowns: tuple[str, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[EquationRow, ...]
     names: tuple[str, ...]
     denominators: Denominators = ()
 
