@@ -1,4 +1,4 @@
-"""For pytest: the fixture `shootstab_baseline`, and the option --shootstab-regen that writes the baselines anew.
+"""The plugin for pytest: the fixture `shootstab_baseline`, and the option --shootstab-regen that writes the baselines anew.
 
 def test_spectrum(shootstab_baseline):
     shootstab_baseline("poiseuille", my_eigenvalues(), digits=8)

@@ -1,4 +1,4 @@
-"""For CI jobs: assertions that fail when a stability code drifts."""
+"""Assertions for CI jobs, which fail when a stability code drifts."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ def once(run: Callable[[], object]) -> float:
 
 
 def duration(seconds: float) -> str:
-    """With a unit that suits."""
+    """A time with a unit that suits."""
     if seconds >= 60.0:
         return f"{seconds / 60:.3g} min"
     return f"{seconds:.3g} s" if seconds >= 1.0 else f"{1e3 * seconds:.3g} ms"

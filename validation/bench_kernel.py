@@ -43,7 +43,7 @@ def seconds(call: Callable[[complex], object], sigma: complex) -> float:
 
 
 def operations(system: ReducedSystem, k: int) -> float:
-    """Of one transport without σ-derivative: system, stages, error estimates and orthonormalization."""
+    """Operations of one transport without σ-derivative: system, stages, error estimates and orthonormalization."""
     steps, entries = len(system.P), len(system.column)
     m = system.G.shape[3]
     n = len(system.start) - 1 - m
@@ -55,7 +55,7 @@ def operations(system: ReducedSystem, k: int) -> float:
 
 
 def gflops() -> float:
-    """Of a product of matrices."""
+    """Gflop/s of a product of matrices."""
     a = np.random.default_rng(0).random((512, 512))
     best = np.inf
     for _ in range(10):

@@ -51,7 +51,7 @@ def shoot(p: ChuteProblem, guess: complex, rtol: float) -> complex:
 
 
 def matrices(p: ChuteProblem, window: tuple[float, float, float], M: float) -> tuple[np.ndarray, np.ndarray]:
-    """Without the block of v, where that separates: QZ of what holds the mode."""
+    """The matrices without the block of v, where that separates: QZ of what holds the mode."""
     A, B = pseudospectral.assemble(p.flow, p.kx, p.ky, int(M), *window)
     keep = np.concatenate([np.arange(M + 1) + f * (M + 1) for f in ((0, 1, 3, 4) if p.ky == 0.0 else range(5))]).astype(int)
     return A[np.ix_(keep, keep)], B[np.ix_(keep, keep)]

@@ -69,7 +69,7 @@ def the_rest(digits: bool) -> Iterator[BenchLine]:
     turn = count(1)
 
     def flow() -> object:
-        """Of parameters that no cache has."""
+        """A flow of parameters that no cache has."""
         return st.chute.steady(mass_flux=3.0, branch="high", e=0.8 - 1e-9 * next(turn), e_w=0.8, r=0.6, tan_theta=0.3)
 
     yield at_most("a flow by mass flux and branch, nothing known of its family", best(flow), 0.1)

@@ -56,7 +56,7 @@ class DigitsRun:
 
     @property
     def sigma(self) -> mpmath.mpc:
-        """As an mpmath number, in the precision of the context."""
+        """σ as an mpmath number, in the precision of the context."""
         return mpmath.mpc(self.re, self.im)
 
     @property
@@ -93,7 +93,7 @@ def run(scene: str, digits: int, arithmetic: str = "flint", factor: float = 1.0)
 
 
 def cases(quick: bool) -> Iterator[Case]:
-    """By scene: agreement first, then the cost."""
+    """The cases by scene: agreement first, then the cost."""
     scenes, wanted = (("high", "poiseuille"), DIGITS[:1]) if quick else (tuple(GUESSES), DIGITS)
     runs = []
     with mpmath.workdps(PLAIN):

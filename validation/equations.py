@@ -38,12 +38,12 @@ class Written:
 
     @cached_property
     def tables(self) -> dict[str, Any]:
-        """Of the scene file."""
+        """The tables of the scene file."""
         return tomllib.loads(self.text)
 
     @property
     def lines(self) -> int:
-        """That the user writes: those of the table [problem]."""
+        """Lines that the user writes: those of the table [problem]."""
         return len(self.text[self.text.index("[problem]") :].strip().splitlines())
 
     @property
@@ -190,7 +190,7 @@ def cases(quick: bool) -> Iterator[Case]:
 
 
 def table() -> None:
-    """For validation/README.md; times are processor times."""
+    """The table for validation/README.md; times are processor times."""
     print(f"| problem | lines | order | σ_c inside | published: digits | agreed | reduction | one mode | {MANY} digits |")
     print("|---|---|---|---|---|---|---|---|---|")
     for case in WRITTEN:

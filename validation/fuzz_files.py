@@ -199,7 +199,7 @@ def scenes() -> list[bytes]:
 
 
 def certificates() -> list[bytes]:
-    """Of a mode at R = 100, cheap to check."""
+    """Certificates of a mode at R = 100, cheap to check."""
     steps = ["0.250000", "0.250000", "0.250000"]
     found = {"format": 2, "problem": {"name": "plane Poiseuille", "reynolds": "100.0", "alpha": "1.0", "modes": "even"}, "count": 1}
     found |= {"region": {"re": "-0.1627", "im": "-0.4629", "radius": "0.01"}, "outer": "0.2", "weight": "8.0"}
@@ -468,12 +468,12 @@ def giants() -> Iterator[tuple[str, bytes]]:
 
 
 def limit(seconds: float) -> None:
-    """So much processor time from here on."""
+    """Allow so much processor time from here on."""
     signal.setitimer(signal.ITIMER_PROF, seconds)
 
 
 class TooSlowError(BaseException):
-    """Not to be caught by a reader."""
+    """The signal that time is up, which no reader may catch."""
 
 
 def outcome(kind: Kind, path: Path) -> tuple[str, str]:

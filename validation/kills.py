@@ -58,7 +58,7 @@ class Findings:
 
 
 def environment() -> dict[str, str]:
-    """Of a process that finds this package and the layers, one thread each."""
+    """The environment of a process that finds this package and the layers, one thread each."""
     paths = [str(HERE), str(HERE.parent), os.environ.get("PYTHONPATH", "")]
     return {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in paths if p), "OMP_NUM_THREADS": "1"}
 

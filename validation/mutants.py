@@ -177,7 +177,7 @@ def exponents() -> MutantGroup:
 
 
 def _only(function: Callable[..., Any], place: Place, factor: float) -> Callable[..., Any]:
-    """Of a function that returns one array."""
+    """The place of the result of a function that returns one array."""
     return lambda *given: with_change((function(*given),), place, factor)[0]
 
 
@@ -269,7 +269,7 @@ def budget() -> MutantGroup:
 
 
 def groups() -> dict[str, list[Callable[[], MutantGroup]]]:
-    """By name, in the order in which they are cheap."""
+    """The groups by name, in the order in which they are cheap."""
     return {
         "tableau": [lambda a=a: tableau(a) for a in ("A", "B", "C", "E5", "E3")],
         "budget": [budget],

@@ -135,7 +135,7 @@ def tried(step: NewcomerStep, folder: Path) -> Done:
 
 
 def table(done: Sequence[Done]) -> str:
-    """For validation/README.md."""
+    """The table for validation/README.md."""
     rows = [f"| {d.step.says} | {d.seconds:.1f} s | {d.silence:.1f} s |" for d in done]
     total = sum(d.seconds for d in done)
     return "\n".join(["| step | time | longest silence |", "|---|---|---|", *rows, f"| all of it | {total:.0f} s | |"])

@@ -56,7 +56,7 @@ def mixing(R: float, alpha: float) -> Any:
 
 
 def channel(name: str, source: str, pencil: Any, guesses: list[complex], N: int = 64, cuts: tuple[float, ...] = (), **kw: Any) -> Stranger:
-    """Between walls at ±1, truth by collocation."""
+    """A channel between walls at ±1, truth by collocation."""
     return Stranger(
         name,
         source,

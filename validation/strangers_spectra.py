@@ -141,7 +141,7 @@ def dedalus(kind: str) -> Callable[[Any, Any], Iterator[tuple[str, str, str]]]:
 
 
 def legolas_file(path: Path, omega: Any) -> None:
-    """As Legolas 1.2 writes it: see the layout in src/dataIO of its repository. Padding 1e20 where LAPACK's β is 0."""
+    """A file as Legolas 1.2 writes it: see the layout in src/dataIO of its repository. Padding 1e20 where LAPACK's β is 0."""
     out = bytearray(b"legolas_version" + b"1.2.0".ljust(10))
 
     def ints(*v: int) -> None:

@@ -98,7 +98,7 @@ def coffey_evans(beta: float) -> Any:
 
 
 def coffey_evans_values(beta: int, count: int) -> list[tuple[complex, float]]:
-    """In sines of n(x + π/2): β²/2 − (β²/2) cos 4x − 2β cos 2x couples n to n ± 2 and n ± 4; in mpmath."""
+    """Eigenvalues from a basis of sines of n(x + π/2): β²/2 − (β²/2) cos 4x − 2β cos 2x couples n to n ± 2 and n ± 4; in mpmath."""
     with mpmath.workdps(30):
         size, b = 44, mpmath.mpf(beta)
         out = []
@@ -124,7 +124,7 @@ def double_well(h: float) -> Any:
 
 
 def double_well_values(h: float, count: int) -> list[tuple[complex, float]]:
-    """In the basis of the oscillator −h²y″ + 4x²y, whose width both wells share, in mpmath; truncated at 110 of either parity."""
+    """Values in the basis of the oscillator −h²y″ + 4x²y, whose width both wells share, in mpmath; truncated at 110 of either parity."""
     with mpmath.workdps(30):
         size = 130
         w = mpmath.mpf(2)  # −h² y″ + w² x²: x² = (h/2w)(a + a†)²

@@ -40,7 +40,7 @@ class Candidate:
 
 
 def assign(candidates: Sequence[Sequence[Candidate]]) -> list[int | None]:
-    """For each claim the number of the mode given to it, or None; the problem falls apart where no candidates are shared."""
+    """The number of the mode given to each claim, or None; the problem falls apart where no candidates are shared."""
     from scipy.optimize import linear_sum_assignment
 
     given: list[int | None] = [None] * len(candidates)

@@ -25,6 +25,7 @@ from shootstab.core.reading import bytes_of, json_of, text_of
 from shootstab.multiprecision.enclosure import Enclosure, at_bits, decimal
 from shootstab.problems.capabilities import CERTIFIED, FACTORS
 from shootstab.problems.protocol import Problem
+from shootstab.roots.pellet import TAIL_NATS
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,6 @@ class CheckerModule:
 CHECKERS: Mapping[str, CheckerModule] = {
     "plane Poiseuille": CheckerModule("shootstab.checkers.plane_poiseuille", checker_settings.plane_poiseuille)
 }
-TAIL_NATS = 7.0  # chosen: the rest of a Taylor series on a circle lies below D there by a factor of a thousand
 LARGEST_CERTIFICATE = 2**20  # chosen: bytes of a certificate
 # chosen: values of D and bits that the checker has beyond what was needed here; where they are too few there are more attempts
 CHECKER_POINTS, CHECKER_BITS = 2, 24

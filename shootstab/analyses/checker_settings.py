@@ -1,4 +1,4 @@
-"""With which settings a checker is likely to accept: choices in doubles, of which it trusts nothing."""
+"""Settings with which a checker is likely to accept: choices in doubles, of which it trusts nothing."""
 
 from __future__ import annotations
 

@@ -34,12 +34,12 @@ class Conditioning:
     nonnormality: float
 
     def as_dict(self) -> dict[str, float]:
-        """For JSON."""
+        """The absolute and the relative condition and the nonnormality by name, for JSON."""
         return {"absolute": self.absolute, "relative": self.relative, "nonnormality": self.nonnormality}
 
 
 def conditioning(line: OnTheLine) -> Conditioning:
-    """That of a solution, scaled as above; integrals by Simpson's rule on the steps of its mesh, to some percent."""
+    """The condition of a solution, scaled as above; integrals by Simpson's rule on the steps of its mesh, to some percent."""
     solved = line.solution
     p, sigma = solved.problem, solved.sigma
     middles = 0.5 * (solved.nodes[:-1] + solved.nodes[1:])

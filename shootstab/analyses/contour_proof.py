@@ -96,7 +96,7 @@ def _polynomial(
 
 
 def settings(form: Enclosable, corners: Sequence[complex], middle: complex, radius: float, spare: int) -> ContourSettings:
-    """From the sizes of D on the contour and on the circle, and from what an enclosure of D loses: choices, not bounds."""
+    """Settings from the sizes of D on the contour and on the circle and from what an enclosure of D loses: choices, not bounds."""
     bits = CONTOUR_SAMPLES_BITS
     while True:
         with at_bits(bits):

@@ -53,7 +53,7 @@ class Variants:
         return Budget(integration, far, flow, root, self._rounding(integration))
 
     def _flow(self, integration: float) -> float:
-        """From base flows that err about as much."""
+        """The share of the base flow, seen on base flows that err about as much."""
         own, seen = self.coarse.problem, 0.0
         for factor in FLOWS:
             other = own.with_base_flow_error(factor)
@@ -64,7 +64,7 @@ class Variants:
         return FLOW_NOISE * seen
 
     def _rounding(self, integration: float) -> float:
-        """From other bases of the far frame and, without a flow whose roundings count already, from the system at other points."""
+        """The share of rounding, seen on other bases of the far frame and, without a flow whose roundings count, on other points."""
         seen = [self._moved(self.coarse.with_rotated_basis(seed)) for seed in (1, 2)]
         if NOISE * max(seen) > NEGLIGIBLE_SHARE * integration and self.problem.with_base_flow_error(FLOWS[0]) is self.problem:
             other = solution(self.coarse.refined(seed=1), self._sigma)

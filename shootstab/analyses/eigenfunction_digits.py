@@ -214,6 +214,6 @@ def _number(arithmetic: Arithmetic, z: Any) -> Any:
 
 @contextmanager
 def _precision(arithmetic: Arithmetic, digits: int) -> Iterator[None]:
-    """So many digits, in the arithmetic and in mpmath."""
+    """A context in which the arithmetic and mpmath carry this many digits."""
     with arithmetic.working(digits), mpmath.workdps(digits):
         yield

@@ -103,7 +103,7 @@ class Eigenfunction:
         return self.line.left(real_points(z)).conj().reshape(*np.shape(z), -1)
 
     def shift(self, other: Problem) -> complex:
-        """By how much the mode moves, to first order, where the problem becomes another one of the same structure."""
+        """The displacement of the mode, to first order, where the problem becomes another one of the same structure."""
         own = self.line.solution.problem
         return -self.line.solution.change(replace(own, whole=other) if isinstance(own, Subsystem) else other)
 

@@ -79,7 +79,7 @@ def change_by_walls(problem: Problem, samples: Sequence[tuple[MeshedDiscriminant
 
 
 def _flow(problem: Problem, coarse: MeshedDiscriminant, value: Value, integration: float) -> float:
-    """From flows that err about as much: both truncation and rounding of the flow, and the rounding of the system made of it."""
+    """The share of the flow, its truncation, its rounding and that of the system made of it, seen on flows that err about as much."""
     seen = 0.0
     for factor in FLOWS:
         other = problem.with_base_flow_error(factor)
@@ -93,7 +93,7 @@ def _flow(problem: Problem, coarse: MeshedDiscriminant, value: Value, integratio
 def _rounding(
     problem: Problem, coarse: MeshedDiscriminant, coarse_value: Value, fine: MeshedDiscriminant, fine_value: Value, integration: float
 ) -> float:
-    """From other bases of the far frame on the coarse mesh and, where that matters, on the fine one.
+    """The share of rounding, seen on other bases of the far frame on the coarse mesh and, where that matters, on the fine one.
 
     A problem without a flow of its own has its system computed anew at other points. Beside them what a rounding of every entry does all
     along the path: ε Σ |ψ†| |P| |ψ| h over |⟨ψ†, ∂P/∂σ ψ⟩|, were it added up, is that of the worst signs; two draws of them are taken.

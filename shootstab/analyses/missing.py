@@ -210,7 +210,7 @@ def _extent(claims: Sequence[complex]) -> float:
 
 
 def _turns(continuation: Continuation, polygon: Polygon) -> float:
-    """About how often the phase of D turns along the boundary, or ln |D| changes by 2π: a measure of its cost."""
+    """An estimate of how often the phase of D turns along the boundary, or ln |D| changes by 2π: a measure of its cost."""
     turns = 0.0
     for a, b in pairwise((*polygon.vertices, polygon.vertices[0])):
         segments = max(1, round(HULL_POINTS * abs(b - a) / size(polygon)))

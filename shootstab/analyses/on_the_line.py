@@ -75,7 +75,7 @@ class OnTheLine:
 
     @cached_property
     def placements(self) -> tuple[Placement, ...]:
-        """By rising z."""
+        """The placements of the subdomains on the line, by rising z."""
         return tuple(sorted(placements(self.problem), key=lambda placement: range_of(placement, self.solution)))
 
     @cached_property

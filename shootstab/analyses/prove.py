@@ -80,7 +80,7 @@ def prove_interval(
     progress: Progress | None = None,
     spare_bits: int = CONTOUR_BITS,
 ) -> Proof:
-    """As `prove_rectangle`, or with a floor as `prove_growing`, for every value of the parameter of that name from low to high.
+    """The theorem of `prove_rectangle`, or with a floor of `prove_growing`, for every value of the parameter of that name from low to high.
 
     The numbers are the decimals that floats stand for. Raises InputError where the problem has no such parameter.
     """

@@ -29,7 +29,7 @@ class ProvedVerdict:
 
 
 def proved_verdicts(problem: Problem, report: Report) -> tuple[ProvedVerdict, ...]:
-    """For the verdicts of a report in their order; the problem has an enclosure, as analyses.prove.factors finds."""
+    """A proof of each verdict of a report, or why there is none; the problem has an enclosure, as analyses.prove.factors finds."""
     return tuple(_proved(problem, verdict, report.digits) for verdict in report.verdicts)
 
 

@@ -186,7 +186,7 @@ class DigitSearch:
 
 
 def _precisions(top: float, known: float) -> list[float]:
-    """From top down in steps of RISE to where the digits known lead up in a few secants."""
+    """The precisions from top down, in steps of RISE, to where the digits known lead up in a few secants."""
     precisions = [float(top)]
     while precisions[0] > BY_THREE * known:
         precisions.insert(0, max(precisions[0] / RISE, LOWEST))

@@ -84,7 +84,7 @@ class Verifier:
 
     @property
     def rests_on(self) -> str:
-        """Which method zeros were counted and bounds computed with, and the local errors, in words."""
+        """The method with which zeros were counted and bounds computed, and its local errors, in words."""
         errors = ", ".join(f"{continuation.method.rtol:.0e}" for continuation in self._continuations)
         return f"counts of zeros and error bounds by {self.method.name}, with local errors of {errors}, the first that is accurate enough"
 
@@ -215,7 +215,7 @@ class Verifier:
         return radius, zeros
 
     def _zeros(self, disc: Disc, most: int | None) -> Zeros:
-        """By the first continuation that is accurate enough."""
+        """The zeros found by the first continuation that is accurate enough."""
         for continuation in self._continuations[:-1]:
             try:
                 return zeros_in(continuation, disc, most)

@@ -186,7 +186,7 @@ class Assembly:
         return len(self._modes) - 1
 
     def _candidates(self) -> list[list[Candidate]]:
-        """For each claim the modes that it may mean."""
+        """The modes that each claim may mean."""
         return [self._candidates_of(i) for i in range(len(self._seen))]
 
     def _candidates_of(self, i: int) -> list[Candidate]:

@@ -85,7 +85,7 @@ class WorkPrecision:
 
     @property
     def recommendation(self) -> str:
-        """Which method for how many digits, and what QZ would cost."""
+        """Sentences that say which method serves for how many digits, and what QZ would cost."""
         parts = []
         for digits in TARGETS:
             best, qz = self.cheapest(digits), self.quickest("qz", digits)
@@ -236,7 +236,7 @@ def _distance(sigma: Any, truth: Any) -> float:
 
 
 def _three_digits(sigma: complex) -> complex:
-    """To three significant digits of the larger part: what a published table would give."""
+    """The value to three significant digits of its larger part, as a published table would give it."""
     size = max(abs(sigma.real), abs(sigma.imag))
     if not 0.0 < size < math.inf:
         raise InputError(f"guess = {sigma}: allowed is a finite number other than 0")

@@ -55,7 +55,7 @@ def refine(options: Namespace) -> int:
 
 
 def _look(options: Namespace) -> figures.Look:
-    """That of the picture. Raises InputError where one is asked for that cannot be drawn."""
+    """The look of the picture. Raises InputError where one is asked for that cannot be drawn."""
     look = figures.Look.of(options)
     if options.plot is not None:
         figures.require(options.plot, look)
@@ -192,7 +192,7 @@ def scenes(options: Namespace) -> int:
 
 
 def clock_of(options: Namespace) -> Clock:
-    """That of the command, which began with it."""
+    """The clock of the command, which began with it."""
     if not hasattr(options, "clock"):
         options.clock = Clock()
     clock: Clock = options.clock

@@ -27,7 +27,7 @@ class Look:
 
     @classmethod
     def of(cls, options: Namespace) -> Look:
-        """As the options of a command have it."""
+        """The look that the options of a command ask for."""
         return cls(options.style, options.size)
 
 

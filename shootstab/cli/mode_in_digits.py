@@ -64,7 +64,7 @@ def answer(options: Namespace) -> int:
 def _tables(
     found: EigenfunctionInDigits, scene: scene_files.Scene, rows: list[DigitsRow], errors: dict[str, float], asked: int
 ) -> list[RenderableType]:
-    """At most two digits more than were asked for."""
+    """The tables of the mode, with at most two digits more than were asked for."""
     from shootstab.cli import tables
     from shootstab.io.notation import held_complex
 

@@ -12,7 +12,7 @@ OPTIONS_OF_FACTOR = {1.0: "", -1.0: "--as growth --sign -", -1j: "--as frequency
 
 
 def sentence(found: Hypothesis, plain: bool) -> str:
-    """In words; with the options only where none has been given yet."""
+    """The proposal in words; with the options only where none has been given yet."""
     if found.real_parts:
         said = f"All {found.tried} claims tried are real parts of eigenvalues of the bundled reference, to {found.digits:.1f} digits"
         return f"{said}: both parts of each are needed."

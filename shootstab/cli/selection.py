@@ -1,4 +1,4 @@
-"""Which rows of a table of verdicts are shown, and in which order: each keeps its number in the file."""
+"""The rows of a table of verdicts that are shown, and their order: each keeps its number in the file."""
 
 from __future__ import annotations
 

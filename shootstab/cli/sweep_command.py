@@ -92,7 +92,7 @@ def sweep(options: Namespace) -> int:
 
 
 def document(found: Swept) -> dict[str, Any]:
-    """For JSON."""
+    """The answer of `sweep` for JSON."""
     names = found.grid.names
     fastest = found.fastest
     return {

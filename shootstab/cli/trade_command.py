@@ -62,7 +62,7 @@ def trade(options: Namespace) -> int:
 
 
 def document(found: WorkPrecision) -> dict[str, Any]:
-    """For JSON."""
+    """The answer of `trade` for JSON."""
     from shootstab.io.notation import as_strings
 
     return {
@@ -111,7 +111,7 @@ def duration(seconds: float) -> str:
 
 
 def resolution(measurement: Measurement) -> str:
-    """In words: M = 48, rtol 1e-09, 15 digits."""
+    """The resolution of a measurement in words: M = 48, rtol 1e-09, 15 digits."""
     if measurement.parameter == "M":
         return f"M = {measurement.resolution:.0f}"
     return f"{measurement.resolution:.0f} digits" if measurement.parameter == "digits" else f"rtol {measurement.resolution:.0e}"

@@ -8,7 +8,7 @@ _told: list[Callable[[str], None]] = []
 
 
 def tell(listener: Callable[[str], None]) -> None:
-    """From now on call listener with the name of every kernel whose compilation begins."""
+    """Call listener from now on with the name of every kernel whose compilation begins."""
     _told.append(listener)
 
 

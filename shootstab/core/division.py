@@ -139,7 +139,7 @@ def clipped(vertices: tuple[complex, ...], a: complex, b: complex) -> tuple[comp
 
 
 def left_of(a: complex, b: complex, sigma: complex) -> float:
-    """Above 0 on the left of the line from a to b, below 0 on its right: twice the area of the triangle."""
+    """Twice the signed area of the triangle: above 0 on the left of the line from a to b, below 0 on its right."""
     return ((b - a).conjugate() * (sigma - a)).imag
 
 

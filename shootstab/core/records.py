@@ -36,7 +36,7 @@ class Budget:
         return self.integration + self.far_field + self.steady_flow + self.root + self.rounding
 
     def as_dict(self) -> dict[str, float]:
-        """By name, for JSON."""
+        """The parts of the bound by name, for JSON."""
         return asdict(self)
 
 

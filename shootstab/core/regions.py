@@ -38,7 +38,7 @@ class Region(Protocol):
         ...
 
     def as_dict(self) -> dict[str, Any]:
-        """For JSON."""
+        """The region by its kind and its points, for JSON."""
         ...
 
 

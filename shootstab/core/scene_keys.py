@@ -43,7 +43,7 @@ class NamedScene(Protocol):
 
     @property
     def tables(self) -> Tables:
-        """Of the scene file, by name."""
+        """The tables of a scene file that the model reads, by name."""
         ...
 
 
@@ -89,7 +89,7 @@ class SceneModel(Protocol):
 
 @dataclass(frozen=True)
 class Keys:
-    """Which keys a table of a scene file has, and of which type; needed are those in `required`, and one of `either`."""
+    """The keys that a table of a scene file may have, with their types; needed are those in `required`, and one of `either`."""
 
     name: str
     keys: Mapping[str, type]

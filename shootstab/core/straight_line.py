@@ -120,7 +120,7 @@ class Recorded:
         return self._recorded(other) / self
 
     def __pow__(self, exponent: Any) -> Recorded:
-        """With an exponent that is the same at all points; 1, 2 and 3 by multiplication."""
+        """The power with an exponent that is the same at all points; 1, 2 and 3 by multiplication."""
         power = self._recorded(exponent)
         if power.known and power.coefficient in (1, 2, 3):
             return math.prod([self] * int(power.coefficient.real), start=self.recorder.constant(1.0))

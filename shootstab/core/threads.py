@@ -12,7 +12,7 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")  # wher
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """For processes that are started within."""
+    """Bind the processes that are started within to one thread each."""
     before = {name: os.environ.get(name) for name in THREADS}
     os.environ.update(dict.fromkeys(THREADS, "1"))
     try:
@@ -26,6 +26,6 @@ def one_thread() -> Iterator[None]:
 
 
 def one_thread_from_here() -> None:
-    """For this process, if it has not loaded NumPy yet: a program that has keeps what it chose."""
+    """Bind this process to one thread, if it has not loaded NumPy yet: a program that has keeps what it chose."""
     if "numpy" not in sys.modules:
         os.environ.update(dict.fromkeys(THREADS, "1"))

@@ -43,7 +43,7 @@ class SubsystemMeshes:
         self._spent = 0
 
     def at(self, sigma: complex, tangent: bool) -> Shooting:
-        """On the mesh of the largest cell that serves σ, or on one made for σ. Raises ConvergenceError where none can be made."""
+        """D on the mesh of the largest cell that serves σ, or on one made for σ. Raises ConvergenceError where none can be made."""
         coarser: Shooting | None = None
         for key in self._cells(sigma):
             made = self._made(key, coarser)
@@ -57,7 +57,7 @@ class SubsystemMeshes:
         return own
 
     def around(self, disc: Disc) -> Shooting:
-        """On the mesh that serves the middle of a disc, cut further where a point of its rim asks for it."""
+        """D on the mesh that serves the middle of a disc, cut further where a point of its rim asks for it."""
         rim = [disc.boundary(k / CIRCLE_POINTS) for k in range(CIRCLE_POINTS)]
         return cut_for(self.at(disc.centre, True), rim)
 
@@ -72,7 +72,7 @@ class SubsystemMeshes:
         return {key: made.sampled.nodes for key, made in self._kept.items() if isinstance(made, Shooting) and not isinstance(key, complex)}
 
     def _cells(self, sigma: complex) -> list[Cell | None]:
-        """From the largest cell to the smallest; along a path, what it is meant for in place of the largest ones."""
+        """The cells around σ from the largest to the smallest; along a path, what it is meant for stands in place of the largest ones."""
         cells = [Cell.of(sigma, CELL_LEVELS - 1)]
         while cells[-1].level > 0:
             cells.append(cells[-1].larger)

@@ -1,4 +1,4 @@
-"""Which discriminant to use where: near the continuous spectrum the path of integration is deformed around the singular point.
+"""The discriminant that holds in each disc: near the continuous spectrum the path of integration is deformed around the singular point.
 
 A disc that the continuous spectrum does not enter has one branch. A disc that it crosses has two analytic functions in it, D continued
 from either side: two branches, and of the zeros of each only those on its own side are modes. The others are resonances.

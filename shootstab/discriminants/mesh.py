@@ -64,7 +64,7 @@ def halved(nodes: NDArray[np.complex128], seed: int | None = None) -> NDArray[np
 
 
 def across_knots(nodes: NDArray[np.complex128]) -> NDArray[np.bool_]:
-    """Which steps (N,) have no length but roundings: they lead over a knot of the coefficients, and no stage of another step does."""
+    """The steps (N,) that have no length but roundings: they lead over a knot of the coefficients, and no stage of another step does."""
     return np.asarray(np.abs(np.diff(nodes)) <= KNOT_STEP * np.abs(nodes).max())
 
 

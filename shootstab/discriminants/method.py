@@ -79,19 +79,19 @@ class MeshedDiscriminant(Discriminant, Protocol):
         ...
 
     def refined(self, seed: int | None = None) -> MeshedDiscriminant:
-        """On a mesh with every step halved; with a seed, cut a little off the middle, so that only rounding differs."""
+        """D on a mesh with every step halved; with a seed, cut a little off the middle, so that only rounding differs."""
         ...
 
     def with_rotated_basis(self, seed: int) -> MeshedDiscriminant:
-        """On the same mesh, from the far frame in another basis of determinant 1: the same D but for rounding."""
+        """D on the same mesh, from the far frame in another basis of determinant 1: the same D but for rounding."""
         ...
 
     def with_perturbed_start(self, seed: int, size: float) -> MeshedDiscriminant:
-        """On the same mesh, from a far frame with every component changed by a random relative amount of this size."""
+        """D on the same mesh, from a far frame with every component changed by a random relative amount of this size."""
         ...
 
     def with_perturbed_system(self, seed: int, size: float) -> MeshedDiscriminant:
-        """On the same mesh, with every entry of the system changed by random relative amounts of this size."""
+        """D on the same mesh, with every entry of the system changed by random relative amounts of this size."""
         ...
 
     def on_same_mesh(self, problem: Problem) -> MeshedDiscriminant:

@@ -39,7 +39,7 @@ class Riccati:
         require_tolerance(self)
 
     def settled(self, sampled: SampledSystem, far: FarFrame, sigma: complex) -> Charted:
-        """In the charts that suit this σ."""
+        """The method in the charts that suit this σ."""
         order = _pivots_first(far.frame)
         no_rows = np.zeros((far.frame.shape[1], len(order)), dtype=np.complex128)
         _, swaps = _propagate(sampled, (no_rows, no_rows), far, sigma, False, order, None)
@@ -82,7 +82,7 @@ class Charted:
     def propagate(
         self, sampled: SampledSystem, rows: tuple[ComplexArray, ...], far: FarFrame, sigma: complex, tangent: bool
     ) -> Propagation:
-        """As `Riccati.propagate`, in these charts."""
+        """Propagate as `Riccati.propagate` does, in these charts."""
         return _propagate(sampled, rows, far, sigma, tangent, self.charts.order, self.charts.on(sampled.nodes))[0]
 
 

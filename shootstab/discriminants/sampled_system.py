@@ -179,7 +179,7 @@ def _computed(
 
 
 class Present(NamedTuple):
-    """Which entries (·, n + m, n) of [X; τ], by the power of σ, and which rows (n,) of V, are not zero everywhere."""
+    """The entries (·, n + m, n) of [X; τ], by the power of σ, and the rows (n,) of V that are not zero everywhere."""
 
     entries: NDArray[np.bool_]
     rows: NDArray[np.bool_]

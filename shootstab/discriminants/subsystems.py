@@ -121,7 +121,7 @@ class Subsystem:
 
     @property
     def continuum(self) -> Continuum | None:
-        """That of the whole: where C is singular in another subsystem, a path around it does no harm."""
+        """The continuous spectrum of the whole: where C is singular in another subsystem, a path around it does no harm."""
         curve: Continuum | None = INTERIOR.of(self.whole)
         return curve
 

@@ -88,7 +88,7 @@ class Curve:
         return self._to_curve(self.at, sigma, float(self.low[i] + t[i] * width), width)
 
     def _segments(self, sigma: complex) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """For each segment (m,) where on it, from 0 to 1, its point nearest to σ lies, and how far off."""
+        """The place, from 0 to 1, of the point of each segment (m,) nearest to σ, and its distance."""
         a, d = self.begin, self.end - self.begin
         with np.errstate(divide="ignore", invalid="ignore"):
             t = np.where(d != 0.0, ((sigma - a) * d.conj()).real / np.abs(d) ** 2, 0.0)

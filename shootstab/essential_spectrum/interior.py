@@ -91,7 +91,7 @@ class SampledContinuum:
         return z if abs(change) < 1e-6 * scale else None
 
     def _offsets(self, sigma: complex) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """For each segment of the curve its distance to σ and the height of the nearest point on it."""
+        """The distance of each segment of the curve to σ, and the height of the nearest point on it."""
         first, along, inverse, rise = self._segments
         away = sigma - first
         t = np.clip(away.real * inverse.real - away.imag * inverse.imag, 0.0, 1.0)

@@ -10,7 +10,7 @@ from shootstab.formulation.system import degree, shown
 
 
 def require_count(first: FirstOrder, statement: Statement, conditions: list[list[Condition]]) -> None:
-    """As many conditions as the order, where both ends are finite; at an end at infinity the count is that of what decays."""
+    """Refuse any number of conditions but the order, where both ends are finite; consistent_splitting counts what decays at infinity."""
     left, right = len(statement.left_rows), len(statement.right_rows)
     names = statement.names
     at_joints = [c for joint in statement.joints for _, row in joint.rows for c in row.values()]

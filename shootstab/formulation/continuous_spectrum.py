@@ -111,6 +111,6 @@ def _factors(determinant: dict[int, Expression], entries: Iterable[Expression]) 
 
 
 def _zero(linear: Expression) -> Expression:
-    """Of what is linear in σ."""
+    """The zero of an expression that is linear in σ."""
     parts = coefficients(linear)
     return -parts.get(0, number(0)) / parts[1]

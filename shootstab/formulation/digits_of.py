@@ -1,4 +1,4 @@
-"""Which way to many digits a problem in equations has, by its ends and interfaces."""
+"""The way to many digits that a problem in equations has, by its ends and interfaces."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def digits_of(
 
 
 def _towards_one_place(statement: Statement, system: StatePencil, reduction: TwoPointReduction) -> MultiprecisionProblem:
-    """From an end at infinity to the conditions at the other end; or from two ends, at infinity or singular, to where the sides meet."""
+    """The way from an end at infinity to the conditions at the other, or from two ends, infinite or singular, to where the sides meet."""
     n, one = system.size, number(1)
     ends = {side: end for side, end in ((-1, statement.left), (1, statement.right)) if not isinstance(end, Conditions)}
     spaces = {side: subdomain.far for side, subdomain in zip(_sides(reduction), reduction.subdomains, strict=True)}
@@ -139,7 +139,7 @@ def _regular(space: StartingSpace) -> RegularStart:
 
 
 def _sides(reduction: TwoPointReduction) -> list[int]:
-    """Of each subdomain, the side of the domain that it begins at."""
+    """The side of the domain at which each subdomain begins."""
     return [1 if subdomain.scale * (reduction.start - reduction.end) > 0 else -1 for subdomain in reduction.subdomains]
 
 

@@ -19,7 +19,7 @@ ZERO_TOLERANCE = 1e-9  # chosen: what is no larger than this, against the larges
 
 @dataclass(frozen=True, eq=False)
 class Domain:
-    """From left to right, either of them infinite."""
+    """The interval from left to right, either of them infinite."""
 
     left: float
     right: float

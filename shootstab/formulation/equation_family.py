@@ -24,7 +24,7 @@ class EquationFamily:
     _kept: dict[tuple[tuple[str, float], ...], Problem] = field(default_factory=dict, repr=False)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Without the problems that are kept, for other processes."""
+        """The family without the problems that it keeps, for other processes."""
         return EquationFamily, (self.posed, self.make)
 
     @property
@@ -60,7 +60,7 @@ class EquationFamily:
         return {}
 
     def as_dict(self) -> dict[str, Any]:
-        """For JSON: what was written, formulas and functions as text."""
+        """The statement as it was written, formulas and functions as text, for JSON."""
         parameters = {name: repr(value) for name, value in self.posed["parameters"].items()}
         written = {name: repr(value) for name, value in self.posed.items() if name not in ("parameters", "given")}
         return {**written, "given": sorted(self.posed["given"]), **parameters}

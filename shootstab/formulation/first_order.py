@@ -44,7 +44,7 @@ class FirstOrder:
 
     @property
     def degree(self) -> int:
-        """In σ."""
+        """The degree of the system in σ."""
         return max(degree(entry) for entries in (self.C, self.D) for entry in entries.values())
 
     @cached_property

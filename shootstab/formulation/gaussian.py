@@ -65,7 +65,7 @@ class Gaussian:
         return result
 
     def __complex__(self) -> complex:
-        """In doubles. Raises InputError beyond their range."""
+        """The number in doubles. Raises InputError beyond their range."""
         try:
             return complex(self.re, self.im)
         except OverflowError:

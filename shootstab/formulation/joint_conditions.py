@@ -57,7 +57,7 @@ def _here(joint: Joint, coefficient: Expression) -> Expression:
 
 
 def _without(joint: Joint, name: str, rows: list[EquationRow], vanishing: Vanishing) -> list[EquationRow]:
-    """Without an amplitude, and the condition that finds it."""
+    """The conditions without an amplitude and the condition that finds it."""
     at = (name, 0)
     holders = [i for i, row in enumerate(rows) if at in row]
     if not holders:

@@ -42,7 +42,7 @@ def left_null_vector(L: Sequence[SparseRow], columns: Sequence[str], vanishing: 
 
 
 def determinant(L: Sequence[SparseRow], columns: Sequence[str]) -> Expression:
-    """By expansion along the sparsest row, which keeps polynomials polynomials."""
+    """The determinant by expansion along the sparsest row, which keeps polynomials polynomials."""
     if not L:
         return number(1)
     i = min(range(len(L)), key=lambda r: sum(name in columns for name in L[r]))

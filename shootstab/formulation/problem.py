@@ -76,7 +76,7 @@ class EquationProblem(LinearProblem):
 
     @property
     def continuum(self) -> ContinuumOnLine | None:
-        """As for any problem; None where C is singular on several curves, which are crossings."""
+        """The continuous spectrum, as for any problem; None where C is singular on several curves, which are crossings."""
         return super().continuum if self.spectrum_inside.single else None
 
     @property
@@ -127,7 +127,7 @@ class EquationProblem(LinearProblem):
 
     @property
     def crossings(self) -> tuple[tuple[NDArray[np.float64], ComplexArray], ...]:
-        """As for any problem, (z, σ_c(z)), each (m,); where C is singular on several curves, or in layers, all of them."""
+        """The curves (z, σ_c(z)), each (m,), as for any problem; where C is singular on several curves, or in layers, all of them."""
         if len(self.layers) == 1 and (self.spectrum_inside.single or not self.spectrum_inside.curves):
             return super().crossings
         found = []

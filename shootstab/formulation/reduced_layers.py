@@ -71,7 +71,7 @@ def pencil_of(systems: Sequence[StatePencil], domains: Sequence[Domain]) -> Call
 
 
 def _pencil_in(system: StatePencil, domain: Domain, powers: int = 0) -> Callable[[ComplexArray], tuple[ComplexArray, ...]]:
-    """As many powers of σ as the system has, or so many."""
+    """The pencil of a system with as many powers of σ as the system has, or so many."""
     empty: tuple[Any, ...] = ({},) * (max(powers, len(system.C)) - len(system.C))
     parts = (*system.C, *empty, *system.D, *empty)
 

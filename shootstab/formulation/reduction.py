@@ -1,4 +1,4 @@
-"""From equations of any order to a first-order system, by row reduction over the ring of differential operators.
+"""The reduction of equations of any order to a first-order system, by row reduction over the ring of differential operators.
 
 Let c_j be the highest derivative of the unknown u_j, and g_i the gap of equation i: the largest g such that its g-th derivative holds no
 higher derivatives than these. L_ij is the coefficient of u_j^{(c_j)} in that derivative, a function of z and σ. Three steps, repeated:
@@ -47,7 +47,7 @@ class Reduction:
     factors: list[tuple[Expression, str]] = field(default_factory=list)
 
     def run(self) -> None:
-        """To the end. Raises InputError for equations that are dependent, or determine nothing."""
+        """Reduce to the end. Raises InputError for equations that are dependent, or determine nothing."""
         for _ in range(MOST_REDUCTIONS):
             if not self._step():
                 return
@@ -189,7 +189,7 @@ class Reduction:
         return True
 
     def _rise(self, e: int, name: str) -> int:
-        """By how much the orders of the others would rise if row e removed this unknown."""
+        """The rise of the orders of the others if row e removed this unknown."""
         others = [row for i, row in enumerate(self.rows) if i != e]
         if not any((name, 0) in row for row in others):
             return 0

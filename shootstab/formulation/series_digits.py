@@ -30,7 +30,7 @@ def on_series(arithmetic: Arithmetic, z: Taylor, sigma: Any = None) -> Evaluator
     )
 
     def computed(x: Taylor, do: Callable[[SeriesFunctions, list[Any]], list[Any]], branches: bool) -> Taylor:
-        """In real numbers where x is real, and a function with branches is not at a negative one."""
+        """The value in real numbers where x is real, and a function with branches is not at a negative one."""
         coefficients = x.coefficients(z.terms)
         is_real = x.im is None and not (branches and coefficients[0] < 0)
         return _wrapped(arithmetic, do(real, coefficients) if is_real else do(wide, [arithmetic.complex(c) for c in coefficients]))

@@ -39,7 +39,7 @@ def unknowns_of(names: Sequence[str], first: FirstOrder, size: int, given: Given
 
 
 def shown_in_states(names: Sequence[str], first: FirstOrder) -> dict[str, tuple[dict[int, Expression], Expression]]:
-    """For each unknown u = Σ r_j ψ_j / p the r_j by the places of states, and −p."""
+    """The r_j by the places of states, and −p, of each unknown u = Σ r_j ψ_j / p."""
     place = {state: j for j, state in enumerate(first.states)}
     rows = zip(names, stated_rows(names, first), strict=True)
     return {name: ({place[jet]: factor for jet, factor in row.items() if jet != ITSELF}, row[ITSELF]) for name, row in rows}

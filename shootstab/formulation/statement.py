@@ -47,17 +47,17 @@ class Statement:
 
     @property
     def system(self) -> System:
-        """That of the first layer."""
+        """The system of the first layer."""
         return self.layers[0].system
 
     @property
     def finite(self) -> tuple[bool, bool]:
-        """Which ends are."""
+        """The ends that are finite."""
         return not isinstance(self.left, Infinity), not isinstance(self.right, Infinity)
 
     @property
     def holding(self) -> tuple[bool, bool]:
-        """Which ends hold conditions."""
+        """The ends that hold conditions."""
         return isinstance(self.left, Conditions), isinstance(self.right, Conditions)
 
 
@@ -112,7 +112,7 @@ def stated(
 
 
 def _interfaces(given: Sequence[Any], ends: tuple[End, End]) -> list[InterfaceConditions]:
-    """From left to right. Raises InputError for what is none, and beside ends that offer none."""
+    """The interfaces from left to right. Raises InputError for what is none, and beside ends that offer none."""
     out = []
     for joint in given:
         if isinstance(joint, dict) and {"at", "conditions"} <= set(joint) <= {"at", "conditions", "amplitudes"}:

@@ -8,7 +8,7 @@ from shootstab.formulation.gaussian import ONE
 
 
 def substituted(expression: Expression, atom: Atom, value: Expression) -> Expression:
-    """With a value in place of an atom, in arguments too."""
+    """The expression with a value in place of an atom, in arguments too."""
     if value == of_atom(atom):
         return expression
     total = number(0)

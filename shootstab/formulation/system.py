@@ -115,7 +115,7 @@ class System:
 
     @staticmethod
     def of(unknowns: tuple[str, ...], equations: Mapping[str, Expression]) -> System:
-        """From expressions by their names. Raises InputError: not linear, more or fewer equations than unknowns, an unknown nowhere."""
+        """The system of named expressions. Raises InputError: not linear, more or fewer equations than unknowns, an unknown nowhere."""
         read = [row_of(expression, where) for where, expression in equations.items()]
         rows = tuple(row for row, _ in read)
         if len(rows) != len(unknowns):

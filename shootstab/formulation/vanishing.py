@@ -55,7 +55,7 @@ class Vanishing:
             return bool(abs(mpmath.fsum(terms)) <= mpmath.mpf(10) ** -AGREEING * size)
 
     def _in_doubles(self, expression: Expression, place: complex, sigma: complex) -> bool:
-        """For functions that are given for real arrays only."""
+        """The test at real points, for functions that are given for real arrays only."""
         z = np.array([self._left + place.real * (self._right - self._left)])
         at = on_arrays(z, self._given, np.array([sigma]))
         terms = [complex(np.ravel(at(Expression({monomial: c})))[0]) for monomial, c in expression.terms.items()]

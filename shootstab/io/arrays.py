@@ -1,4 +1,4 @@
-"""Which array of a file holds the spectrum, in any format that holds arrays; and the numbers in it."""
+"""The array of a file that holds the spectrum, in any format that holds arrays; and the numbers in it."""
 
 from __future__ import annotations
 

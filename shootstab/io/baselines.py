@@ -50,7 +50,7 @@ class Baseline:
 
     @classmethod
     def of(cls, scene: str, modes: Iterable[tuple[complex, float]], digits: int, symbol: str = "σ") -> Baseline:
-        """From modes, each with the bound on its error, in an order that does not depend on theirs: by falling growth."""
+        """The baseline of these modes, each with the bound on its error, in an order that does not depend on theirs: by falling growth."""
         return cls(scene, tuple(sorted(modes, key=lambda mode: (-mode[0].real, mode[0].imag))), digits, symbol)
 
     @property
@@ -97,7 +97,7 @@ class Difference:
 
     @property
     def line(self) -> str:
-        """In words."""
+        """The comparison in words."""
         if self.found is None:
             return f"{self.recorded:.12g}: nothing in its place"
         moved = abs(self.found - self.recorded)
@@ -145,5 +145,5 @@ def _places(size: float, digits: int) -> int:
 
 
 def _quoted(text: str) -> str:
-    """As TOML has it, which for a line of text is as JSON has it."""
+    """The text quoted as TOML has it, which for a line of text is as JSON has it."""
     return json.dumps(text, ensure_ascii=False)

@@ -42,7 +42,7 @@ def complex_from(text: str) -> complex:
 
 
 def floats_from(text: str, count: int | None) -> tuple[float, ...]:
-    """So many finite numbers (None: any number of them) with commas between them. Raises ValueError."""
+    """The given number of finite numbers (None: any number of them) with commas between them. Raises ValueError."""
     refusal = ValueError(f"{shortened(text)} is not {count or 'a list of'} finite numbers with commas between them")
     try:
         values = [complex_from(cell) for cell in text.split(",")]

@@ -49,7 +49,7 @@ class Scene:
         return f"{self.name}: {self.description} ({self.details})"
 
     def as_dict(self) -> dict[str, Any]:
-        """For JSON."""
+        """The name, the description, the details and the parameters, for JSON."""
         return {"name": self.name, "description": self.description, **vars(self.details), "parameters": self.parameters}
 
     def seen(self, convention: Convention) -> Scene:

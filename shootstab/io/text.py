@@ -105,7 +105,7 @@ def _header(remark: str) -> list[str]:
 
 
 def _columns(cells: list[str], header: list[str], place: str) -> tuple[int, ...]:
-    """Which columns hold the number: those that a header of as many words names re and im, otherwise all of one or two."""
+    """The columns that hold the number: those that a header of as many words names re and im, otherwise all of one or two."""
     for names in (cells, header if len(header) == len(cells) else []):
         re_at = [i for i, c in enumerate(names) if _RE.search(c.replace("_", " "))]
         im_at = [i for i, c in enumerate(names) if _IM.search(c.replace("_", " "))]

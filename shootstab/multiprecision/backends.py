@@ -1,4 +1,4 @@
-"""Which library does the arithmetic: python-flint where it is installed, mpmath everywhere."""
+"""The library that does the arithmetic: python-flint where it is installed, mpmath everywhere."""
 
 from __future__ import annotations
 

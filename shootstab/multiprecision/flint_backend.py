@@ -175,7 +175,7 @@ class Products:
         self.push_packed(self.packed(term))
 
     def packed(self, term: Matrix) -> Any:
-        """As one real matrix (n, m). The first one decides whether Y is complex."""
+        """The term as one real matrix (n, m). The first one decides whether Y is complex."""
         if not self._last:
             self._k = len(term[0])
             self.wide = self.wide or any(isinstance(x, acb) for row in term for x in row)
@@ -226,7 +226,7 @@ class Products:
         return arb_mat([[(j == i + k) - (i == j + k) for j in range(2 * k)] for i in range(2 * k)])
 
     def unpacked(self, term: Any) -> Matrix:
-        """As numbers (n, m)."""
+        """The numbers (n, m) of a packed term."""
         k, rows = self._k, term.mid().tolist()
         return [[acb(x, y) for x, y in zip(row[:k], row[k:], strict=True)] for row in rows] if self.wide else rows
 

@@ -68,7 +68,7 @@ def carried(arithmetic: Arithmetic, n: int, C: TaylorEntries, D: TaylorEntries, 
 
 
 def series(arithmetic: Arithmetic, n: int, C: TaylorEntries, D: TaylorEntries, Y: Matrix, terms: int) -> list[Matrix]:
-    """So many coefficients (n, k) of ψ(t) from ψ(0) = Y."""
+    """The first coefficients (n, k) of ψ(t) from ψ(0) = Y, as many as are asked for."""
     k, nothing = len(Y[0]), arithmetic.number(0)
     out = [[[nothing] * k for _ in range(n)] for _ in range(terms)]
     for rows, unknowns in subsystems(n, C, D):

@@ -24,20 +24,20 @@ class Settings:
 
     @staticmethod
     def of(digits: float) -> Settings:
-        """For so many digits of D."""
+        """The settings for so many digits of D."""
         order = math.ceil(digits * math.log(10) / STEP_SHRINK) + 6
         return Settings(math.ceil(digits) + GUARD_DIGITS, digits, order, digits, 5 * order // 4)
 
     def more_precise(self) -> Settings:
-        """With a higher working precision and nothing else."""
+        """The settings with a higher working precision and nothing else."""
         return replace(self, digits=self.digits + 10)
 
     def finer(self) -> Settings:
-        """With a higher order and shorter steps."""
+        """The settings with a higher order and shorter steps."""
         return replace(self, tolerance=self.tolerance + 3, order=self.order + max(4, self.order // 12))
 
     def farther(self) -> Settings:
-        """With more terms in the far field and a start farther out."""
+        """The settings with more terms in the far field and a start farther out."""
         return replace(self, far_tolerance=self.far_tolerance + 3, far_terms=self.far_terms + max(8, self.far_terms // 12), far_shift=1.0)
 
 

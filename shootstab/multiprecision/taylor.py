@@ -28,7 +28,7 @@ class Taylor:
         return self.re is None and self.im is None
 
     def coefficients(self, terms: int) -> list[Any]:
-        """So many, as numbers."""
+        """The first coefficients as numbers, as many as are asked for."""
         re, im = (None if part is None else self.arithmetic.coefficients(part, terms) for part in (self.re, self.im))
         if im is None:
             return re if re is not None else [self.arithmetic.number(0)] * terms

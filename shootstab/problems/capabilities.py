@@ -58,7 +58,7 @@ class Pseudospectral(Protocol):
 
     @property
     def ways(self) -> Mapping[str, Callable[[int, complex], tuple[complex, int]]]:
-        """By name, ways to the one eigenvalue next to a guess at truncation M, each with the number of factorizations that it took."""
+        """Ways to the one eigenvalue next to a guess at truncation M by name, each with the number of factorizations that it took."""
         ...
 
 

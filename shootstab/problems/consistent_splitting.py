@@ -158,7 +158,7 @@ def _outermost_component(conditions: EndConditions, ray: list[Sample]) -> Iterat
 
 
 def _widest(conditions: EndConditions, samples: list[Sample]) -> ConsistentSplitting:
-    """By the widest gap, and not far from the problem's own scale, where modes are."""
+    """The splitting of the sample with the widest gap, not far from the problem's own scale, where modes are."""
     best = max(samples, key=lambda s: min(s.width, 1.0) / (1.0 + abs(math.log10(abs(s.sigma) / conditions.scale))))
     return ConsistentSplitting(best.counts, best.sigma)
 

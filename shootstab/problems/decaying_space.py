@@ -79,7 +79,7 @@ class DecayingSpace:
         return self.kato_frame.k
 
     def frame(self, sigma: complex) -> FarFrame:
-        """With the error that coefficients off their limit, or a frozen pencil, and rounding make.
+        """The frame, with the error that coefficients off their limit, or a frozen pencil, and rounding make.
 
         Raises Undecidable on the continuous spectrum, ConvergenceError where the space is not known well enough for this σ.
         """

@@ -156,7 +156,7 @@ class KatoFrame:
         raise Undecidable(f"no path from {self.reference:.3g} to sigma = {sigma:.6g} was found around the continuous spectrum at infinity")
 
     def _steps_left(self, cell: SeriesCell) -> float:
-        """About so many cells lie between one and σ0: as many as the way has sides, and some for every doubling of the side on it."""
+        """The estimated number of cells between one and σ0: as many as the way has sides, and some for every doubling of the side on it."""
         at_reference = self._cell_at(self._key(self.reference)).side
         return abs(cell.anchor - self.reference) / cell.side + PER_DOUBLING * abs(math.log2(cell.side / at_reference))
 

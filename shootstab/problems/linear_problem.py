@@ -172,7 +172,7 @@ class LinearProblem:
         return len(self.reduction.rows[0])
 
     def pencil(self, z: ComplexArray) -> Pencil:
-        """At points z (m,) of the line on which the problem is laid out: the user's own if it has one subdomain."""
+        """The pencil at points z (m,) of the line on which the problem is laid out: the user's own if it has one subdomain."""
         return blocks([subdomain.pencil(self.function, z) for subdomain in self.reduction.subdomains])
 
     def start(self, sigma: complex, tolerance: float) -> float:
@@ -213,7 +213,7 @@ class LinearProblem:
         return self.reduction.rows
 
     def with_base_flow_error(self, factor: float) -> LinearProblem:
-        """On a base flow computed less accurately by this factor; itself if the base flow is in closed form."""
+        """The problem on a base flow computed less accurately by this factor; itself if the base flow is in closed form."""
         if self.coarser is None:
             return self
         if factor not in self._crude:

@@ -50,7 +50,7 @@ class Profile:
         return float(value) if value.ndim == 0 else value
 
     def thinned(self) -> Profile:
-        """Through every other of the data, the ends among them: what a mode moves by tells what the data leave open, 2^(order + 1) times.
+        """The profile through every other datum and both ends: what a mode moves by tells what the data leave open, 2^(order + 1) times.
 
         Raises InputError where too few are left.
         """

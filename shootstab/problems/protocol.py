@@ -25,7 +25,7 @@ class Pencil:
 
     @classmethod
     def of(cls, C: Sequence[ComplexArray], D: Sequence[ComplexArray]) -> Pencil:
-        """From the coefficients of C and of D, (m, n, n), as many of both and two at least."""
+        """The pencil of the coefficients of C and of D, (m, n, n), as many of both and two at least."""
         return cls(C[0], C[1], D[0], D[1], tuple(zip(C[2:], D[2:], strict=True)))
 
     @property
@@ -44,15 +44,15 @@ class Pencil:
         return {f"{name}{k}": M for name, part in (("C", self.C), ("D", self.D)) for k, M in enumerate(part)}
 
     def each(self, change: Callable[[ComplexArray], ComplexArray]) -> Pencil:
-        """With every matrix, (m, n, n), changed."""
+        """The pencil with every matrix, (m, n, n), changed."""
         return Pencil.of([change(M) for M in self.C], [change(M) for M in self.D])
 
     def stretched(self, factor: float) -> Pencil:
-        """Over t with z = factor·t: D times the factor."""
+        """The pencil over t with z = factor·t: D times the factor."""
         return Pencil.of(self.C, [factor * M for M in self.D])
 
     def rescaled(self, unit: complex) -> Pencil:
-        """In v with σ = unit·v."""
+        """The pencil in v with σ = unit·v."""
         return Pencil.of(*([unit**k * M if k else M for k, M in enumerate(part)] for part in (self.C, self.D)))
 
 

@@ -105,7 +105,7 @@ def singular_curves(function: PencilFunction, z: ComplexArray) -> SingularCurve 
 
 
 def _several(C: Sequence[ComplexArray]) -> tuple[ComplexArray, ...]:
-    """As many curves as are finite everywhere, joined from point to point by the least total distance."""
+    """The curves that are finite everywhere, joined from point to point by the least total distance."""
     from scipy.optimize import linear_sum_assignment
 
     pairs = zip(*polynomial.companion(C), strict=True)

@@ -1,4 +1,4 @@
-"""From ends and interfaces to subdomains on one line, with the rows that hold where all of them arrive.
+"""The layout of ends and interfaces as subdomains on one line, with the rows that hold where all of them arrive.
 
 Without an interface there is one subdomain and t is z itself. On the whole line with its fold, or with interfaces whose conditions hold σ
 or cannot be solved, t = 0 is where a subdomain meets the next, and all begin at the same t: see subdomains.py. Other interfaces a
@@ -178,7 +178,7 @@ def _splitting(
 
 
 def _one_subdomain(n: int, beginnings: Beginnings, crossed: tuple[Interface, ...]) -> TwoPointReduction:
-    """From infinity to the wall, or from a wall whose rows do not hold σ to the other; where both hold it, augmented."""
+    """The one subdomain from infinity to the wall, or from a wall whose rows do not hold σ to the other; where both hold it, augmented."""
     for side, far in sorted(beginnings.items(), key=lambda item: isinstance(item[1], WallBeginning)):
         other = beginnings[-side]
         if isinstance(other, WallBeginning) and not far.holds_sigma:

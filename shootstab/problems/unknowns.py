@@ -26,7 +26,7 @@ class Unknowns:
 
     @classmethod
     def combinations(cls, rows: Mapping[str, ArrayLike], size: int) -> Unknowns:
-        """By name, each a row of numbers (size,) over the state. Raises InputError for other rows."""
+        """The unknowns by name, each a row of numbers (size,) over the state. Raises InputError for other rows."""
         if not rows:
             raise InputError("unknowns is empty: allowed are names, each with a row over the components")
         stacked = [np.asarray(row) for row in rows.values()]

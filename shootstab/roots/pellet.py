@@ -22,8 +22,9 @@ from flint import acb, acb_poly, arb, ctx
 from shootstab.core.errors import ConvergenceError
 
 NO_RADIUS = arb(0)
+TAIL_NATS = 7.0  # chosen: the rest of a Taylor series on a circle lies below D there by a factor of a thousand
 SPARE_POINTS = 2  # chosen: points beyond those that the tail asks for
-FIRST_LENGTH, SHORTEST_LENGTH = 1 / 64, 2.0**-48  # of a side of a polygon; chosen
+FIRST_LENGTH, SHORTEST_LENGTH = 1 / 64, 2.0**-48  # chosen: parts of a side of a polygon
 EnclosedDiscriminant = Callable[[Any], Any]  # σ ↦ an enclosure of D(σ)
 
 
@@ -58,7 +59,7 @@ class TaylorModel:
 
 
 def taylor_model(D: EnclosedDiscriminant, log_bound: Any, centre: Any, radius: Any, outer: Any, points: int) -> TaylorModel:
-    """From `points` values of D on |σ − centre| = radius, and ln |D| ≤ log_bound on |σ − centre| ≤ outer."""
+    """A Taylor model from `points` values of D on |σ − centre| = radius, and ln |D| ≤ log_bound on |σ − centre| ≤ outer."""
     K = points
     roots = [(2 * acb(j) / K).exp_pi_i() for j in range(K)]
     values = [D(centre + radius * w) for w in roots]
@@ -75,8 +76,8 @@ def taylor_model(D: EnclosedDiscriminant, log_bound: Any, centre: Any, radius: A
 
 
 def nats_for(log_bound: Any, log_size: Any) -> float:
-    """By how much the tail has to fall below the bound to be about a thousandth of the size given."""
-    return max(float((log_bound - log_size).mid()) + 7.0, 7.0)
+    """The nats by which the tail has to fall below the bound to be about a thousandth of the size given."""
+    return max(float((log_bound - log_size).mid()) + TAIL_NATS, TAIL_NATS)
 
 
 def points_for(log_bound: Any, log_size: Any, radius: Any, outer: Any, most: int) -> int:

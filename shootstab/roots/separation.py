@@ -40,7 +40,7 @@ def separation(discriminant: Discriminant, at_zero: Value) -> float:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """About how many zeros lie at a point, as seen from afar, and over which distance D is like that power of the distance."""
+    """The number of zeros at a point, as seen from afar, and the distance over which D is like that power of the distance."""
 
     multiplicity: int
     scale: float

@@ -26,7 +26,7 @@ class ParameterAxis:
 
     @classmethod
     def of(cls, name: str, values: Any) -> ParameterAxis:
-        """From one number or a sequence of numbers. Raises InputError unless they are finite, different, and in order."""
+        """The axis of one number or of a sequence of numbers. Raises InputError unless they are finite, different, and in order."""
         try:
             numbers = tuple(float(v) + 0.0 for v in (values if hasattr(values, "__iter__") else (values,)))
         except (TypeError, ValueError):
@@ -66,7 +66,7 @@ class SweepGrid:
 
     @classmethod
     def of(cls, axes: Mapping[str, Any], family: Family) -> SweepGrid:
-        """From values by name. Raises InputError for values that no member can have, and for more than MOST_GRID_POINTS points."""
+        """The grid of values by name. Raises InputError for values that no member can have, and for more than MOST_GRID_POINTS points."""
         grid = cls(tuple(ParameterAxis.of(name, values) for name, values in axes.items()), family.sharing)
         if not grid.axes:
             raise InputError("nothing to sweep over: needed is one parameter at least")

@@ -81,7 +81,7 @@ def _stretches(good: Sequence[bool]) -> list[tuple[int, int]]:
 
 
 class _Walk:
-    """From one point to another, over points that all have a problem."""
+    """A walk from one point to another, over points that all have a problem."""
 
     def __init__(self, family: Family, line: GridLine, settings: WalkSettings, first: int, last: int) -> None:
         self._family, self._line, self._settings = family, line, settings
@@ -214,7 +214,7 @@ class _Walk:
         return 10.0**-self._settings.digits
 
     def _with_bounds(self, outcomes: list[Outcome]) -> list[Outcome]:
-        """With whole error bounds: all parts are measured at two points, and counted SPREAD times at the others.
+        """The outcomes with whole error bounds: all parts are measured at two points, and counted SPREAD times at the others.
 
         Where the bound misses the digits, the point is refined by itself.
         """

@@ -14,13 +14,13 @@ CONNECT = 15  # chosen: seconds to wait for a cluster
 
 
 def serially(work: Callable[[Job], Result], jobs: Sequence[Job]) -> Generator[tuple[Job, Result], None, None]:
-    """One after the other, here."""
+    """Do the jobs one after the other in this process."""
     for job in jobs:
         yield job, work(job)
 
 
 def on_cluster(work: Callable[[Job], Result], jobs: Sequence[Job], address: str) -> Generator[tuple[Job, Result], None, None]:
-    """On the workers of a Dask cluster, given by the address of its scheduler, which gives the jobs of a dead worker to the others.
+    """Do the jobs on a Dask cluster, given by the address of its scheduler, which gives the jobs of a dead worker to the others.
 
     Raises InputError where dask is not installed or nothing answers at the address, ShootstabError where the scheduler is lost or one
     job has cost more workers than the cluster allows.

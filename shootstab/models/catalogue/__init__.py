@@ -15,7 +15,7 @@ from shootstab.models.catalogue.entry import Entry
 
 @cache
 def entries() -> dict[str, Entry]:
-    """By their name in [problem], in the order of the files. Raises ValueError where two have one name."""
+    """The entries by their name in [problem], in the order of the files. Raises ValueError where two have one name."""
     found: dict[str, Entry] = {}
     for module in iter_modules(__path__):
         for entry in getattr(import_module(f"{__name__}.{module.name}"), "ENTRIES", ()):

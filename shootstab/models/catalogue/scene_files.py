@@ -52,6 +52,6 @@ class SceneFile:
 
 @cache
 def scene_files() -> dict[str, SceneFile]:
-    """By name, in alphabetical order."""
+    """The scene files by name, in alphabetical order."""
     names = sorted(file.name.removesuffix(".toml") for file in FOLDER.iterdir() if file.name.endswith(".toml"))
     return {name: SceneFile(name) for name in names}

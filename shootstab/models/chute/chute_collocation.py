@@ -177,7 +177,7 @@ class ChuteCollocation:
     ky: float
 
     def spectrum(self, M: int, filtered: bool = True) -> Spectrum:
-        """At truncation M on the grid that suits the flow."""
+        """The spectrum at truncation M on the grid that suits the flow."""
         return spectrum(self.flow, self.kx, self.ky, M, filtered=filtered)
 
     @property

@@ -102,7 +102,7 @@ class ChuteFamily:
         return self.member(self.flow(values), *self.wave(values))
 
     def as_dict(self) -> dict[str, Any]:
-        """For JSON: what the members have in common."""
+        """The parameters that the members have in common, for JSON."""
         common = {name: getattr(self, name) for name in (*WAVE_NAMES, "far_temperature", "mass_flux")}
         origin = None if self.origin is None else self.origin.far_temperature
         return {"chute": asdict(self.chute), **common, "continues_far_temperature": origin}

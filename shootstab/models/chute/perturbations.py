@@ -35,7 +35,7 @@ class ChuteContinuum:
     kx: float
 
     def heights(self, points: int) -> NDArray[np.float64]:
-        """From the base to ν0 = NU_OUTERMOST."""
+        """Heights from the base to ν0 = NU_OUTERMOST."""
         return np.linspace(0.0, self.flow.height(NU_OUTERMOST), points)
 
     def __call__(self, z: ComplexArray) -> ComplexArray:

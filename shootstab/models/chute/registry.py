@@ -55,7 +55,7 @@ class Parameter:
 
     @property
     def label(self) -> str:
-        """For the axis of a map: what it is, its symbol and its unit."""
+        """The label for the axis of a map: what it is, its symbol and its unit."""
         return f"{self.meaning} {self.symbol}{' / ' + self.unit if self.unit else ''}"
 
     def check(self, value: Any) -> None:

@@ -100,7 +100,7 @@ class PlateFlow:
         return np.asarray(np.where(interval >= len(self.coefficients), free, state))
 
     def shortened(self, accuracy: float) -> PlateFlow:
-        """With as few coefficients as leave out no more than this, relative to the largest, and each off by as much as that."""
+        """The flow with as few coefficients as leave out no more than this, relative to the largest, and each off by as much as that."""
         sizes = np.abs(self.coefficients).max(axis=(0, 2))
         kept = int(np.flatnonzero(sizes > accuracy * sizes.max())[-1]) + 1
         return PlateFlow(self.gas, self.length, off_by(self.coefficients[:, :kept], accuracy))

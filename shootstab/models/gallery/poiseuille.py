@@ -120,7 +120,7 @@ class PlanePoiseuille:
         return exact(0.0 if self.half else -1.0), exact(1.0)
 
     def exact_pencil(self, z: Any, exact: Exact) -> tuple[dict[tuple[int, int], Any], ...]:
-        """As `pencil`, for a power series z and exact parameters."""
+        """The matrices of `pencil` for a power series z and exact parameters."""
         R, alpha = exact(self.reynolds), exact(self.alpha)
         a2, advect, U = alpha * alpha, 1j * alpha * R, 1 - z * z
         above = dict.fromkeys(((0, 1), (1, 2), (2, 3)), 1)

@@ -82,7 +82,7 @@ class PoiseuilleCollocation:
     even: bool
 
     def spectrum(self, M: int, filtered: bool = True) -> Spectrum:
-        """At truncation M."""
+        """The spectrum at truncation M."""
         return spectrum(self.reynolds, self.alpha, M, even=self.even, filtered=filtered)
 
     @property

@@ -44,7 +44,7 @@ class Piecewise:
         return Piecewise(self.h, self.coefficients[:, 1:] * m, 0.0)
 
     def shortened(self, accuracy: float) -> Piecewise:
-        """With as few terms as leave out no more than this, in the unit of the largest coefficient, and each off by as much as that."""
+        """The profile with as few terms as leave out no more than this part of the largest coefficient, and each off by as much as that."""
         sizes = np.abs(self.coefficients * self.h ** np.arange(self.coefficients.shape[1])).max(axis=0)
         kept = int(np.flatnonzero(sizes > accuracy * sizes.max())[-1]) + 1
         return Piecewise(self.h, off_by(self.coefficients[:, :kept], accuracy), self.limit)
