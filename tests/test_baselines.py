@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 
+import numpy as np
 import pytest
+from scipy.optimize import linear_sum_assignment
 
 import shootstab as st
 from shootstab.cli import main as cli
@@ -44,6 +47,25 @@ def test_numbers_are_given_as_a_whole_and_not_to_the_first_that_asks() -> None:
     assert [d.holds for d in baseline.differences([1.002, 0.999])] == [False, True]
     assert [d.found for d in baseline.differences([1.0012, 1.0])] == [1.0, 1.0012]
     assert [d.found for d in baseline.differences([])] == [None, None]
+
+
+def test_as_many_hold_as_can_however_often_a_number_is_there() -> None:
+    """Against the assignment of all to all; numbers that are many times over, and fewer or more of them than modes."""
+    twelve = Baseline.of("x", [(1.0 + 0j, 0.0)] * 12, 6)
+    assert all(d.holds for d in twelve.differences([1.0] * 12))
+    assert [d.found for d in twelve.differences([1.0] * 11)].count(None) == 1
+    rng = np.random.default_rng(5)
+    for _ in range(40):
+        modes = 1.0 + rng.integers(0, 3, rng.integers(1, 16)) * 0.25j
+        numbers = 1.0 + rng.integers(0, 3, rng.integers(1, 20)) * 0.25j
+        numbers = numbers + rng.choice([0.0, 1e-9, 1e-3], len(numbers))
+        found = Baseline.of("x", [(complex(mode), 0.0) for mode in modes], 6).differences(numbers.tolist())
+        holds = np.abs(np.subtract.outer(modes, numbers)) <= 1e-6 * np.abs(modes)[:, None]
+        rows, columns = linear_sum_assignment(holds, maximize=True)
+        assert sum(d.holds for d in found) == holds[rows, columns].sum()
+        used = Counter(d.found for d in found if d.found is not None)
+        assert used.total() == min(len(modes), len(numbers))
+        assert used <= Counter(numbers.tolist())
 
 
 MODE = '[[mode]]\nre = "1"\nim = "0"\nerror = 0.0\n'

@@ -33,7 +33,6 @@ WHAT = "a baseline as `shootstab baseline record` writes it"
 LARGEST_BASELINE = 2**17  # chosen: bytes of a file
 MOST_MODES = 1000  # chosen: in a file
 MOST_DIGITS = 12  # chosen: what double precision proves
-MOST_RIVALS = 10  # chosen: the nearest numbers that may be given to a mode; more modes than these do not contend for one number
 GUARD = 2  # chosen: digits written beyond those that are compared, so that rounding of the text decides nothing
 HEAD = "# shootstab baseline: the digits of these modes are proved; `shootstab baseline check` compares\n"
 
@@ -64,20 +63,29 @@ class Baseline:
         return "\n".join(lines) + "\n"
 
     def differences(self, found: Sequence[complex]) -> list[Difference]:
-        """Each mode of the baseline with a number of those found, none of them used twice: as many hold as can, then the nearest."""
+        """Each mode of the baseline with a number of those found, none of them used twice: as many hold as can, then the nearest.
+
+        Of n modes each needs the n numbers that are nearest to it and no others: at most n − 1 of them are given to other modes, so a
+        number farther away can be changed for one that is free and no farther, and every mode can be given one.
+        """
         import numpy as np
-        from scipy.optimize import linear_sum_assignment
+        from scipy.sparse import csr_array
+        from scipy.sparse.csgraph import min_weight_full_bipartite_matching
+        from scipy.spatial import KDTree
 
         allowed = np.array([10.0**-self.digits * abs(sigma) + error for sigma, error in self.modes])
         recorded = np.array([sigma for sigma, _ in self.modes])
         given: list[complex | None] = [None] * len(recorded)
-        if len(found):
-            numbers = np.array(found, dtype=np.complex128)
-            order = [np.argsort(np.abs(numbers - sigma))[:MOST_RIVALS] for sigma in recorded]
-            numbers = numbers[np.unique(np.concatenate(order))]
-            off = np.abs(np.subtract.outer(recorded, numbers))
-            cost = (off > allowed[:, None]) * (len(recorded) + 1.0) + off / (off + off.max() + np.finfo(float).tiny)
-            for i, j in zip(*linear_sum_assignment(cost), strict=True):
+        numbers = np.array(found, dtype=np.complex128)
+        rivals = min(len(recorded), len(numbers))
+        if rivals:
+            plane = KDTree(np.column_stack((numbers.real, numbers.imag)))
+            off, nearest = plane.query(np.column_stack((recorded.real, recorded.imag)), k=np.arange(1, rivals + 1))
+            # one that does not hold costs more than nearness can in all of them; and 1 more, for a cost of 0 is no edge of a sparse graph
+            cost = 1.0 + (off > allowed[:, None]) * (len(recorded) + 1.0) + off / (off + off.max() + np.finfo(float).tiny)
+            rows = np.arange(0, cost.size + 1, rivals)
+            graph = csr_array((cost.ravel(), nearest.ravel(), rows), shape=(len(recorded), len(numbers)))
+            for i, j in zip(*min_weight_full_bipartite_matching(graph), strict=True):
                 given[i] = complex(numbers[j])
         return [Difference(sigma, given[i], float(allowed[i])) for i, (sigma, _) in enumerate(self.modes)]
 
