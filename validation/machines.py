@@ -10,6 +10,7 @@ warning. `--quick` takes the sources and the interpreter that runs it. Exit stat
 from __future__ import annotations
 
 import argparse
+import ctypes
 import os
 import shutil
 import subprocess
@@ -29,6 +30,7 @@ QUESTIONS: dict[str, tuple[list[str], int]] = {
     "a missing extra": (["verify", "high", "modes.h5"], 2),
 }
 QUICK = ("version", "scenes", "a count", "a refusal")
+PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH = 24, 1, 2  # of Linux: prctl(2), capabilities(7)
 EXTRAS = ("h5py", "matplotlib", "flint", "distributed", "sympy", "pytest")
 
 
@@ -103,13 +105,12 @@ class MachineAnswer:
 
 @dataclass
 class Machine:
-    """An interpreter with shootstab in it, and a folder to ask from; user: the one who asks, if this process may become another."""
+    """An interpreter with shootstab in it, and a folder to ask from."""
 
     name: str
     command: list[str]
     folder: Path
     base: dict[str, str]
-    user: int | None = None
 
     def asked(self, words: list[str], there: Circumstance) -> MachineAnswer:
         environment = {**self.base, **{k: v for k, v in there.variables.items() if v is not None}}
@@ -118,9 +119,11 @@ class Machine:
         if there.prepare is not None:
             environment |= there.prepare(self.folder)
 
-        def close() -> None:
+        def become() -> None:
             for number in there.closed:
                 os.close(number)
+            if os.geteuid() == 0:
+                obey_modes()
 
         done = subprocess.run(
             [*self.command, *words],
@@ -128,11 +131,17 @@ class Machine:
             env=environment,
             stdin=subprocess.DEVNULL,
             capture_output=True,
-            preexec_fn=close if there.closed else None,
-            user=self.user,
+            preexec_fn=become,
             check=False,
         )
         return MachineAnswer(done.returncode, done.stdout, done.stderr.decode(errors="replace"))
+
+
+def obey_modes() -> None:
+    """Root may write everywhere, whatever the modes of files say: what this process starts may not."""
+    for capability in (CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH):
+        if ctypes.CDLL(None, use_errno=True).prctl(PR_CAPBSET_DROP, capability, 0, 0, 0) != 0:
+            raise OSError(ctypes.get_errno(), "root cannot be made to obey the modes of files: run this as another user")
 
 
 def wrong(question: str, status: int, got: MachineAnswer, plain: MachineAnswer, there: Circumstance) -> str | None:
@@ -207,13 +216,8 @@ def installed(package: Path, folder: Path) -> Machine:
             path.chmod(0o555 if path.is_dir() or os.access(path, os.X_OK) else 0o444)
     here = folder / f"asks-{package.suffix[1:]}"
     here.mkdir()
-    user = None
-    if os.geteuid() == 0:  # root may write everywhere: somebody else asks
-        user = 65534
-        os.chown(here, user, -1)
-        folder.chmod(0o755)
     base = {"PATH": "/usr/bin:/bin", "HOME": str(here), "OMP_NUM_THREADS": "1"}
-    return Machine(package.name, [str(env / "bin" / "shootstab")], here, base, user)
+    return Machine(package.name, [str(env / "bin" / "shootstab")], here, base)
 
 
 def main() -> int:

@@ -83,8 +83,8 @@ LOOK, SEEK, NODE, LAST = range(4)  # exact: what `integrate` expands the solutio
 
 
 @njit(cache=True, error_model="numpy")
-def integrate(program, parameters, start, tolerance, longest, limits, nodes, pieces, radii):  # type: ignore[no-untyped-def]
-    """Pieces from z = 0 downwards, none longer than `longest`, until the function that stops changes sign.
+def integrate(program, parameters, start, tolerance, limits, nodes, pieces, radii):  # type: ignore[no-untyped-def]
+    """Pieces from z = 0 downwards until the function that stops changes sign.
 
     limits (2, n) are what the components of a solution must stay above and below. Fills nodes (m,), pieces (m, n, N) and radii (m,), the
     place of the change of sign with the piece around it last. Returns their number, and whether there was such a change.
@@ -116,7 +116,7 @@ def integrate(program, parameters, start, tolerance, longest, limits, nodes, pie
             if k == len(nodes) - 1 or not radii[k] > LEAST_RADIUS * first:
                 return k + 1, False
             at_node = stop
-            h, near, f_near = min(radii[k], longest), 0.0, at_node
+            h, near, f_near = radii[k], 0.0, at_node
         else:
             for c in range(n):
                 if not limits[0, c] < point[0, c] < limits[1, c]:
@@ -129,7 +129,7 @@ def integrate(program, parameters, start, tolerance, longest, limits, nodes, pie
                 far, f_far, tries = t, stop, tries + 1
             elif np.isnan(stop):  # beyond a limit: as near to it as a shorter piece comes
                 h, near, f_near = 0.5 * t, 0.0, at_node
-                if not h > LEAST_RADIUS * first:
+                if not h > LEAST_RADIUS * max(first, radii[k]):
                     return k + 1, False
             elif (stop > 0.0) != (sign > 0.0):
                 why, far, f_far, tries = SEEK, t, stop, 0

@@ -47,8 +47,8 @@ def defect(nu: Any, T: Any, u_z: Any, Q: Any, g0: Any, ep: Any, tan_theta: Any, 
     return Q / (law.f1(nu, g0, ep) * T) - tan_theta * slip(nu, T, u_z, g0, r, tan_theta, math.pi) + delta * T**0.5
 
 
-def limits(densest: float) -> NDArray[np.float64]:
-    """What the components of a state stay above and below, (2, 7): T > 0, and ν short of the densest packing."""
+def limits(densest: float, hottest: float) -> NDArray[np.float64]:
+    """What the components of a state stay above and below, (2, 7): T above 0 and below the hottest, and ν short of the densest packing."""
     out = np.tile([[-np.inf], [np.inf]], DESCENT_SIZE)
-    out[0, 1], out[1, 0] = 0.0, math.log(FILLED * densest)
+    out[0, 1], out[1, 1], out[1, 0] = 0.0, hottest, math.log(FILLED * densest)
     return out

@@ -29,8 +29,8 @@ from shootstab.models.chute.registry import BY_NAME
 TOLERANCE = 1e-16  # chosen: what a polynomial leaves out, relative; below the rounding of doubles
 BEGINNING = 1e-2  # chosen: ν0 where the integration begins, in the tolerance; what the first order in ν0 leaves out is below it
 NU_TOP = BEGINNING * TOLERANCE
-MOST_PIECES = 1000  # chosen: at most; the paper's flows have some 60
-LONGEST_PIECE = 3.0  # chosen: length of a piece at most, in T_∞; ν changes by a factor of 20 over it
+MOST_PIECES = 500  # chosen: at most; the paper's flows have some 60
+HOTTEST = 1e5  # chosen: of T_∞: where it is exceeded, T rises with depth without end, and z some 1e4 T_∞ down has lost four digits
 
 
 @dataclass(frozen=True)
@@ -209,9 +209,8 @@ def descend(chute: Chute, far_temperature: float, tolerance: float = TOLERANCE) 
     lists, terms = descent.equations(chute.radial_law[0]), terms_for(tolerance)
     nodes, pieces, radii = np.zeros(MOST_PIECES), np.empty((MOST_PIECES, DESCENT_SIZE, terms)), np.empty(MOST_PIECES)
     start = top_state(chute, far_temperature, np.array([math.log(BEGINNING * tolerance) + 0j]))[0].real.copy()
-    limits = descent.limits(law.densest(chute.radial_law))
-    longest = LONGEST_PIECE * far_temperature
-    count, found = integrate(lists, chute.numbers, start, tolerance, longest, limits, nodes, pieces, radii)
+    limits = descent.limits(law.densest(chute.radial_law), HOTTEST * far_temperature)
+    count, found = integrate(lists, chute.numbers, start, tolerance, limits, nodes, pieces, radii)
     nodes, pieces, radii = nodes[:count].copy(), pieces[:count].copy(), radii[:count].copy()
     if not found:
         raise NoFlowError(

@@ -606,6 +606,19 @@ def test_no_flow_is_an_error_of_the_input(chute, far_temperature):
     assert issubclass(NoFlowError, InputError)
 
 
+def test_a_hot_and_thin_base_takes_no_more_pieces_than_the_solution_asks_for():
+    """The flow is 10⁴ times as hot at its base as far away. Its mass flux is that of pieces of 3 T_∞ at most, 857 of them."""
+    flow = descend(Chute(e=0.954, e_w=0.881, r=0.371, tan_theta=0.16), 0.02165580108668601)
+    assert flow.mass_flux == pytest.approx(1691.445822085532, rel=1e-13)
+    assert flow.base["T"] > 1e4 * flow.far_temperature
+    assert len(flow.nodes) < 100
+
+
+def test_a_flow_that_heats_without_end_is_not_followed_for_ever():
+    with pytest.raises(NoFlowError, match=r"meets no base \(followed down to nu = \S+e-05\)"):
+        descend(Chute(e=0.817, e_w=0.0526, r=0.8645, tan_theta=0.0819), 1.0)
+
+
 def test_smooth_base_bears_no_shear():
     """r = 0: κ = 0, and tanθ = T^{−1/2} √(2/π)(κu − …) has no solution."""
     smooth = Chute(e=0.8, e_w=0.8, r=0.0, tan_theta=0.3)
