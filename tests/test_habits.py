@@ -4,9 +4,11 @@ sources are written: numbers that say where they come from, one name for one thi
 from __future__ import annotations
 
 import ast
+import io
 import re
 import subprocess
 import sys
+import tokenize
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -117,6 +119,37 @@ def test_a_noun_stands_for_one_thing() -> None:
             if path in SOURCES or meaning.startswith("class"):
                 classes.setdefault(name, set()).add(meaning)
     assert {name: meanings for name, meanings in classes.items() if len(meanings) > 1} == {}
+
+
+TELEGRAM = re.compile(
+    r"(?:of|by|with|from|to|in|on|at|as|off|about|between|beyond|below|above|over|under|per|without|within|through|that of|for|and|but|or|"
+    r"so|not|whose|which|be)\b",
+    re.IGNORECASE,
+)
+
+
+def _sentences(path: Path) -> Iterator[tuple[int, str]]:
+    """Docstrings and comments, a block of comment lines as one, each with its line."""
+    text = path.read_text()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and (said := ast.get_docstring(node)):
+            yield node.body[0].lineno, said
+    last = -1
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type == tokenize.COMMENT:
+            row, own_line = token.start[0], token.line.lstrip().startswith("#")
+            if not (own_line and row == last + 1):
+                yield row, re.sub(rf"^#\s*(?:{ORIGIN.pattern}:\s*)?", "", token.string)
+            last = row if own_line else -1
+
+
+def test_no_sentence_has_lost_its_noun() -> None:
+    """No docstring or comment begins with a preposition, a conjunction or a relative: those say of what, but not what."""
+    paths = [path for path in [*SOURCES, *(ROOT / "validation").rglob("*.py")] if path.parent.name != "kernels"]
+    found = [(path.relative_to(ROOT), line, said) for path in paths for line, said in _sentences(path)]
+    assert len(found) > 3000
+    lost = [f"{path}:{line}: {said[:60]}" for path, line, said in found if TELEGRAM.match(said)]
+    assert lost == [], "\n".join(lost)
 
 
 ARRAY = re.compile(r"\b(NDArray|ComplexArray|RealArray|DenseMatrix|Matrix|Terms)\b")

@@ -24,7 +24,7 @@ TOLERANCES = tuple(10.0**-k for k in range(4, 13))
 METHODS = (st.Frame, st.Compound, st.Riccati)
 PESSIMISM = 30.0  # median of bound/true error that is allowed
 ENOUGH = 20  # values of which a median tells something
-FLOOR = 1e-16  # of |σ|: a true error below it is counted as this
+FLOOR = 1e-16  # part of |σ|: a true error below it is counted as this
 
 
 def scenes(quick: bool) -> Iterator[tuple[str, Problem, complex]]:

@@ -29,7 +29,7 @@ import shootstab as st
 
 Array = NDArray[Any]
 MEMORY = 2**30
-SECONDS = 12.0  # of CPU for one question
+SECONDS = 12.0  # seconds of CPU for one question
 REACH = 24.0  # where an end at infinity is taken by the collocation: sech² is 1e-20 there
 LARGEST = 3e3  # |σ| of modes that are asked about, at most
 AGREE = 1e-5  # relative: what two spectra must agree to, to be asked about
@@ -287,7 +287,7 @@ def _line(kind: str, rng: np.random.Generator, dtype: str) -> DrawnPencil:
     else:
         left, at = st.Infinity(), Far(-REACH, m)
     at = at if kind == "half line" else Far(-1.0, m)
-    form = Discretization(n, stretched(pencil, REACH), at, Far(1.0, m))  # in t, z = sinh(κt)
+    form = Discretization(n, stretched(pencil, REACH), at, Far(1.0, m))  # the problem in t, z = sinh(κt)
     degrees = (26, 32, 48, 60) if kind == "half line" else (38, 46, 76, 96)
     return DrawnPencil(kind, n, lambda: st.problem(n, pencil, left, st.Infinity()), form, degrees, right_of)
 

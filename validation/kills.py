@@ -31,14 +31,14 @@ from typing import Any
 from layer import A
 
 HERE = Path(__file__).parent
-BY_ITSELF = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)  # at parents
-AT_WORKERS = (signal.SIGKILL, signal.SIGTERM, signal.SIGSEGV)
-LINES = 10  # of two points each
+BY_ITSELF = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)  # signals to the parent
+AT_WORKERS = (signal.SIGKILL, signal.SIGTERM, signal.SIGSEGV)  # signals to a worker
+LINES = 10  # lines of two points each
 SWEEP = ["sweep", "layer:scene", "--kx", "0:3:2", "--far-temperature", f"50:60:{LINES}", "--workers", "2"]
 FIND = ["find", "layer:scene", "--corners=1,-5,60,5"]
 VERIFY = ["verify", "layer:scene", "claims.csv"]
 GONE = 10.0  # seconds within which a session must be empty after its parent
-ROUNDS = 60  # of one sweep, at most, until it ends
+ROUNDS = 60  # the most runs of one sweep until it ends
 
 Rows = dict[tuple[Any, ...], tuple[Any, ...]]
 
@@ -312,7 +312,7 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="a dozen kills, one fault of each kind")
     options = parser.parse_args()
     kills = 12 if options.quick else options.kills
-    for number in (signal.SIGINT, signal.SIGHUP):  # not ignored by those that are started here, whatever started this
+    for number in (signal.SIGINT, signal.SIGHUP):  # heeded by what is started here, whatever started this
         signal.signal(number, signal.default_int_handler)
     rng, found = random.Random(options.seed), Findings()
     began = time.monotonic()

@@ -27,7 +27,7 @@ for folder in ("", "models/chute", "discriminants", "kernels", "analyses", "form
 SIGN, SLIGHT = -1.0, 1.0 + 1e-6
 FACTORS = {"sign": SIGN, "1e-6": SLIGHT}
 EVERY = 7
-ROUNDING = 1e-14  # of the largest entry of an array
+ROUNDING = 1e-14  # part of the largest entry of an array
 
 Place = tuple[Any, ...]
 Test = Callable[[], object]

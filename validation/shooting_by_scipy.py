@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 
 from shootstab.models.chute import ChuteProblem
 
-SUBINTERVALS = 20  # between orthonormalizations
+SUBINTERVALS = 20  # the length between orthonormalizations
 SECANTS = 20
 
 

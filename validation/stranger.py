@@ -11,7 +11,7 @@ from collocation import Discretization, ElementJoint, Far, Fixed
 
 import shootstab as st
 
-SECONDS = 20.0  # of CPU for one question: chosen; a refusal should take 5
+SECONDS = 20.0  # seconds of CPU for one question: chosen; a refusal should take 5
 DIGITS = 8
 GUESS = 2e-3  # relative distance from the truth at which refine begins
 ROUNDING = 2.3e-16
@@ -38,7 +38,7 @@ class Stranger:
     quick: bool = False
     digits: int = DIGITS
     guess: float = GUESS
-    refined: int = 3  # so many modes are refined
+    refined: int = 3  # the number of modes that are refined
     seconds: float = SECONDS
     also: Callable[[Any, Sequence[tuple[complex, float]]], Iterator[tuple[str, str, str]]] | None = None
     skip: tuple[str, ...] = ()

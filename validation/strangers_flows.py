@@ -180,7 +180,7 @@ def layers(r: float, g: float, k: float) -> Any:
     before[0, 0], behind[0, 0] = 1, -1  # q continuous
     before[1, 2], behind[1, 2] = 1, -1  # Q continuous
     moving_before[2, 0], before[2, 2] = -1, 1  # Q = σ q at 0
-    # below: σ² q′ = σ Q′; above: r(σ + ik)² q′ = r(σQ′ + 2ik Q′ − k² q′); difference = −(1 − r) g k² q
+    # σ² q′ = σ Q′ below and r(σ + ik)² q′ = r(σQ′ + 2ik Q′ − k² q′) above; their difference is −(1 − r) g k² q
     moving_before[3, 3] = 1
     moving_behind[3, 3], behind[3, 3], behind[3, 1] = -r, -2j * k * r, r * k * k
     before[3, 0] = (1 - r) * g * a

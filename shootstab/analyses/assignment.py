@@ -1,4 +1,4 @@
-"""Which claim means which mode: as many claims as a mode is multiple, and of all ways to assign them the best as a whole.
+"""The mode that each claim means: as many claims as a mode is multiple, and of all ways to assign them the best as a whole.
 
 A mode inside the circle that the digits of a claim mean is worth more than any number of looser matches; of equals the digits that agree
 are summed, and the largest sum is taken (an assignment problem, solved by scipy.optimize.linear_sum_assignment). The nearest claim first

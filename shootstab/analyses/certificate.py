@@ -43,7 +43,7 @@ LARGEST_CERTIFICATE = 2**20  # chosen: bytes of a certificate
 # chosen: values of D and bits that the checker has beyond what was needed here; where they are too few there are more attempts
 CHECKER_POINTS, CHECKER_BITS = 2, 24
 MOST_FACTORS = 16  # chosen: parts of a certificate
-CERTIFICATE_ATTEMPTS = 3  # chosen: with more points and bits each, before a proof is said to have no certificate
+CERTIFICATE_ATTEMPTS = 3  # chosen: attempts, each with more points and bits, before a proof is said to have no certificate
 
 
 def certify(problem: Problem, proof: Proof, spare_bits: int = CONTOUR_BITS) -> dict[str, Any]:

@@ -11,7 +11,7 @@ import numpy as np
 NORM_WEIGHTS = 1.1 ** np.arange(-12, 8)  # chosen: weights of the norm in which the growth is bounded, in units of the rate √|p|
 FARTHEST = 16.0  # chosen: the largest circle on which |D| is bounded, in |σ| or the circle of values; they are tried by factors of two
 ABSOLUTE_BITS = 64  # chosen: bits of the checker's numbers beyond what the growth of their errors takes
-RATE_SAMPLES = 129  # chosen: at which the rate of growth is sampled
+RATE_SAMPLES = 129  # chosen: places at which the rate of growth is sampled
 
 
 def plane_poiseuille(named: Mapping[str, str], centre: complex, radius: float, least: float, nats: float) -> dict[str, Any]:

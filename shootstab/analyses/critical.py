@@ -20,8 +20,8 @@ from shootstab.problems.protocol import Problem
 
 ALPHA_POINTS = 12  # chosen: points on a circle in α, whose Fourier coefficients are σ and its first two α-derivatives
 ALPHA_RADIUS = 0.05  # chosen: radius of that circle; what the points leave out of σ′ is of the order 0.05^12
-WAY_OUT = (0.25, 0.5)  # chosen: of that radius, places on the way from its middle, so that no mode is guessed
-NOT_ANALYTIC = 1e-2  # chosen: of the change of σ over the radius, by what its mean over the circle may miss σ in the middle
+WAY_OUT = (0.25, 0.5)  # chosen: places on the way from the middle, in that radius, so that no mode is guessed
+NOT_ANALYTIC = 1e-2  # chosen: part of σ's change over the radius by which its mean on the circle may miss σ in the middle
 SHIFT = 1e-3  # chosen: relative change of R for the second circle
 CRITICAL_STEPS = 12  # chosen: steps of Newton in (α, R); from a guess of two digits it takes some 5
 ROUGH_RTOL = 1e-9  # chosen: relative accuracy of the modes on the way
@@ -78,7 +78,7 @@ def _circle(
     """
     radius = ALPHA_RADIUS * alpha
     turns = np.exp(2j * np.pi * np.arange(ALPHA_POINTS) / ALPHA_POINTS)
-    way = FollowedMode()  # in the complex plane of α
+    way = FollowedMode()  # a mode followed in the complex plane of α
     error = 0.0
     for place in [0.0, *WAY_OUT, *turns.tolist()]:
         point = alpha + radius * place

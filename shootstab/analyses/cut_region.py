@@ -27,7 +27,7 @@ from shootstab.roots.winding import Legs, change, follow, whole_turns
 
 END_RADIUS = 1e-5  # chosen: radius of the circles around the ends, in the extent of the curve
 OFF = 1e-9  # chosen: how far from a crossing, in t or in z, the two sides are told apart
-CLOSURE_SLACK = 1e-2  # chosen, of a turn: the legs of the contour meet to OFF only
+CLOSURE_SLACK = 1e-2  # chosen: part of a turn, as the legs of the contour meet to OFF only
 
 
 @dataclass(frozen=True)

@@ -16,13 +16,13 @@ from shootstab.multiprecision.enclosable import Enclosable
 from shootstab.multiprecision.enclosure import Enclosure, at_bits, decimal
 from shootstab.roots.pellet import SPARE_POINTS, TaylorModel, nats_for, points_for, taylor_model
 
-SPARE_BITS = 96  # chosen: beyond the digits asked for; more are taken where the enclosure of D is too wide
+SPARE_BITS = 96  # chosen: bits beyond the digits asked for; more are taken where the enclosure of D is too wide
 MORE_BITS, MOST_BITS = 1.6, 4096  # chosen: the factor of bits from one attempt to the next, and a budget of some minutes
 KNOWN_BITS = 40  # chosen: bits of D on the circle: an inequality that fails with so many fails for another reason than too few bits
 TOLD, MOST_PROBES = 4, 12  # chosen: bits of D from which on it is told from 0, and how often more are tried
 MOST_POINTS = 96  # chosen: values of D on a circle
 OUTER = 0.5  # chosen: the circle on which |D| is bounded, in |σ|; nearer circles need more points, wider ones more bits
-# chosen: of |σ|, the first disc in the search for the largest in which a mode is alone, and the factor to the next
+# chosen: the first disc, in |σ|, in the search for the largest in which a mode is alone, and the factor to the next
 WIDEST, NARROWER = 0.125, 1.25
 SECANTS = 80  # chosen: steps towards a zero, which for a simple one are six or so
 SEED = 10  # chosen: digits that a mode in double precision has at least

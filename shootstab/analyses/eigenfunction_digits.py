@@ -32,11 +32,11 @@ from shootstab.multiprecision.taylor_solution import TaylorSolution, solved
 from shootstab.problems.capabilities import UNSCALED
 from shootstab.problems.protocol import Problem
 
-PEAK_DIGITS = 6  # chosen: of the z at which the largest value is made 1; it is flat there
+PEAK_DIGITS = 6  # chosen: digits of the z at which the largest value is made 1; it is flat there
 COMPARED = 25  # chosen: heights at which values are compared with those of an integration done otherwise
 SHAPE_DIGITS = 4  # chosen: digits of the mode beyond those of its eigenfunction, which is as much more sensitive
 SOLUTIONS = 6  # derived: the eigenfunction and its five variants, for the share of work done that is shown
-SHARE_OF_MODE = 0.6  # chosen: of the work, what the mode takes; the progress shown rests on it, and nothing else
+SHARE_OF_MODE = 0.6  # chosen: the mode's part of the work; only the progress shown rests on it
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,10 +35,10 @@ from shootstab.problems.capabilities import MODE_SHAPE, Shape
 from shootstab.problems.protocol import ComplexArray, Problem
 from shootstab.problems.unknowns import Unknowns, unknowns
 
-OUT_OF_SIGHT = 0.03  # chosen: of its largest value, what an unknown has fallen to where a picture or a file of it ends
-DOUBLINGS = 12  # chosen: of the way from the wall, that are tried until it has
+OUT_OF_SIGHT = 0.03  # chosen: the part of its largest value that an unknown has fallen to where a picture or a file of it ends
+DOUBLINGS = 12  # chosen: doublings of the way from the wall that are tried until it has
 MODE_HEIGHTS = 401  # chosen: heights in a picture or a file; a line through so many points looks smooth
-POLISHED = 1e-10  # chosen: of a step, to which the place of the largest value is found
+POLISHED = 1e-10  # chosen: part of a step to which the place of the largest value is found
 
 
 @dataclass(frozen=True, eq=False)

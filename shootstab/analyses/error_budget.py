@@ -14,16 +14,16 @@ from shootstab.problems.capabilities import FARTHER_WALLS
 from shootstab.problems.protocol import Problem
 
 HALVING = 2.0 ** (ORDER / 2) - 1.0  # derived: Richardson's 2^q − 1, for steps that have reached half the order of the pair only
-FLOWS = (4.0, 2.0)  # chosen: by which the base flow is computed less accurately, for another one that errs about as much
+FLOWS = (4.0, 2.0)  # chosen: factors by which the base flow is computed less accurately, for another one that errs about as much
 FAR_PROBE = 1e-7  # chosen: relative change of the far frame by which its influence is measured
-SAFETY = 3.0  # chosen: on what a random sample of the far frame shows, and on a separation that is known to some 10 %
+SAFETY = 3.0  # chosen: factor on what a random sample of the far frame shows, and on a separation that is known to some 10 %
 # A sample of rounding is the difference of two draws, the zero's own error and another one. With σ real the own error exceeds 5 times the
 # root mean square of four samples, and 6 times the larger of two, in less than 1 of 100 cases, with σ complex much less often.
-NOISE = 5.0  # chosen: on samples of the rounding of the transport; validation/calibration.py measures that no error passes its bound
-FLOW_NOISE = 6.0  # chosen: on two flows computed anew, with every rounding on the way from the inputs over the flow to the system
+NOISE = 5.0  # chosen: factor on samples of the transport's rounding; validation/calibration.py measures that no error passes its bound
+FLOW_NOISE = 6.0  # chosen: factor on two flows computed anew, with every rounding on the way from the inputs over the flow to the system
 SYSTEM_PROBE = 1e-11  # chosen: relative change of the system's entries by which their rounding is measured: far above it, and small
-# on two samples of what one rounding of every entry does: the step rounds its sums too; validation/calibration.py tries it
-SYSTEM_NOISE = 4.0  # chosen, as said above
+# the factor on two samples of what one rounding of every entry does: the step rounds its sums too; validation/calibration.py tries it
+SYSTEM_NOISE = 4.0  # chosen
 NEGLIGIBLE_SHARE = 0.1  # chosen: part of the integration error that another part may have without being measured further
 
 

@@ -31,7 +31,7 @@ SEARCHING = 1e-9  # chosen: local error of the method on whose meshes zeros are 
 KNOWN_WITHIN = 1e-2  # chosen: how well modes are to be known, in the size of their region, for their number to mean something
 LEAST_MODE_RTOL = 1e-14  # derived: what `refine` allows
 LEAST_ON_PART, MORE_ON_PART = 200, 4  # chosen: samples that a part's contour may take in any case, and in those of the whole region
-WIDER_AROUND = 4.0  # chosen: from one circle around a multiple zero to the next
+WIDER_AROUND = 4.0  # chosen: the radius of the next circle around a multiple zero over that of one
 LARGEST_CIRCLE = 1e3  # chosen: the last of them, in the first: beyond, the zero was not multiple to any purpose
 
 
@@ -89,7 +89,7 @@ def without_repetition(zeros: Sequence[Zero], modes: Iterable[Sequence[Mode]]) -
     Zeros that one mesh tells apart may be one multiple mode to the bounds of another; that stands for so many zeros at least.
     """
     out: list[Mode] = []
-    spent: list[int] = []  # of the zeros, how many each of the modes stands for
+    spent: list[int] = []  # the number of zeros that each of the modes stands for
     for zero, some in zip(zeros, modes, strict=True):
         for mode in some:
             own = min(mode.multiplicity, zero.multiplicity)

@@ -22,10 +22,10 @@ from shootstab.multiprecision.enclosure import Enclosure, at_bits, decimal
 from shootstab.roots.two_variables import two_variable_model
 
 AWAY = (2.0, 4.0, 8.0, 16.0, 32.0)  # chosen: circles about a piece of the interval on which |D| is bounded, over its half length
-LARGEST_CHANGE = 0.5  # chosen: of D on the boundary over half a piece; below 1 it may succeed, and smaller ones make it likelier
+LARGEST_CHANGE = 0.5  # chosen: the change of D on the boundary over half a piece; below 1 it may succeed, the likelier the smaller
 MOST_SUBINTERVALS = 512  # chosen, a budget
 
-EnclosableAt = Callable[[Any], Enclosable]  # of a value of the parameter, acb
+EnclosableAt = Callable[[Any], Enclosable]  # the problem in balls at a value of the parameter, acb
 
 
 @dataclass(frozen=True)

@@ -31,14 +31,14 @@ MISSING = (NONE, WITHIN, REGION)  # chosen: the words of --missing
 NOT_SEARCHED = "missing modes were not looked for"
 HULL_MARGIN = 0.05  # chosen: the contour runs around the hull at this part of its extent, clear of the claims at its corners
 THINNEST_HULL = 0.1  # chosen: the extent of claims counts as this part of the largest |claim| at least
-ON_HULL = 1e-6  # chosen: so far outside, in extents, a mode still lies among claims on a line, or that are a little wrong
+ON_HULL = 1e-6  # chosen: a mode no farther outside, in extents, lies among claims on a line, or claims that are a little wrong
 CLEAR_OF_CONTINUUM = 1e-4  # chosen: a region that cannot be counted as a whole is cut so far right of the continuous spectrum, in its size
 MOST_TURNS = 200.0  # chosen: turns of D's phase along the hull; beyond, a search takes minutes
 FEWER = 0.7  # chosen: the part of the claims that stays where the contour around all is too long
-HULL_POINTS = 6  # chosen: on the length of the hull, at which D is asked what a contour costs
+HULL_POINTS = 6  # chosen: points on the length of the hull at which D is asked what a contour costs
 DEEPEST_CUT = 4  # chosen: cuts of a region that cannot be counted as a whole
 MOST_PARTS = 16  # chosen: parts of it that are tried
-MISSING_RTOL = 1e-10  # chosen: to which missing modes are refined
+MISSING_RTOL = 1e-10  # chosen: the accuracy to which missing modes are refined
 
 
 class Missing(NamedTuple):

@@ -16,8 +16,8 @@ from shootstab.core.records import SPURIOUS, Mode, Verdict
 from shootstab.problems.protocol import Problem
 
 STARTS = 3  # chosen: claims from which a mode is looked for where none is known; each costs about a verdict
-START_DIGITS = 6  # chosen: of the reference, whose values are starts only
-NEIGHBOUR_RTOL = 1e-6  # chosen: to which such a mode is known, the six figures that are told of it
+START_DIGITS = 6  # chosen: digits of the reference, whose values are starts only
+NEIGHBOUR_RTOL = 1e-6  # chosen: the accuracy of such a mode, the six figures that are told of it
 
 
 def with_nearest(problem: Problem, verdicts: Sequence[Verdict], missing: Sequence[Mode]) -> list[Verdict]:

@@ -18,7 +18,7 @@ from shootstab.problems.unknowns import Placement, Unknowns, placements
 # chosen: lengths of the integration beyond it at which a decaying space that is known all the way is asked for; at one of them a solution
 # of a wall may go on by chance, as sin πz does to z = −1
 FARTHER = (0.618, 1.0)
-OUTSIDE = 1e-9  # chosen: of the length of the domain, by which a z given as a decimal may miss its ends
+OUTSIDE = 1e-9  # chosen: part of the domain by which a z given as a decimal may miss its ends
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,9 +26,9 @@ from shootstab.core.threads import one_thread
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
-DEATHS = 8  # chosen: so many workers that died at one job are not chance, the job is what kills them
+DEATHS = 8  # chosen: the number of workers dead at one job that is no chance: the job kills them
 _ENDING = {getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)}
-STILLBORN = 30  # chosen: so many in a row that were killed before they took a job
+STILLBORN = 30  # chosen: the number of workers killed in a row before they took a job that is no chance
 
 
 @dataclass
@@ -148,7 +148,7 @@ def _no_signals() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-# in the worker
+# what follows runs in the worker
 
 
 def _serve(connection: Connection) -> None:

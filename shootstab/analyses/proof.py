@@ -10,7 +10,7 @@ import mpmath
 
 from shootstab.multiprecision.enclosable import Enclosable
 
-COMMON = ("E1", "E2", "E3", "E4", "E5", "E6", "E7")  # of the guide's page on proofs: E7 is what "with multiplicity" rests on
+COMMON = ("E1", "E2", "E3", "E4", "E5", "E6", "E7")  # lemmas of the guide's page on proofs; "with multiplicity" rests on E7
 
 Decimals = tuple[str, str]  # real and imaginary part
 

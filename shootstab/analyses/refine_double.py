@@ -26,13 +26,13 @@ from shootstab.roots.winding import wind
 
 TIGHTEST = 1e-13  # measured (validation/calibration.py): the local error below which rounding takes over
 LOOSEST = 1e-5  # chosen: the largest local error with which halving the steps still tells the error
-DOUBLE_ATTEMPTS = 3  # chosen: from 1e-5, factors of 100 would need four; tolerance_for begins no mode that far off
+DOUBLE_ATTEMPTS = 3  # chosen: local errors tried; from 1e-5 factors of 100 would need four; tolerance_for begins no mode that far off
 PROOF = 32.0  # chosen: the circle of the proof, in error bounds; the noise of D must be small on it
 WIDEST_PROOF = 1e-2  # chosen: the circle of the proof at most, in the larger of |σ| and the scale, so that it leaves other modes out
 SIXTHS = 6  # derived: a zero in its middle turns D by 60° from one sixth of a circle to the next, below winding.LONGEST_TURN
 LEFT = 1e-3  # chosen: what iterations may leave, in the accuracy asked for
 NEUTRAL = 1e-12  # chosen: the accuracy of a mode at 0 in the scale of D there; four digits above the rounding of a double
-COUNTED_AROUND = (1e-3, 4e-3, 1.6e-2)  # chosen: of |σ|, circles in which zeros are counted where no iteration arrives at one
+COUNTED_AROUND = (1e-3, 4e-3, 1.6e-2)  # chosen: radii, in |σ|, of circles in which zeros are counted where no iteration arrives at one
 FIGURES = 12  # derived: significant digits that double precision gives a mode, with which a place is told
 LARGEST_GUESS = 1e100  # chosen: squares of σ are doubles, and so are those of ten thousand times as large ones
 UNKNOWN = Budget(math.inf, math.inf, math.inf, math.inf, math.inf)
@@ -191,7 +191,7 @@ def _simple(continuation: Continuation, root: Root, rtol: float, atol: float | N
     parts = budget(continuation.problem, coarse, coarse_value, fine, fine_value, scale)
     if math.isfinite(scale) and abs(sigma) <= EPSILON * scale:  # 0 to rounding, which digits of σ know nothing of
         parts = replace(parts, rounding=parts.rounding + abs(sigma))
-    size = max(abs(sigma), scale if math.isfinite(scale) else 0.0) or SMALLEST_DISTANCE  # at 0, where D is linear as far as is seen
+    size = max(abs(sigma), scale if math.isfinite(scale) else 0.0) or SMALLEST_DISTANCE  # a zero at 0 of a D that looks linear has none
     neutral = min(rtol, NEUTRAL) * scale if math.isfinite(scale) else 0.0
     allowed = neutral if atol is None else atol
     # next to a multiple zero the bound means nothing, but there is a circle that tells

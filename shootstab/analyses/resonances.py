@@ -13,9 +13,9 @@ from shootstab.roots.iterations import newton
 from shootstab.roots.search import find
 
 DEPTH = 0.2  # chosen: how far beyond the real z-axis singular points are followed, in the scale of the curve
-STRIDE = 0.3  # chosen: from one strip of the curve to the next, in the same scale
+STRIDE = 0.3  # chosen: the distance from one strip of the curve to the next, in the same scale
 ONE_ZERO = 1e-7  # chosen: zeros found on two branches nearer to each other than this part of a strip are one
-RESONANCE_STEP = 1e-10  # chosen, below ONE_ZERO of a strip: relative length of the last step to a zero of D itself
+RESONANCE_STEP = 1e-10  # chosen: relative length of the last step to a zero of D itself, below ONE_ZERO of a strip
 EDGE = 6  # chosen: points along a side of a strip
 
 

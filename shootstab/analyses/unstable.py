@@ -25,7 +25,7 @@ from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.method import AdaptiveDiscriminant, Method
 from shootstab.problems.protocol import Problem
 
-# chosen: of a half circle in Re σ > 0, nine directions in which the law of D at large |σ| is looked at
+# chosen: nine directions on a half circle in Re σ > 0 in which the law of D at large |σ| is looked at
 ANGLES = np.linspace(-0.5, 0.5, 9) * math.pi
 LAW = 0.05  # chosen: relative departure of q from its law that is allowed on every arc
 OUTWARDS = (1.0, 4.0, 16.0, 64.0)  # chosen: radii, in that of the bound, on which the law is checked

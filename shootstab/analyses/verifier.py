@@ -24,7 +24,7 @@ from shootstab.roots.iterations import Root, slope_change
 from shootstab.roots.search import Zero
 from shootstab.roots.separation import surroundings
 
-SMALLER_CIRCLE = 3.0  # chosen: from one circle to the next smaller one, where D cannot be continued over it
+SMALLER_CIRCLE = 3.0  # chosen: the radius of a circle over which D cannot be continued, over that of the next smaller one
 FIRST_CHANGE = 2.5  # chosen: change of ln D over the radius of the first circle around a claim, a few samples' worth
 MODES_TOLD_APART = 3  # chosen: modes in a circle that are told apart
 CLAIM_NEWTON_STEPS = 8  # chosen: quadratic convergence from two digits to all takes three or four
@@ -136,7 +136,7 @@ class Verifier:
         try:
             zeros = self._zeros(Disc(seen.claim, larger), None)
         except ConvergenceError:
-            return replace(seen, counted=self._near(seen))  # that is all that can be known
+            return replace(seen, counted=self._near(seen))  # no more can be known
         return (
             self.look_further(replace(seen, counted=larger))
             if len(zeros.modes) <= len(seen.zeros)
@@ -198,7 +198,7 @@ class Verifier:
     def _first_circle(self, claim: complex, radius: float, wide: float) -> float:
         if wide == radius:
             return radius
-        # between two zeros of a row ln D is flat, but beside the row it is as steep as they are dense
+        # ln D is flat between two zeros of a row, but beside the row it is as steep as they are dense
         places = (claim, claim + 1j * wide * (claim / abs(claim) if claim != 0.0 else 1.0))
         slope = max(abs(self.loose.at(s).discriminant.with_derivative(s).logarithmic_derivative) for s in places)
         return max(radius, min(wide, FIRST_CHANGE / slope))

@@ -39,7 +39,7 @@ from shootstab.discriminants.named import method_named
 from shootstab.problems.protocol import Problem
 from shootstab.roots.search import Zero
 
-SEARCH_SHARE = 0.5  # chosen: of all claims' time, that of a search for missing modes; the progress shown rests on it, and nothing else
+SEARCH_SHARE = 0.5  # chosen: the time of a search for missing modes over that of all claims; only the progress shown rests on it
 EXTRA_DIGITS = 2  # chosen: digits computed beyond those asked for
 CONFUSED_WITHIN = 3.0  # chosen: radii of the circle of the digits within which zeros are told apart together
 WIDER_THAN_CONFUSED = 2.0  # chosen: a circle around zeros that were confused, in the largest distance from their mean
@@ -249,7 +249,7 @@ def _together(zeros: Sequence[Zero]) -> Zero:
 def _unanswered(missing: Sequence[Mode], verdicts: Sequence[Verdict]) -> tuple[Mode, ...]:
     """The modes found missing, less as many as claims mean them: of several near ones a search may take another than is known."""
     out: list[Mode] = []
-    spent: dict[complex, int] = {}  # by the mode that claims mean, how many more of it have been given as missing
+    spent: dict[complex, int] = {}  # the number of missing modes given beside each mode that claims mean
     for mode in missing:
         own = [
             v

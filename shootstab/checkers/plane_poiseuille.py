@@ -43,7 +43,7 @@ from mpmath import iv, mp
 
 KEYS = {"format", "problem", "count", "region", "outer", "weight", "points", "bits", "order", "steps"}
 MOST_CHECKING = 10**6  # chosen: points × steps × order, minutes; certificates of a thousand digits take 10⁵
-MOST_BOUNDARY_STEPS = 4000  # chosen: along the boundary of all that grows; a step takes some 20 ms with 300 points
+MOST_BOUNDARY_STEPS = 4000  # chosen: steps along the boundary of all that grows; a step takes some 20 ms with 300 points
 DECIMAL = re.compile(r"-?\d{1,2000}(\.\d{1,2000})?(e-?\d{1,4})?")
 BEGIN = {"even": ((0, 2), 1), "odd": ((1, 3), 3)}  # the free states, and the power of k in the weight of their minor
 
@@ -256,7 +256,7 @@ class Checker:
     def exact(self, re: Fraction, im: Fraction = Fraction(0), off: int = 0) -> Ball:
         return Ball((re.numerator << self.P) // re.denominator, (im.numerator << self.P) // im.denominator, off + 2)
 
-    def up(self, x: Any) -> int:  # at least x of mpmath.iv in units of the last place
+    def up(self, x: Any) -> int:  # an integer ≥ x of mpmath.iv in units of the last place
         return int(_fraction(x.b) * (1 << self.P)) + 2
 
     def plus(self, a: Ball, b: Ball) -> Ball:
@@ -268,11 +268,11 @@ class Checker:
         return Ball((a.x * b.x - a.y * b.y) >> P, (a.x * b.y + a.y * b.x) >> P, r)
 
 
-def length(a: Ball) -> int:  # at least |a| in units of the last place
+def length(a: Ball) -> int:  # an integer ≥ |a| in units of the last place
     return abs(a.x) + abs(a.y) + a.r
 
 
-def _fraction(x: Any) -> Fraction:  # of mpmath.iv, with two equal ends
+def _fraction(x: Any) -> Fraction:  # the value of an mpmath.iv with two equal ends
     mantissa, exponent = mp.mpf(x).man_exp
     return Fraction(int(mantissa) * (-1 if x < 0 else 1)) * (Fraction(1 << exponent) if exponent >= 0 else Fraction(1, 1 << -exponent))
 

@@ -70,7 +70,7 @@ def _convention(options: Namespace) -> Convention:
     if options.kind == "phase-speed" and "alpha" not in given:
         own = wavenumber(scene_files.load(options.scene).problem)
         if own is not None:
-            given["alpha"] = own * given.get("length", 1.0)  # in the user's units
+            given["alpha"] = own * given.get("length", 1.0)  # α in the user's units
     return Convention(options.kind or "growth", options.sign, conjugate=options.conjugate, **given)
 
 
@@ -232,4 +232,4 @@ def _write_json(options: Namespace, document: dict[str, Any]) -> None:
         write_text(Path(options.json), text)
 
 
-answer, convention, look, rectangle = _answer, _convention, _look, _rectangle  # for commands that live in modules of their own
+answer, convention, look, rectangle = _answer, _convention, _look, _rectangle  # public for the commands that live in modules of their own

@@ -13,7 +13,7 @@ from shootstab.cli import values
 from shootstab.core.errors import InputError
 from shootstab.io.files import write_whole
 
-DOTS = 160  # chosen: per inch of a png
+DOTS = 160  # chosen: dots per inch of a png
 # a pdf holds TrueType fonts, in which text can be found and edited, an svg text in place of outlines
 LETTERS: dict[Any, Any] = {"pdf.fonttype": 42, "ps.fonttype": 42, "svg.fonttype": "none"}
 

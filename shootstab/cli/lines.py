@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 
 PAGE = 80  # chosen: columns that a table or a sentence may have
-GAP = 2  # chosen: between two columns
+GAP = 2  # chosen: blanks between two columns
 NUMERAL = r"\d[\d.]*(?:e[-+]?\d+)?"
 PYTHONIC = re.compile(rf"(?<![\w.])([-+]?{NUMERAL})([-+])({NUMERAL})j\b")
 WORD = re.compile(r"\S*\d [-+] \d\S*i\S*|\S+")  # a - bi is one word
-UNSEEN = 1e-12  # chosen: of the other part, a part of a complex number that is rounding
+UNSEEN = 1e-12  # chosen: a part of a complex number smaller than this times the other part is rounding
 
 
 def filled(text: str, hanging: str = "", width: int = PAGE) -> str:

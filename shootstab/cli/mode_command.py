@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from shootstab.analyses.sensitivity import Sensitivity
 
 MOST_MODE_DIGITS = 1000  # chosen: a mode of so many digits takes an hour
-SMALLEST_PLAIN, LARGEST_PLAIN = 1e-3, 1e5  # chosen: between them a number of three figures is shorter without an exponent
+SMALLEST_PLAIN, LARGEST_PLAIN = 1e-3, 1e5  # chosen: the range in which a number of three figures is shorter without an exponent
 
 
 def options(command: ArgumentParser) -> None:

@@ -69,7 +69,7 @@ def _tables(
     from shootstab.io.notation import held_complex
 
     parts = [f"{name.replace('_', ' ')} {float(value):.0e}" for name, value in found.budget.as_dict().items()]
-    least = 10.0 ** -(asked + tables.MORE_DIGITS)  # of each unknown's largest value: no more digits are shown
+    least = 10.0 ** -(asked + tables.MORE_DIGITS)  # the least part of each unknown's largest value that is shown
     wider = max(1.0, least / found.error) if found.error > 0.0 else 1.0
     about = {
         tables.in_symbol("σ", scene): held_complex(found.mode.sigma, max(found.mode.error, float(abs(found.mode.sigma)) * least)),

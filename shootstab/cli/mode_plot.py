@@ -16,8 +16,8 @@ REAL_PART, IMAGINARY_PART = "#0072B2", "#D55E00"  # Okabe and Ito's, told apart 
 BELOW_ROUNDING = 1e-12  # chosen: an unknown below this part of the largest value of all is shown as zero: that is rounding
 PANEL_WIDTH, PANEL_HEIGHT, PANEL_MARGIN = 2.0, 4.2, 0.9  # chosen: inches of a panel, and of what is beside all of them
 GREEK = {"nu": r"\nu", "theta": r"\theta", "phi": r"\phi", "psi": r"\psi", "eta": r"\eta", "omega": r"\omega"}
-VARIATION_LEFT = 0.05  # chosen: of the variation of an unknown, what may lie on either side of a layer
-SMALL_PART = 0.05  # chosen: of the heights, a layer that is too thin to be seen among them
+VARIATION_LEFT = 0.05  # chosen: the part of an unknown's variation that may lie on either side of a layer
+SMALL_PART = 0.05  # chosen: a layer thinner than this part of the heights is not seen among them
 TICKS = 3  # chosen: numbers on the axis of a narrow panel
 
 

@@ -37,7 +37,7 @@ PLOTLY_MARKS = {"o": "circle", "^": "triangle-up", "x": "x-thin", "+": "cross-th
 MARK_SIZE = 10  # chosen: size of a mark, in pixels
 THIN = ("x-thin", "cross-thin")  # marks that are lines, which plotly draws in the colour of the line alone
 GREY_LINE = "#7d7d7d"  # readable on white and on black
-LEGEND = {"orientation": "h", "y": -0.25}  # chosen: below the numbers and the name of the axis, also on a phone
+LEGEND = {"orientation": "h", "y": -0.25}  # chosen: a place below the numbers and the name of the axis, also on a phone
 UNBROKEN = re.compile(r"\d\.\d+e[-+]\d+")  # a browser breaks lines at a hyphen
 CONFIGURATION = {"responsive": True, "displaylogo": False, "scrollZoom": True}
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 CONTINUUM_POINTS = 2000  # chosen: points of a line of the continuous spectrum, finer than a pixel
 SECOND_PANEL = 5.0  # chosen: what reaches this many times further than the magnified part is worth a second panel
-LEAST_MAGNIFIED = 2  # chosen: so many modes at least are to be seen in the magnified panel
+LEAST_MAGNIFIED = 2  # chosen: the number of modes nearest to the tip that the magnified panel always shows
 LINEAR_UP_TO = 2.0  # chosen: times the linear part, what reaches no further needs no decades
 ROOM = 0.08  # chosen: the part of an axis that is left free at its ends
 LETTERS_PER_INCH = 12  # chosen: letters of a title in a font of medium size

@@ -8,7 +8,7 @@ from shootstab.core.records import CONFIRMED, CONTINUUM, VERDICTS, Report, Verdi
 
 VerdictRow = tuple[int, Verdict]
 
-# by name: the key that rows are sorted by
+# the keys that rows are sorted by, by name
 ORDERS: Mapping[str, Callable[[VerdictRow], float]] = {
     "growth": lambda row: -row[1].claimed.real,
     "size": lambda row: abs(row[1].claimed),

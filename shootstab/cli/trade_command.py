@@ -33,7 +33,7 @@ STYLES = {
     "riccati": ("#56B4E9", "v", "-"),
     "taylor series": ("#CC79A7", "*", "-"),
 }
-OTHER_STYLE = ("#000000", "x", "--")  # of a method that is not named here
+OTHER_STYLE = ("#000000", "x", "--")  # the style of a method that is not named here
 
 
 def options(parser: argparse.ArgumentParser, guess: Callable[[str], complex], plot_path: Callable[[str], Path]) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 
 from shootstab.core.regions import Region
 
-CUTS = (0.5, 0.47, 0.55, 0.41, 0.62, 0.36)  # chosen: where a region is cut, as a fraction of its length; the next where one will not do
+CUTS = (0.5, 0.47, 0.55, 0.41, 0.62, 0.36)  # chosen: places of a cut, as fractions of the region's length; the next where one will not do
 TIPS = (
     0.2,
     0.8,

@@ -13,7 +13,7 @@ from shootstab.core.errors import InputError, shortened
 
 LARGEST_NUMBER = 1e300  # chosen: whatever is not below it, NaN too, is no number of physics
 
-Tables = Mapping[str, Any]  # of a scene file, by name
+Tables = Mapping[str, Any]  # the tables of a scene file, by name
 
 
 @dataclass(frozen=True)

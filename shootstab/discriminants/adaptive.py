@@ -24,7 +24,7 @@ CIRCLE_POINTS = 4  # chosen: points of a circle at which its mesh must hold: tho
 MOST_MESHES = 64  # chosen: kept at a time; those that were asked for longest ago are made again if they are needed
 
 
-MeshKey = Cell | None | complex  # of a mesh: the cell that it serves, what a path is meant for, or a σ of its own
+MeshKey = Cell | None | complex  # the key of a mesh: the cell that it serves, what a path is meant for, or a σ of its own
 
 
 class SubsystemMeshes:

@@ -11,7 +11,7 @@ from shootstab.core.errors import InputError
 from shootstab.discriminants.deformed_path import DeformedPath
 from shootstab.problems.protocol import ComplexArray, Problem
 
-PANELS, GAUSS_POINTS = 6, 12  # chosen: of Gauss's rule on each leg; features a tenth as wide as the path are integrated to 1e−9
+PANELS, GAUSS_POINTS = 6, 12  # chosen: Gauss's rule on each leg; features a tenth as wide as the path are integrated to 1e−9
 CLOSED = 1e-5  # chosen: what the integral around the detour may be, in ∫|f||dz|; a coefficient that is not analytic misses by tenths
 
 

@@ -35,8 +35,8 @@ from shootstab.kernels.tableau import B as RK_B
 from shootstab.kernels.tableau import C as ABSCISSAE
 from shootstab.problems.protocol import ComplexArray, Problem
 
-# of a solution, what may lie outside the decaying space that is begun farther out: half the digits of a double less two
-ALIGNED = 1e-6  # chosen, as said above
+# the part of a solution that may lie outside the decaying space begun farther out: half the digits of a double less two
+ALIGNED = 1e-6  # chosen
 FEWEST = 8  # chosen: steps on the way out that are tried first
 NEWTON_STEPS = 3  # derived: Newton's steps from a mode that is right to half its digits to one that is right to rounding, with one to spare
 
@@ -148,7 +148,7 @@ def solution(shooting: Shooting, sigma: complex) -> Solution:
     B = value(problem.wall_rows(), sigma)
     # rows in the sizes that components have anywhere: those of B Q may vanish at a mode, and so may components at the wall
     rows = np.abs(B) @ np.max(np.abs(Q), axis=(0, 2))
-    rows[rows == 0.0] = 1.0  # of a row with σ in it that vanishes at the mode
+    rows[rows == 0.0] = 1.0  # a row with σ in it may vanish at the mode
     U, _, Vh = np.linalg.svd(B @ Q[-1] / rows[:, None])
     wall = U[:, -1].conj() / rows
     phi, chi, coefficients = _substituted(M, Q, R, Vh[-1].conj(), wall @ B)

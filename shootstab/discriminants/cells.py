@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 OCTAVE = 1.0371  # chosen: the cells of level 0 end at |σ| = OCTAVE·2^i, numbers that no mode is likely to be
 SECTOR = math.radians(40.0)  # chosen: sector 0 holds the positive real axis in its middle, and no sector has ±i in its own
-CELL_PARTS = 9  # chosen: along |σ| and along arg σ; odd, so that the middle of a cell is the middle of one of its parts
+CELL_PARTS = 9  # chosen: parts of a cell along |σ| and along arg σ; odd, so that the middle of a cell is the middle of one of its parts
 SMALLEST_POWER = -80  # chosen: |σ| below 2^−80 counts as so large: σ = 0 lies in a cell too
 LARGEST_POWER = 1000  # chosen: |σ| above 2^1000 counts as so large, so that the σ of its cell is a double
 

@@ -17,7 +17,7 @@ from shootstab.essential_spectrum.interior import continuum_of
 from shootstab.problems.protocol import Problem
 
 NEAR_AXIS = 0.35  # chosen: singular points nearer to the real axis than this, in the scale of the curve, are passed in the complex plane
-HEIGHT, HALF_WIDTH = 0.55, 0.7  # chosen: of a path, in the same scale
+HEIGHT, HALF_WIDTH = 0.55, 0.7  # chosen: height and half width of a path, in the same scale
 DISC_REACH = 0.3  # chosen: the singular points of a disc must stay within this part of the scale around the path's centre
 SCALES = math.sqrt(2.0)  # chosen: ratio of the scales that paths have
 REAL = "real"
@@ -144,7 +144,7 @@ class Continuation:
         centre = min(max(low + spacing * round((z - low) / spacing), low), high)
         path = DeformedPath(centre, HALF_WIDTH * scale, -side * HEIGHT * scale)
         if path not in self._deformed:
-            inside = min(max(centre, low + 0.5 * spacing), high - 0.5 * spacing)  # at an end no path leads around the singular point
+            inside = min(max(centre, low + 0.5 * spacing), high - 0.5 * spacing)  # no path leads around a singular point at an end
             self._deformed[path] = self.method.on(self.problem, path, self.continuum.at(inside))
         return self._deformed[path], str(path)
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shootstab.kernels.step_control import factor
 
 OFF_MIDDLE = 0.02  # chosen: the part of a step by which a cut misses its middle: other roundings, and an error of the same size
-LONGER, STEP_CUTS = 4.0, 6  # chosen: by what a step grows at most, and into how many it falls, as the law of errors holds near only
+LONGER, STEP_CUTS = 4.0, 6  # chosen: the most that a step grows, and the most parts it is cut into, as the law of errors holds near only
 KNOT_STEP = 1e-14  # chosen: the part of the largest |z| that a step over a knot may be long; tens of roundings
 
 
@@ -60,7 +60,7 @@ def halved(nodes: NDArray[np.complex128], seed: int | None = None) -> NDArray[np
     out = np.empty(2 * len(nodes) - 1, dtype=np.complex128)
     out[::2] = nodes
     out[1::2] = nodes[:-1] + cuts * (nodes[1:] - nodes[:-1])
-    return np.asarray(out[np.append(True, out[1:] != out[:-1])])  # between neighbouring numbers there is no other
+    return np.asarray(out[np.append(True, out[1:] != out[:-1])])  # two neighbouring numbers have no middle
 
 
 def across_knots(nodes: NDArray[np.complex128]) -> NDArray[np.bool_]:

@@ -20,8 +20,8 @@ from shootstab.problems.capabilities import KNOTS
 from shootstab.problems.knots import find_knots, pair, with_pairs
 from shootstab.problems.protocol import ComplexArray, Problem
 
-# bytes of a sampled system: with the halved mesh (2), its other cuts (2) and another base flow (1) 1 GiB in all
-MOST_BYTES = 2**30 // 6  # derived, as said above
+# the bytes of a sampled system: with the halved mesh (2), its other cuts (2) and another base flow (1) 1 GiB in all
+MOST_BYTES = 2**30 // 6  # derived
 MESH_ATTEMPTS = 30  # chosen: attempts at a mesh
 REDISTRIBUTIONS = 3  # chosen: the attempts among them that move every node
 SAME_PLACE = 1e-9  # chosen: nodes nearer to each other than this part of the path are one
@@ -31,7 +31,7 @@ RESOLVED_ERROR = 1e-3  # chosen: local errors below this fall with the step, unl
 NOISY_ORDER = 3  # chosen: errors of parts of a step that fall with a lower power of it all over the step tell of noise
 KNOT_ORDER = ORDER // 2  # derived: errors of a part of a step that fall with a lower power of it tell of a knot in it
 CLOSER_LOOKS = 4  # chosen: steps that are looked at before the mesh is cut again
-NOISY_STEPS = 16  # chosen: so many such steps are no accident
+NOISY_STEPS = 16  # chosen: the number of such steps that is no accident
 NOISE_SAFETY = 4.0  # chosen: times the largest error seen that does not fall, what noise is taken to be: others are larger by chance
 LOUDEST_NOISE = 1e-6  # chosen: a noise below which D is still worth computing; the bounds on zeros measure what it does to them
 

@@ -19,7 +19,7 @@ from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
 
 LEAST_RTOL = 4 * float(np.finfo(float).eps)  # derived: a step rounds by ε, and a smaller error of it cannot be seen
 DEFAULT_RTOL = 1e-11  # chosen: a mode then has some ten digits, and rounding counts for nothing yet
-LARGEST_RTOL = 0.1  # chosen: with larger local errors a step says nothing
+LARGEST_RTOL = 0.1  # chosen: the largest local error with which a step says anything
 
 Meshes = Mapping[Cell | None, tuple[ComplexArray, ...]]  # nodes by cell, of every subsystem; None is the cell around a path's centre
 

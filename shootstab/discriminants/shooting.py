@@ -18,9 +18,9 @@ from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
 
 KEPT = 8  # chosen: evaluations: those of a circle that was asked whether its mesh serves it are asked for again
 FAR_SHARE = 1e-3  # chosen: the error that the far frame may have, in the tolerance on local errors: no step shall wait for it
-FAR_FINEST = 1e-14  # chosen: where a far field costs little, it is this good for any tolerance
-MESH_SLACK = 4.0  # chosen: by which local errors may miss their tolerance at another σ than the one that the mesh was made for
-FAR_SLACK = 10.0  # chosen: by which a far frame may miss its tolerance at a σ next to the one that the mesh was made for
+FAR_FINEST = 1e-14  # chosen: the error of a far field that costs little, whatever the tolerance
+MESH_SLACK = 4.0  # chosen: factor by which local errors may miss their tolerance at another σ than the one that the mesh was made for
+FAR_SLACK = 10.0  # chosen: factor by which a far frame may miss its tolerance at a σ next to the one that the mesh was made for
 
 
 def far_tolerance(rtol: float) -> float:

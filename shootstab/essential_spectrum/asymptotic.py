@@ -15,8 +15,8 @@ from shootstab.problems.splitting import AsymptoticPencil
 PER_DECADE = 40  # chosen: neighbouring σ ~ ℓ^p differ by p·6 %
 RATE_DECADES = 5  # chosen: decades of ℓ on either side of the rates' own size
 TRUE = 1e-6  # chosen: relative residual in ℓ; an infinite σ comes out as a large finite one, with none of the rates asked for
-# of their size, how far apart σ of neighbouring ℓ lie at most on one curve; 5 times what σ ~ ℓ^p makes of it, p ≤ 4
-NEIGHBOURS_APART = 0.3  # chosen, as said above
+# the largest distance, in their size, of σ of neighbouring ℓ on one curve; 5 times what σ ~ ℓ^p makes of it, p ≤ 4
+NEIGHBOURS_APART = 0.3  # chosen
 
 
 def essential_curve(limit: AsymptoticPencil) -> Curve:

@@ -13,7 +13,7 @@ from shootstab.core.regions import Region, size
 from shootstab.problems.protocol import ComplexArray
 
 NEAR_SEGMENT = 0.5  # chosen: a σ nearer to a segment than this part of its length asks the curve itself and not the segment
-NEAREST_STEPS = 12  # chosen: at most, of Gauss–Newton towards the nearest point of the curve; on the curve each gains several digits
+NEAREST_STEPS = 12  # chosen: the most steps of Gauss–Newton towards the nearest point of the curve; on it each gains several digits
 SIGMA_ROUNDING = 1e-14  # chosen: part of |σ| and of the curve's scale; eigenvalues of a small pencil err by some 10 units of rounding
 EIGHTHS = np.arange(8) / 8.0  # derived: an arc of a circle up to this long is nowhere farther from its middle than at its ends
 SAGITTA = 0.9  # chosen: the curve lies no farther from a segment than a tenth of its length; 1 percent where σ ~ ℓ^p

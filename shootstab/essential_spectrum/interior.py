@@ -14,7 +14,7 @@ from shootstab.problems.capabilities import INTERIOR, Continuum
 from shootstab.problems.protocol import ComplexArray, Problem
 
 CURVE_SAMPLES = 2001  # chosen: samples of the curve; its scale and slope are differences of them
-CURVE_NEWTON_STEPS = 30  # chosen: at most; each is held to half the curve's scale
+CURVE_NEWTON_STEPS = 30  # chosen: the most steps of Newton; each is held to half the curve's scale
 
 
 @dataclass(frozen=True, eq=False)

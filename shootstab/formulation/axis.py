@@ -13,13 +13,13 @@ from shootstab.formulation.regular_singular import COMPLEX_GENERIC_SIGMA, MOST_T
 from shootstab.problems.protocol import ComplexArray, FarFrame
 
 FARTHEST_START = 0.25  # chosen: an integration begins so far out at most, in lengths of the domain
-NEAREST_START = 1e-6  # chosen: and so far from the axis at least, in the same length
+NEAREST_START = 1e-6  # chosen: an integration begins at least so far from the axis, in the same length
 START_ROUNDING = 4e-15  # chosen, some twenty units of rounding: relative error of the frame at the start, for these σ
 # σ of no property, at which the series is looked at
 AXIS_SIGMAS = (COMPLEX_GENERIC_SIGMA, -COMPLEX_GENERIC_SIGMA, 1j * COMPLEX_GENERIC_SIGMA)  # derived from the one
 WORST_START = 1e-11  # chosen: relative error of a frame beyond which nothing is begun; what is below counts in the budget
 LAST_TERM = 1e-19  # chosen: the series ends where its terms are so small against the first ones
-TERM_ROUNDING = 4e-16  # chosen, two units of rounding: of one term of the series
+TERM_ROUNDING = 4e-16  # chosen: the relative rounding of one term of the series, two units
 
 
 @dataclass(frozen=True, eq=False)

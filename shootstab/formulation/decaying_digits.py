@@ -33,9 +33,9 @@ from shootstab.multiprecision.settings import Settings, step_limit
 from shootstab.multiprecision.taylor import Taylor, real_series
 from shootstab.problems.ends import INFINITIES
 
-SMALLEST_SPLITTING = 1e-9  # chosen: of the exponents, between those that decay and the others: below, σ is on the essential spectrum
-PIVOT_PREFERENCE = 0.25  # chosen: of the largest entry, from which on the first row is taken, so that roundings decide nothing
-PLACE_BITS = 20  # chosen: of the fraction of a place
+SMALLEST_SPLITTING = 1e-9  # chosen: the least gap between decaying exponents and the others; below it σ is on the essential spectrum
+PIVOT_PREFERENCE = 0.25  # chosen: the first row above this part of the largest entry is taken, so that roundings decide nothing
+PLACE_BITS = 20  # chosen: a place has a fraction of so many bits
 SEED_DIGITS = 10  # chosen: digits of X in double precision that the number of Newton steps rests on
 
 
@@ -58,7 +58,7 @@ class DecayingSpaceInDigits:
         self._parts = [self._series(part) for part in (end.C, end.D)]
         self._terms = 1 if end.constant else settings.far_terms
         self._pivots: list[int] = []
-        self._known: tuple[Any, Solutions] | None = None  # at the σ of begin
+        self._known: tuple[Any, Solutions] | None = None  # the σ of begin and the solutions there
         self.place = target
 
     def begin(self, sigma: Any) -> None:

@@ -26,7 +26,7 @@ from shootstab.multiprecision.linear_step import TaylorEntries
 from shootstab.multiprecision.settings import Settings
 from shootstab.multiprecision.taylor import Taylor, real_series
 
-Shown = Mapping[str, tuple[Mapping[int, Expression], Expression]]  # of each unknown by name r_j and −p, see stated_unknowns.py
+Shown = Mapping[str, tuple[Mapping[int, Expression], Expression]]  # r_j and −p of each unknown by name, see stated_unknowns.py
 
 
 class EquationDigits:

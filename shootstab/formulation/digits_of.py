@@ -84,7 +84,7 @@ def _in_layers(
     n, places = system.size, [Fraction(Gaussian.of(joint.at).re) for joint in statement.joints]
     systems = [system, *(layer.states for layer in layers[1:])]
     subdomains, arrivals, first = [], [], 0
-    own: list[tuple[int, int]] = []  # of each layer, its first component where it meets the layer before and the one behind
+    own: list[tuple[int, int]] = []  # the first component of each layer where it meets the layer before and the one behind
     for j, layer in enumerate(systems):
         side = -1 if j == 0 else 1
         outer = j in (0, len(systems) - 1)

@@ -12,7 +12,7 @@ from shootstab.formulation.expression import Expression
 from shootstab.formulation.vanishing import Vanishing
 
 LINE_SAMPLES = 801  # chosen: points of the domain at which a function is looked at; a zero in between of a hundredth of the domain is seen
-FAR_SAMPLE = 1e3  # chosen: where samples end towards infinity
+FAR_SAMPLE = 1e3  # chosen: the z at which samples towards infinity end
 FINITE = 4.0  # chosen: length that stands for an infinite one where a function is tested for being zero
 ZERO_TOLERANCE = 1e-9  # chosen: what is no larger than this, against the largest value, is a zero
 

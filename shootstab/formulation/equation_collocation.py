@@ -31,7 +31,7 @@ from shootstab.formulation.system import EquationRow, coefficients, degree
 from shootstab.spectral import chebyshev, qz
 from shootstab.spectral.qz import DenseMatrix, Spectrum
 
-SMALLEST_TRUNCATION = 6  # chosen: below, the tail of a series is the series
+SMALLEST_TRUNCATION = 6  # chosen: the least order; below it the tail of a series is the whole series
 MINUS_INFINITY = -1000.0  # chosen: stands for −∞ in S
 BALANCES = 2  # chosen: rounds in which rows and columns are scaled to size one
 

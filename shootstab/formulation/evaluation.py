@@ -17,7 +17,7 @@ from shootstab.formulation.gaussian import Gaussian
 from shootstab.problems.protocol import ComplexArray
 
 LARGEST_ARGUMENT = 4096  # chosen: binary digits before the point of a function's argument; doubles end at 1024
-Given = Mapping[str, Callable[[Any, int], Any]]  # by name, (z, order) ↦ a function's derivative of that order at z
+Given = Mapping[str, Callable[[Any, int], Any]]  # functions by name, each (z, order) ↦ its derivative of that order at z
 
 
 class Evaluator:

@@ -117,7 +117,7 @@ def _common(ratios: Iterable[Fraction]) -> Fraction:
 def _in_x(atom: Atom, slope: Expression, power: Fraction) -> Expression:
     """The function as a rational one of x, where e^{a z} is x^power."""
     b: Expression = atom.argument - slope * Z
-    outwards = 1 if power > 0 else -1  # of x^{|power|}, which goes to zero with x, the sign in the argument
+    outwards = 1 if power > 0 else -1  # the sign in the argument that makes x^{|power|} go to zero with x
     E = function("exp", b * number(outwards)) * Z ** int(abs(power)) if abs(power).denominator == 1 else None
     if atom.name == "tanh":
         Y = function("exp", b * number(2 * outwards)) * Z ** int(2 * abs(power))

@@ -234,7 +234,7 @@ def assembled(
     else:
         interfaces = between(statement.joints, [layer.first_order for layer in layers], domain.given)
         reduction = reduce_to_two_points(matrices, made[0], made[1], interfaces, fold, reference)
-    # in layers, of which each finds the unknowns that were removed in its own way, those that are states
+    # layers find unknowns that were removed each in its own way, so only those that are states are shown across layers
     shown_unknowns = [name for name in statement.names.unknowns if not statement.joints or (name, 0) in first.states]
     return EquationProblem(
         matrices,

@@ -38,7 +38,7 @@ MOST_ORDERS = 60  # chosen: orders between the smallest and the largest exponent
 SIGMA_SAMPLES = 16  # chosen: values of σ on a circle by which a basis is shown to be a polynomial in it
 RADII = (0.7, 19.0)  # chosen: radii of two circles in σ, far apart, on which that is shown
 MOST_TERMS = 80  # chosen: the series has so many terms at most
-FIRST_TERMS = 12  # chosen: so many terms of the coefficients tell the length
+FIRST_TERMS = 12  # chosen: the number of terms of the coefficients that tells the length
 COMPLEX_GENERIC_SIGMA = GENERIC_SIGMA * (1 + 0.37j)  # chosen: a complex σ of no property
 
 ScaledPencil = tuple[Powers, Powers]  # Ĉ and D̂

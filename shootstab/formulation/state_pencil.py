@@ -10,8 +10,8 @@ from shootstab.formulation.expression import Expression
 from shootstab.formulation.first_order import ExpressionEntries, FirstOrder
 from shootstab.formulation.system import EquationRow, coefficients, degree
 
-Condition = dict[int, Expression]  # of the states by their number, polynomials in σ
-Powers = tuple[ExpressionEntries, ...]  # of σ⁰, σ¹, …, by their non-zero entries
+Condition = dict[int, Expression]  # the coefficients of states by their number, polynomials in σ
+Powers = tuple[ExpressionEntries, ...]  # the matrices of σ⁰, σ¹, …, by their non-zero entries
 
 
 @dataclass(frozen=True, eq=False)

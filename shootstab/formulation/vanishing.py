@@ -18,7 +18,7 @@ from shootstab.formulation.expression import Expression
 EVALUATED = 60  # chosen: digits of the evaluation
 AGREEING = 40  # chosen: digits of it that agree where it vanishes
 CLOSE_IN_DOUBLES = 1e-13  # chosen: the same where a function is given in doubles
-PLACES = (0.3819660113 + 0.0618033989j, 0.7071067812 - 0.0440220341j)  # chosen: along the domain and beside it, in its lengths
+PLACES = (0.3819660113 + 0.0618033989j, 0.7071067812 - 0.0440220341j)  # chosen: points along the domain and beside it, in its lengths
 SIGMAS = (0.6180339887 + 0.4142135624j, -0.5772156649 + 0.2718281828j)  # chosen: one σ of no property for each of them
 # kinds of factors that are independent of each other
 SIMPLE = ("variable", "eigenvalue", "constant", "parameter", "jet")

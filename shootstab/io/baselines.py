@@ -31,7 +31,7 @@ from shootstab.io.readers import INFINITE
 
 WHAT = "a baseline as `shootstab baseline record` writes it"
 LARGEST_BASELINE = 2**17  # chosen: bytes of a file
-MOST_MODES = 1000  # chosen: in a file
+MOST_MODES = 1000  # chosen: the most modes in a file
 MOST_DIGITS = 12  # chosen: what double precision proves
 GUARD = 2  # chosen: digits written beyond those that are compared, so that rounding of the text decides nothing
 HEAD = "# shootstab baseline: the digits of these modes are proved; `shootstab baseline check` compares\n"

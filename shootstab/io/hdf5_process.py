@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-SECONDS = 20.0  # chosen: of waiting; 64 MB of sound file take one
+SECONDS = 20.0  # chosen: seconds to wait; 64 MB of sound file take one
 REFUSED = 3  # chosen: the exit status with a sentence on standard output
 
 

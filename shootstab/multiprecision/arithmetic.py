@@ -11,7 +11,7 @@ from contextlib import AbstractContextManager
 from fractions import Fraction
 from typing import Any, Protocol
 
-Matrix = list[list[Any]]  # of numbers
+Matrix = list[list[Any]]  # a matrix of numbers, by rows
 Payloads = Sequence[Sequence[tuple[Any, Any]]]  # a matrix of series, each as its real and its imaginary part, None for zero
 TAIL_TERMS = 4  # chosen: last terms of a series that show where it holds
 

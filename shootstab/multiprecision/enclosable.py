@@ -21,7 +21,7 @@ class Enclosable(Protocol):
     the conditions at the second end; both are analytic in σ, which may be thick.
     """
 
-    lemmas: tuple[str, ...]  # of the guide's page on proofs, those that this formulation relies on beside the common ones
+    lemmas: tuple[str, ...]  # lemmas of the guide's page on proofs that this formulation relies on beside the common ones
 
     @property
     def size(self) -> int:

@@ -15,7 +15,7 @@ from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
 from shootstab.multiprecision.linear_step import TaylorEntries
 from shootstab.multiprecision.settings import Settings
 
-UnknownRows = Mapping[str, Mapping[int, Any]]  # of each unknown by name, its factors of components of ψ: series, or numbers
+UnknownRows = Mapping[str, Mapping[int, Any]]  # the factors of each unknown by name on components of ψ: series, or numbers
 BaseFlowNumbers = tuple[Any, ...]  # what a base flow had to be solved for, as mpmath numbers; empty if nothing
 
 

@@ -15,7 +15,7 @@ import mpmath
 
 from shootstab.core.errors import ConvergenceError
 
-SECANT_STEPS = 10  # chosen: at most; each multiplies the digits by 1.6 or more, and the next precision asks for 2.7 times those it has
+SECANT_STEPS = 10  # chosen: most secants; each multiplies the digits by 1.6 or more, and the next precision has 2.7 times as many
 Values = tuple[Any, ...]  # F and, if wanted, more functions of x: mpmath numbers
 
 

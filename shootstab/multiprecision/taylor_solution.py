@@ -25,7 +25,7 @@ from shootstab.multiprecision.taylor import Taylor
 from shootstab.multiprecision.taylor_shooting import TaylorShooting
 
 Numbers = list[Any]  # numbers of the arithmetic
-OUTSIDE_DIGITS = 1e-15  # chosen: of the length of the domain, by which a z may miss an end that is known as a double
+OUTSIDE_DIGITS = 1e-15  # chosen: part of the domain by which a z may miss an end that is known as a double
 
 
 @dataclass(frozen=True, eq=False)

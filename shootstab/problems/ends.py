@@ -15,7 +15,7 @@ from shootstab.core import polynomial
 from shootstab.core.errors import InputError
 from shootstab.problems.protocol import GENERIC_SIGMA, ComplexArray
 
-WALLS = {-1: "left", 1: "right"}  # by side, for sentences
+WALLS = {-1: "left", 1: "right"}  # words for the sides
 INFINITIES = {-1: "-infinity", 1: "+infinity"}
 
 

@@ -33,12 +33,12 @@ from shootstab.problems.splitting import AsymptoticPencil, SpectralSplitting
 CIRCLE_SAMPLES = 32  # chosen: samples of f on the circle, from which the series is found
 KEPT_TERMS = 24  # chosen: kept of the series; a cell's corner is 2.8 times nearer than the circle, and 2.8^-24 is 2e-11
 SAMPLE_RADIUS = 2.0  # chosen: radius of the circle of samples, in sides of the cell
-WALK = 1.05  # chosen: from an anchor to a place in a neighbouring cell, in the same unit
+WALK = 1.05  # chosen: the way from an anchor to a place in a neighbouring cell, in the same unit
 SERIES_TAIL = 1e-7  # chosen: the last terms of the series of f on the circle; in the cell they are smaller by 2.8^24
 MOST_HALVINGS = 60  # chosen: halvings of the side, more than a double has bits
 MOST_CELLS = 600  # chosen: cells looked at for one path, some seconds
 PER_DOUBLING = 3.0  # chosen: steps that a change of the cell's size counts for in the search of a path
-EIGHT_DIRECTIONS = np.exp(0.25j * np.pi * np.arange(8)).tolist()  # chosen: in which a path around a branch point is looked for
+EIGHT_DIRECTIONS = np.exp(0.25j * np.pi * np.arange(8)).tolist()  # chosen: directions of a path around a branch point
 
 CellKey = tuple[int, int, int]  # ln2 of the side, and the place of the anchor from σ0 in sides
 

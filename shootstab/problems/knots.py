@@ -24,20 +24,20 @@ from shootstab.problems.protocol import ComplexArray
 Reals = NDArray[np.float64]
 CoefficientFunction = Callable[[Reals], ComplexArray]  # z (m,) to values (m, entries)
 
-KNOT_POINTS, KNOT_DEGREE = 12, 7  # chosen: of an interval; the residual of smooth coefficients falls by 2^8 from an interval to its half
+KNOT_POINTS, KNOT_DEGREE = 12, 7  # chosen: a fit on an interval; from it to its half the residual of smooth coefficients falls by 2^8
 FIRST_INTERVALS = 65  # chosen: intervals to begin with, in all; narrower features than a twelfth of one may be overlooked
-INTERVAL_CUT = 0.48773  # chosen: where an interval is cut, in its length; a knot at 1/2 or 1/3 is to lie inside one and not between two
+INTERVAL_CUT = 0.48773  # chosen: place of a cut in an interval's length; a knot at 1/2 or 1/3 is to lie inside one and not between two
 RESIDUAL_RESOLVED = 1e-14  # chosen: residual of a coefficient in its own size, below which it is smooth to rounding
 # chosen: a residual that falls by less from an interval to its quarter is that of a knot: it does by 4^p for a jump of the p-th derivative
 KNOT_FALL = 2.0**10
 POWER_FALL = 2.0**4.5  # chosen: likewise beside a knot, where nothing is left that jumps: there z^p of a power that is no integer
 LAYER_FALL = 1.1  # chosen: one that falls by less does not: there is a layer, wider than the lengths that were tried
-FALLS_ALIKE = 2.0  # chosen: by which they may differ if they are those of a power
+FALLS_ALIKE = 2.0  # chosen: factor by which they may differ if they are those of a power
 NOISE_RESIDUAL = 1e-9  # chosen: residuals that stay in all parts are noise below it
 NOISE_GENERATIONS = 4  # chosen: generations after which all 2^NOISE_GENERATIONS parts of an interval are not resolved, for that
 LARGEST_ROUNDINGS = 4.0  # chosen: roundings of a coefficient's largest value, which its residuals are to exceed: 1 − tanh² rounds as 1 does
 NOISE_INTERVAL = 1e-6  # chosen: the part of an interval in which coefficients vary by their noise alone
-NOISE_FACTOR = 8.0  # chosen: by how much noise may exceed what is seen there
+NOISE_FACTOR = 8.0  # chosen: factor by which noise may exceed what is seen there
 KNOT_HAIR = 2.0  # chosen: roundings of z between a knot and the node on either side of it
 ARGUMENT_ROUNDINGS = 8.0  # chosen: roundings of z that a coefficient feels where it is steep
 NARROW_INTERVAL = 256  # chosen: such hairs in an interval that is too narrow to be cut into intervals

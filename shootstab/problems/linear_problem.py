@@ -240,17 +240,17 @@ class LinearProblem:
 
     @property
     def multiprecision(self) -> Any:
-        """That of the problem in equations, if there is one."""
+        """The problem to many digits, where this one was posed in equations; otherwise None."""
         return None if self._in_equations is None else MULTIPRECISION.of(self._in_equations)
 
     @property
     def enclosable(self) -> Any:
-        """That of the problem in equations, if there is one."""
+        """The problem in balls, where this one was posed in equations; otherwise None."""
         return None if self._in_equations is None else ENCLOSABLE.of(self._in_equations)
 
     @property
     def varied(self) -> Any:
-        """That of the problem in equations, if there is one."""
+        """The problem in balls with a parameter left open, where this one was posed in equations; otherwise None."""
         return None if self._in_equations is None else VARIED.of(self._in_equations)
 
     @property

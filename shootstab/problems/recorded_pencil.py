@@ -19,7 +19,7 @@ from shootstab.core.straight_line import Program, Recorded, Recorder, program
 from shootstab.problems.protocol import ComplexArray
 
 Entries = dict[tuple[int, int], Any]
-EliminationRow = dict[tuple[int, int], Any]  # of an elimination: by (side, column)
+EliminationRow = dict[tuple[int, int], Any]  # the entries of a row under elimination by (side, column)
 I_POWERS = np.array([1, 1j])  # exact: the powers of i by which states and equations are turned so that a system may be real
 
 
@@ -59,7 +59,7 @@ class RecordedPencil:
     size: int
     fields: Callable[[ComplexArray], NDArray[np.inexact]]
     parameters: NDArray[np.float64]
-    count: int  # of the fields
+    count: int  # the number of fields
     selection: Selection | None = None
 
     def selected(self, selection: Selection) -> RecordedPencil:

@@ -30,7 +30,7 @@ TRACE_NOISE = 1e-9  # chosen: relative, what is told from 0 or from another numb
 CURVE_PROBES = 65  # chosen: points of a subdomain at which the pencil is asked for curves
 DIFFERENCE_STEP = 1e-5  # chosen: step, in the subdomain, by which derivatives along and across the real axis are compared
 ANALYTIC_TOLERANCE = 1e-4  # chosen: relative; differences err by DIFFERENCE_STEP² and by rounding over DIFFERENCE_STEP
-COMPARED_AT = (0.137, 0.419, 0.731)  # chosen: where in the subdomain they are compared
+COMPARED_AT = (0.137, 0.419, 0.731)  # chosen: places in the subdomain at which they are compared
 
 
 @dataclass(frozen=True, eq=False)

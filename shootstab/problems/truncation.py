@@ -35,7 +35,7 @@ NEAREST_TRIED, FARTHEST_TRIED = 2.0**-10, 2.0**20  # chosen: distances tried
 TAIL_SAMPLES = 64  # chosen: samples of the coefficients from a distance out to TAIL_LENGTH times it and 1 more
 TAIL_LENGTH = 2.0  # chosen: the tail is sampled out to so many times the distance, 1 more
 SCAN_RATIO = 1.02  # chosen: ratio of the distances of the scan; sech²(z − z0), 46 wide down to NEGLIGIBLE_RATE, is seen up to z0 = 2000
-SCAN_BLOCKS = 30  # chosen: in which the scan is computed, of one octave each; what cannot be computed ends it
+SCAN_BLOCKS = 30  # chosen: blocks of one octave each in which the scan is computed; what cannot be computed ends it
 LIMIT_ROUNDING = 4 * float(np.finfo(float).eps)  # chosen: some roundings of an entry's limit: less does not say that the limit is left
 WAY = 9  # chosen: points at which the gap is sampled between a frozen end and half the way
 LARGEST_SIGMA = 1e6  # chosen: times the reference, the largest σ for which coefficients are to be at their limit

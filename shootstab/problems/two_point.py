@@ -30,7 +30,7 @@ from shootstab.problems.truncation import Approach, limit_at, middle
 
 LINE = 2001  # chosen: points of a subdomain at which a continuous spectrum that no path leads around is sampled
 
-Beginnings = dict[int, WallBeginning | InfiniteBeginning]  # by side: −1 left, +1 right
+Beginnings = dict[int, WallBeginning | InfiniteBeginning]  # beginnings by side: −1 left, +1 right
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,7 +209,7 @@ def _many_subdomains(n: int, beginnings: Beginnings, joints: tuple[Interface, ..
         for a, b in itertools.pairwise(joints)
     ]
     subdomains = (outermost(-1, joints[0]), *between, outermost(1, joints[-1]))
-    # of each subdomain the first component of its beginning, a or ψ, and that of ψ where it arrives
+    # the places of each subdomain: the first component of its beginning, a or ψ, and that of ψ where it arrives
     widths = [n * (1 + subdomain.augmented) for subdomain in subdomains]
     begins = [sum(widths[:j]) for j in range(len(widths))]
     arrives = [begin + n * subdomain.augmented for begin, subdomain in zip(begins, subdomains, strict=True)]

@@ -95,7 +95,7 @@ def newton_steps(discriminant: Discriminant, sigma: complex) -> Iterator[Step]:
         if before is not None and multiplicity == 1 and abs(step) < abs(step_before):
             if abs(step) < SHRINKS * abs(step_before):
                 curved = _curvature(before, value)
-                # with e the errors of both points, curved is of size e₁² and what it leaves of size e₀² e₁², times e₁/e₀² to make it one
+                # errors e₀, e₁ and the curvature c = e₁/e₀² make curved c e₁²; it leaves about c³ e₀² e₁², that is curved (e₁/e₀)²
                 if abs(curved) < SHRINKS * abs(step):
                     step, ahead = step + curved, abs(curved) * abs(step / step_before) ** 2
             estimate_before, estimate = estimate, step_before / (step_before - step)

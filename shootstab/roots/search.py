@@ -25,7 +25,7 @@ from shootstab.roots.iterations import newton
 from shootstab.roots.winding import Legs, power_sums
 
 HANDFUL = 5  # chosen: zeros taken from the moments of one contour; the polynomial of more is ill-conditioned
-# chosen: of the region's size, distances of zeros that an iteration may confuse: such are counted one by one
+# chosen: distances of zeros, in the region's size, that an iteration may confuse: such are counted one by one
 CLOSE_ZEROS = (1e-6, 1e-4, 1e-2)
 SAME_ZERO = 1e-8  # chosen: two numbers nearer to each other than this part of the region's size mean one zero
 POLISHED_ZERO = 0.1 * SAME_ZERO  # derived: how exactly an iteration is to arrive for two arrivals at one zero to be the same
@@ -34,9 +34,9 @@ ZERO_NEWTON_STEPS = 20  # chosen: Newton's steps at most; to a simple zero it ta
 ARRIVAL_NOISE = 1e-11
 LINEAR = 1e-4  # chosen: the last step, in sizes of the region, of an iteration that converges linearly, to a multiple zero
 SMALLEST_REGION = 1e-9  # chosen: what is left in a part so small against the first region is one multiple zero
-UNDIVIDED = 1e-3  # chosen: of the first region, what may stay as one multiple zero where D is too inaccurate between its zeros for a cut
+UNDIVIDED = 1e-3  # chosen: part of the first region that may stay one multiple zero where D is too inaccurate for a cut inside
 RESOLVED_SIGMA = 1e-12  # chosen, some thousand times the rounding of σ: nothing smaller than this part of |σ| is divided or told apart
-WIDER_CIRCLE = 8.0  # chosen: from a circle in which D is not accurate enough for a count to the next
+WIDER_CIRCLE = 8.0  # chosen: the radius of the next circle over that of one in which D is not accurate enough for a count
 
 
 class Counted(Protocol):

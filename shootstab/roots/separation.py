@@ -15,10 +15,10 @@ from shootstab.roots.iterations import slope_change
 
 FIRST_DISTANCE = 1e-3  # chosen: the first distance, in |σ|, at which D′ is looked at again
 SMALLEST_DISTANCE = 1e-24  # chosen: that distance where σ is 0, below any σ of interest and far above where a double underflows
-NEXT_DISTANCE = 1e3  # derived: from one distance to the next: a change of SEEN becomes one of a tenth, still nearly linear
+NEXT_DISTANCE = 1e3  # derived: the next distance over one, so that a change of SEEN becomes one of a tenth, still nearly linear
 SEEN = 1e-4  # chosen: a relative change of D′ so far above its noise, which is 1e-12 or so, that it shows two digits
 MOST_DISTANCES = 12  # derived: distances: from the smallest to 1e9
-TENFOLD = 10.0  # chosen: from one distance to the next where the zeros near a point are counted
+TENFOLD = 10.0  # chosen: the next distance over one where the zeros near a point are counted
 MISSES = 8  # chosen: distances in all at which it is none, before nothing more is to be seen
 BEYOND = 1e3  # chosen: times the distance to the nearest zero, how far others are looked for that would make it a near one
 MOST_TOGETHER = 64  # chosen: |h D′/D| above which D is steep and no number of zeros near a point: as many as a problem may have states

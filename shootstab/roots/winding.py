@@ -22,12 +22,12 @@ from shootstab.core.regions import Region
 from shootstab.core.scaled import Scaled
 
 LONGEST_TURN = 1.2  # chosen, far below π: |Δ ln D| over one segment
-MISMATCH = 0.3  # chosen: between its two values
+MISMATCH = 0.3  # chosen: the most by which Δ ln D may miss what the slopes at both ends predict
 FLAT_SEGMENT = 1e-2  # chosen: |Δ ln D| by the slopes at both ends: a zero that the slopes do not see would be a hundred segments away
 DEEPEST_SEGMENT = 40  # chosen: halvings of one segment
 FIRST_SEGMENTS = 4  # chosen: segments of a circle or of the side of a polygon, before any is halved
 
-Legs = tuple[tuple[int, tuple[Value, ...]], ...]  # of a contour: samples, and the sign with which they count
+Legs = tuple[tuple[int, tuple[Value, ...]], ...]  # the sides of a contour: samples, and the sign with which they count
 
 
 @dataclass(frozen=True)

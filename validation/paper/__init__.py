@@ -2,5 +2,5 @@
 
 from __future__ import annotations
 
-# in the order of the table
+# the rows in the order of the table
 SCRIPTS = ("errata",)

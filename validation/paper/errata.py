@@ -31,13 +31,13 @@ from paper_tables import ERRATA, NONE, paper_first_order, to_psi
 
 SCENES = ("high", "mid", "low")
 PUBLISHED = {"high": 0.00397, "mid": 0.00102, "low": 0.00727 - 0.0119j}  # published: section 3.2
-UNIT = dict.fromkeys(SCENES, 1e-5)  # exact: of the last digit of Re σ that the paper prints
+UNIT = dict.fromkeys(SCENES, 1e-5)  # exact: the last digit of Re σ that the paper prints
 GROWTH_RATES = ", ".join(f"{name} {sigma.real:g}" for name, sigma in PUBLISHED.items())
-ORDERS = dict.fromkeys(("nu", "T", "u"), 2)  # exact: of the z-derivatives that the tables hold, 1 but for these
+ORDERS = dict.fromkeys(("nu", "T", "u"), 2)  # exact: orders of the z-derivatives that the tables hold, 1 but for these
 TOP = 1e-13  # chosen: ν0 where the coefficients have their limits, to what RTOL asks for
 RTOL = 1e-6  # chosen: a misprint that shows moves the third digit
-ALIKE = 1e-6  # chosen: of the growth rate, within which two formulations agree
-SAME = 0.2  # chosen: of the growth rate, within which a mode of the misprinted system can be taken for the published one
+ALIKE = 1e-6  # chosen: part of the growth rate within which two formulations agree
+SAME = 0.2  # chosen: part of the growth rate within which a mode of the misprinted system can be taken for the published one
 NO_MODE = "no such mode"
 
 

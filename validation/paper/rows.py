@@ -164,7 +164,7 @@ class Stored:
 
 
 def fingerprint(name: str) -> str:
-    """Of a script and the modules of validation/ that it imports: comments and layout do not count, what is computed does."""
+    """The hash of a script and the modules of validation/ that it imports: comments and layout do not count, what is computed does."""
     seen: dict[str, str] = {}
 
     def visit(module: str) -> None:
@@ -187,7 +187,7 @@ def fingerprint(name: str) -> str:
 
 
 def processor_time() -> float:
-    """Of this process and of those that it started and that have ended, in seconds."""
+    """The processor time of this process and of those that it started and that have ended, in seconds."""
     return sum(os.times()[:4])
 
 

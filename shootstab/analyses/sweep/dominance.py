@@ -21,7 +21,10 @@ GROWTH_FLOOR = 1e-8  # chosen: the growth rate, in the units of the problem, bel
 DECAY_NOISE = 1e-7  # chosen: growth rates below this part of the frequencies of the continuous spectrum are not told from decay
 SHARE = 0.5  # chosen: modes above this part of the dominant growth rate are counted and followed
 NUDGES = (1.0, 0.83, 0.61)  # chosen: factors on a floor on which a mode lies
-RAISE, HIGHEST_FLOOR = 30.0, 1e-4  # chosen: where the continuous spectrum is too near for a count, the floor is raised
+RAISE, HIGHEST_FLOOR = (
+    30.0,
+    1e-4,
+)  # chosen: too near the continuous spectrum for a count, the floor rises by this factor up to this
 SWEEP_COUNTING = Frame(rtol=1e-6)  # chosen: a phase needs few digits
 SUGGESTING_TRUNCATIONS = (40, 64)  # chosen: orders of the pseudospectral spectra that suggest modes
 SUGGESTED = 12  # chosen: suggested modes that are tried, the fastest first

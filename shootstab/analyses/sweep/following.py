@@ -16,7 +16,7 @@ FOLLOWING_NOISE = 1e-7  # chosen: relative steps below this need not shrink: the
 ITERATIONS = 8  # chosen: steps of Newton at most; quadratic convergence from two digits takes three or four
 HISTORY = 4  # chosen: points that the extrapolation runs through
 MISPREDICTED = 0.5  # chosen: the prediction may be wrong by this part of the way that σ went
-STILL_ENOUGH = 0.02  # chosen: and by this part of |σ| in any case
+STILL_ENOUGH = 0.02  # chosen: it may be wrong by this part of |σ| in any case
 DEEPEST_HALVING = 6  # chosen: halvings of a step
 ARRIVED, FADED, LOST = "arrived", "faded", "lost"
 

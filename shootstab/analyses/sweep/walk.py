@@ -24,7 +24,7 @@ from shootstab.discriminants.method import AdaptiveDiscriminant
 from shootstab.problems.capabilities import Family
 from shootstab.problems.protocol import Problem
 
-SPREAD = 10.0  # chosen: on the parts of the error that are measured at two points of a line only
+SPREAD = 10.0  # chosen: factor on the parts of the error that are measured at two points of a line only
 AUDITS, TRIES = 2, 8  # chosen: points of a line at which all parts of the error are to be measured, and how many are tried
 MESH = 1e-8  # chosen: local errors on the meshes, unless the digits ask for smaller ones
 

@@ -17,13 +17,13 @@ from shootstab.models.chute.parameters import Chute
 from shootstab.models.chute.registry import CHUTE, names
 from shootstab.models.chute.steady_flow import Flow, descend
 
-ASIDE = 1e-4  # of x, for d ln Q0/dx: chosen, scouting flows of 1e-9 leave five digits of it
+ASIDE = 1e-4  # chosen: step of x for d ln Q0/dx; scouting flows of 1e-9 leave five digits of it
 LONGEST_STEP = 0.1  # |Δx| of one step: chosen, a tenth of what separates the branches of the paper's flows where they are nearest
 STEADY = 2.0  # chosen: ratio of the slopes d ln Q0/dx at the ends of a step, at most: next to a fold steps shrink with the way left to it
 SMALLEST_STEP = 1e-6  # step, of the whole way: a fold lies no farther ahead than a few of these (chosen)
 # chosen: steps of Newton to a point of the branch, and the relative step that ends them; more mean a shorter step along it
 BRANCH_NEWTONS, BRANCH_SETTLED = 4, 1e-8
-SCOUTED_WITHIN = 1e-5  # chosen: so far in x from what scouting flows gave lies the flow that the best integration gives
+SCOUTED_WITHIN = 1e-5  # chosen: the most that the best integration moves a flow in x from what scouting flows gave
 
 
 def continued(flow: Flow, chute: Chute, mass_flux: float) -> Flow:

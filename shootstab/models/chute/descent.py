@@ -14,7 +14,7 @@ from shootstab.models.chute import constitutive as law
 from shootstab.models.chute.balance import slip, slopes
 
 DESCENT_SIZE = 7  # exact: ln ν, T, u, Q, and from z to infinity ∫p, ∫νu, ∫ν
-FILLED = 0.9999  # of the densest packing: a flow is not followed beyond it (chosen: g0 is above 1e6 there, and pieces are lost to it)
+FILLED = 0.9999  # chosen: part of the densest packing beyond which no flow is followed; g0 is above 1e6 there, and pieces are lost to it
 HEAT = 1e-2  # chosen: Q counts as ν√T times this at least, for it passes through zero
 
 Lists = tuple[Any, ...]

@@ -16,8 +16,8 @@ from shootstab.roots.bracket import zero_between
 
 SCAN = (1e-2, 1e3, 121)  # chosen: T_∞ from, to, points: 24 a decade
 SCOUTING = 1e-9  # chosen: the tolerance of flows that only tell where to look
-OVERSHOOT = 4.0  # chosen: by so many of the differences next to it an extremum between points of the scan surely does not exceed them
-DOUBT = 1e-5  # of the mass flux: where a scouting flow comes nearer to it, its error could decide whether a flow is there (chosen)
+OVERSHOOT = 4.0  # chosen: an extremum between points of the scan surely exceeds them by fewer of the differences next to it
+DOUBT = 1e-5  # chosen: where a scouting flow comes nearer to the mass flux than this part, its error could decide whether a flow is there
 
 
 def flows(chute: Chute, mass_flux: float) -> list[Flow]:

@@ -30,7 +30,7 @@ from shootstab.problems.protocol import ComplexArray
 
 Terms = NDArray[np.inexact]
 FAR_TERMS = 12  # chosen: more cost more than the steps they save
-# With v̂ and all that goes with it multiplied by i the series is real where k_x and σ's imaginary part are zero
+# Multiplying v̂ and all that goes with it by i makes a series that is real where k_x and σ's imaginary part are zero
 TURNED_STATES, TURNED_EQUATIONS, TURNED_SOLUTIONS = [2, 6], [2, 6], [1]  # exact: what of states, equations and solutions goes with v̂
 
 

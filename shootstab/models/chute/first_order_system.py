@@ -16,7 +16,7 @@ from shootstab.models.chute.background import Background
 from shootstab.problems.recorded_pencil import Entries
 
 SIZE = 8  # exact: states of the first-order system, of which half decay
-DECAYING = 4  # exact: as many rows at the wall
+DECAYING = 4  # exact: decaying states, and rows at the wall
 
 
 def pencil_entries(bg: Background, tan_theta: Any, kx: Any, ky: Any) -> tuple[Entries, Entries, Entries, Entries]:

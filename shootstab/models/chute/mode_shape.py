@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from shootstab.models.chute.steady_flow import Flow
 
 MASS_LEFT_OUT = 1e-3  # chosen: the part of the hold-up M0 above the height that is drawn; nobody would see a vortex there
-FLUX_HEIGHTS = 801  # chosen: at which the flux is sampled up to there; a vortex smaller than a few of their distances is not found
+FLUX_HEIGHTS = 801  # chosen: samples of the flux up to there; a vortex smaller than a few of their distances is not found
 VORTEX_FORMING, CLUSTERING = "vortex-forming", "clustering"
 
 

@@ -21,7 +21,7 @@ from shootstab.multiprecision.arithmetic import TAIL_TERMS, Arithmetic
 from shootstab.multiprecision.relaxed_series import RelaxedSeries, RelaxedSystem
 from shootstab.multiprecision.settings import Settings, step_limit
 
-FLOW_NEWTONS = 60  # chosen: at most; each step of Newton doubles the digits
+FLOW_NEWTONS = 60  # chosen: the most steps of Newton; each doubles the digits
 HIGHEST_START = -7.0  # chosen: log2 of the ν0 at which the way down begins, at most
 FLUX = 4  # exact: the place of Φ in a state (ν, T, u, Q, Φ)
 State = list[Any]

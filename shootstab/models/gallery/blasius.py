@@ -20,7 +20,7 @@ from shootstab.problems.protocol import ComplexArray
 
 # chosen: the nearest singularity of f is 5.69 away from the wall, and farther from every other point
 TAYLOR_LENGTH, TAYLOR_TERMS = 0.25, 26
-PROFILE_END = 20.0  # derived: where 1 − U, about exp(−(η−1.7)²/4), is far below the last place
+PROFILE_END = 20.0  # derived: the η at which 1 − U, about exp(−(η−1.7)²/4), is far below the last place
 BLASIUS_ROUNDING = 1e-16  # chosen, a unit of rounding: relative error of the profile
 
 

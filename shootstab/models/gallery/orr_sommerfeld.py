@@ -19,7 +19,7 @@ VelocityProfile = Callable[[ComplexArray], tuple[ComplexArray, ComplexArray]]  #
 AffineMatrices = Callable[[ComplexArray], tuple[ComplexArray, ComplexArray]]  # D0, D1
 
 CLAMPED = np.eye(2, 4)  # exact: φ = φ′ = 0
-REGION_MARGIN = 2.0**-20  # chosen: by which a region that holds all growing modes is widened, far above rounding
+REGION_MARGIN = 2.0**-20  # chosen: part by which a region that holds all growing modes is widened, far above rounding
 
 
 def orr_sommerfeld(profile: VelocityProfile, reynolds: complex, alpha: complex, V: float = 0.0) -> AffineMatrices:

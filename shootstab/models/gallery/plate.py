@@ -23,7 +23,7 @@ STOKES = -2 / 3  # exact: second coefficient of viscosity, in μ, by Stokes' hyp
 MACK = 2 / 3 * (1.2 - 1)  # derived: the same for Mack's ratio 1.2 of bulk viscosity
 RANKINE = 1 / 1.8  # exact: kelvin
 STILL_WALL = np.eye(PLATE_SIZE)[[0, 2, 4, 6]]  # exact: u = v = θ = w = 0
-SHOWN_COMPONENTS = {"u": 0, "v": 2, "w": 6, "p": 3, "theta": 4}  # in which eigenfunctions are shown
+SHOWN_COMPONENTS = {"u": 0, "v": 2, "w": 6, "p": 3, "theta": 4}  # unknowns that are shown, and their places in the state
 PLATE_ROUNDING = 1e-16  # chosen, a unit of rounding: relative error of the profile
 
 PlateMatrices = Callable[[ComplexArray], tuple[Any, ...]]

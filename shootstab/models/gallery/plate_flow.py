@@ -31,7 +31,7 @@ LONGEST_INTERVAL = 1.1  # chosen: the same at most, where the wall is hot
 MOST_INTERVALS = 400  # chosen: after so many the shear stress has not died away, and there is no boundary layer
 NEWTON, PICARD = 30, 40  # chosen: iterations at most of Newton for the wall's values, and of Picard on an interval
 STEEP, MACH_STEP = 5.0, 1.1  # chosen: Mach number beyond which the flow at a smaller one, by this factor, is the first guess
-PLATE_SETTLED = 2e-15  # chosen, ten units of rounding: of the recovery temperature, what a step may leave
+PLATE_SETTLED = 2e-15  # chosen: the part of the recovery temperature that a step may leave, ten units of rounding
 
 
 @dataclass(frozen=True)
