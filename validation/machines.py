@@ -30,7 +30,7 @@ QUESTIONS: dict[str, tuple[list[str], int]] = {
     "a missing extra": (["verify", "high", "modes.h5"], 2),
 }
 QUICK = ("version", "scenes", "a count", "a refusal")
-PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH = 24, 1, 2  # of Linux: prctl(2), capabilities(7)
+PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH = 24, 1, 2  # constants of Linux: prctl(2), capabilities(7)
 EXTRAS = ("h5py", "matplotlib", "flint", "distributed", "sympy", "pytest")
 
 

@@ -30,7 +30,7 @@ TOLERANCE = 1e-16  # chosen: what a polynomial leaves out, relative; below the r
 BEGINNING = 1e-2  # chosen: ν0 where the integration begins, in the tolerance; what the first order in ν0 leaves out is below it
 NU_TOP = BEGINNING * TOLERANCE
 MOST_PIECES = 500  # chosen: the most pieces of a flow; the paper's flows have some 60
-HOTTEST = 1e5  # chosen: in T_∞: beyond it T rises with depth without end, and z some 1e4 T_∞ down has lost four digits
+HOTTEST = 1e5  # chosen: T in T_∞ beyond which it rises with depth without end, and z some 1e4 T_∞ down has lost four digits
 
 
 @dataclass(frozen=True)
