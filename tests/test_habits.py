@@ -11,6 +11,7 @@ import sys
 import tokenize
 import tomllib
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -43,11 +44,24 @@ def test_every_dependency_has_a_lower_bound_that_can_be_pinned() -> None:
     assert "python-flint==0.9" in pins  # below, Arb's series of order zero end the process
 
 
+@cache
+def _tree(path: Path) -> ast.Module:
+    """The syntax of a file."""
+    return ast.parse(path.read_text())
+
+
+@cache
+def _nodes(path: Path) -> tuple[ast.AST, ...]:
+    """All of it, flat."""
+    return tuple(ast.walk(_tree(path)))
+
+
+@cache
 def _constants(path: Path) -> list[tuple[str, ast.expr, str]]:
     """The constants of a module: name, value, and what comments beside and above say of it."""
     lines = path.read_text().splitlines()
     found = []
-    for node in ast.parse("\n".join(lines)).body:
+    for node in _tree(path).body:
         if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
             continue
         targets = node.targets if isinstance(node, ast.Assign) else [node.target]
@@ -103,9 +117,8 @@ def test_a_constant_has_one_name_and_one_value() -> None:
 
 def _nouns(path: Path) -> Iterator[tuple[str, str]]:
     """Classes, and the other names in capital and small letters that a module gives to types, with what each stands for."""
-    tree = ast.parse((ROOT / path).read_text())
-    yield from ((node.name, f"class of {path}") for node in ast.walk(tree) if isinstance(node, ast.ClassDef))
-    for node in tree.body:
+    yield from ((node.name, f"class of {path}") for node in _nodes(ROOT / path) if isinstance(node, ast.ClassDef))
+    for node in _tree(ROOT / path).body:
         if isinstance(node, ast.Assign) and not ast.unparse(node.value).startswith("TypeVar("):
             names = [n.id for target in node.targets for n in ast.walk(target) if isinstance(n, ast.Name)]
             yield from ((name, ast.unparse(node.value)) for name in names if re.fullmatch(r"_?[A-Z]\w*[a-z]\w*", name))
@@ -131,7 +144,7 @@ TELEGRAM = re.compile(
 def _sentences(path: Path) -> Iterator[tuple[int, str]]:
     """Docstrings and comments, a block of comment lines as one, each with its line."""
     text = path.read_text()
-    for node in ast.walk(ast.parse(text)):
+    for node in _nodes(path):
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and (said := ast.get_docstring(node)):
             yield node.body[0].lineno, said
     last = -1
@@ -152,7 +165,6 @@ def test_no_sentence_has_lost_its_noun() -> None:
     assert lost == [], "\n".join(lost)
 
 
-ARRAY = re.compile(r"\b(NDArray|ComplexArray|RealArray|DenseMatrix|Matrix|Terms)\b")
 LENGTH = r"[\w…′]+(?: ?[+·−] ?[\w…′]+)*"
 SHAPE = re.compile(rf"\({LENGTH}(?:,|(?:, {LENGTH})+)\)|\b\w×\w\b")
 
@@ -162,6 +174,23 @@ def test_the_pattern_for_a_shape_takes_shapes_and_no_prose() -> None:
     assert [said for said in shapes if not SHAPE.search(f"a mesh {said} of nodes")] == []
     prose = "(A 9)", "(2.13)", "(see there)", "(m)", "of n", "(here, but not there)"
     assert [said for said in prose if SHAPE.search(f"a mesh {said}")] == []
+
+
+def _array_types() -> re.Pattern[str]:
+    """Every annotation that stands for arrays: those of NumPy, matrices of many digits, and the names that modules give to either."""
+    named = {"NDArray", "ArrayLike", "Matrix", "Terms"}
+    meanings = [pair for path in SOURCES for pair in _nouns(path.relative_to(ROOT)) if not pair[1].startswith("class")]
+    for _ in range(3):  # a name of a name of a name
+        named |= {name for name, meaning in meanings if set(re.findall(r"\w+", meaning)) & named and "Callable" not in meaning}
+    return re.compile(rf"\b({'|'.join(sorted(named))})\b")
+
+
+ARRAY = _array_types()
+
+
+def _is_array(annotation: ast.expr | None) -> bool:
+    """Whether an annotation holds an array; a function of arrays is none."""
+    return annotation is not None and bool(ARRAY.search(said := ast.unparse(annotation))) and "Callable" not in said
 
 
 def _documented(tree: ast.Module) -> Iterator[tuple[str, bool, ast.FunctionDef]]:
@@ -176,23 +205,33 @@ def _documented(tree: ast.Module) -> Iterator[tuple[str, bool, ast.FunctionDef]]
                     yield method.name, stated, method
 
 
-def _takes_or_returns_arrays(function: ast.FunctionDef) -> bool:
-    arguments = [*function.args.args, *function.args.kwonlyargs]
-    annotations = [a.annotation for a in arguments if a.annotation is not None] + [function.returns] * (function.returns is not None)
-    return any(ARRAY.search(ast.unparse(a)) for a in annotations)
-
-
 def test_shapes_stand_in_every_public_docstring_with_arrays() -> None:
-    """In its own, or for a method in that of the protocol which it carries out."""
-    found = [(path, *entry) for path in SOURCES for entry in _documented(ast.parse(path.read_text()))]
+    """A shape, and the name of every array that is taken: in its own docstring, or for a method in that of its protocol."""
+    found = [(path, *entry) for path in SOURCES for entry in _documented(_tree(path))]
     promised = {name for _, name, stated, function in found if stated and SHAPE.search(ast.get_docstring(function) or "")}
-    silent = [
-        f"{path.relative_to(ROOT)}: {name}"
-        for path, name, stated, function in found
-        if _takes_or_returns_arrays(function) and (stated or name not in promised) and not SHAPE.search(ast.get_docstring(function) or "")
-    ]
+    silent = []
+    for path, name, stated, function in found:
+        taken = [a.arg for a in [*function.args.args, *function.args.kwonlyargs] if _is_array(a.annotation)]
+        if not (taken or _is_array(function.returns)) or (name in promised and not stated):
+            continue
+        said = ast.get_docstring(function) or ""
+        unnamed = [argument for argument in taken if not re.search(rf"(?<![A-Za-z]){argument}(?![A-Za-z])", said)]
+        if unnamed or not SHAPE.search(said):
+            silent.append(f"{path.relative_to(ROOT)}: {name} {unnamed}")
     assert len(promised) > 5
     assert silent == []
+
+
+def test_shapes_stand_in_every_public_record_with_arrays() -> None:
+    """The docstring of a class with fields that are arrays gives shapes."""
+    classes = [(path, node) for path in SOURCES for node in _tree(path).body if isinstance(node, ast.ClassDef)]
+    with_arrays = [
+        (path, node)
+        for path, node in classes
+        if not node.name.startswith("_") and any(isinstance(field, ast.AnnAssign) and _is_array(field.annotation) for field in node.body)
+    ]
+    assert len(with_arrays) > 30
+    assert [f"{path.name}: {node.name}" for path, node in with_arrays if not SHAPE.search(ast.get_docstring(node) or "")] == []
 
 
 def test_no_test_reaches_into_private_names() -> None:
@@ -200,7 +239,7 @@ def test_no_test_reaches_into_private_names() -> None:
     public = {"_replace", "_asdict", "_fields", "_exit"}
     reached = []
     for path in [*(ROOT / "tests").rglob("*.py"), *(ROOT / "validation").rglob("*.py")]:
-        for node in ast.walk(ast.parse(path.read_text())):
+        for node in _nodes(path):
             names = [a.name for a in node.names] if isinstance(node, ast.ImportFrom) and node.module != "__future__" else []
             if isinstance(node, ast.Attribute) and not (isinstance(node.value, ast.Name) and node.value.id in ("self", "cls")):
                 names = [node.attr]

@@ -80,7 +80,7 @@ class Eigenfunction:
         return {name: values[:, i].reshape(np.shape(z)) for i, name in enumerate(self.names)}
 
     def fields(self, z: ArrayLike) -> Mapping[str, ComplexArray]:
-        """What the problem derives from the unknowns, by name (the chute: the local mass flux Qx, Qy, Qz); empty if nothing."""
+        """The fields (m,) at z (m,) that the problem derives from the unknowns (the chute: the mass flux Qx, Qy, Qz); empty if none."""
         shape: Shape | None = MODE_SHAPE.of(self.problem)
         return {} if shape is None else shape.fields(real_points(z), self(real_points(z)))
 
@@ -95,11 +95,11 @@ class Eigenfunction:
         return in_unknowns(self._unknowns, self.line.solution.sigma, z, self.line.right(z))
 
     def state(self, z: ArrayLike) -> ComplexArray:
-        """The state φ of the first-order system, (…, n)."""
+        """The state φ (…, n) of the first-order system at z (…,)."""
         return self.line.right(real_points(z)).reshape(*np.shape(z), -1)
 
     def adjoint(self, z: ArrayLike) -> ComplexArray:
-        """ψ, (…, n): the i-th component belongs to the i-th equation of the first-order system."""
+        """ψ (…, n) at z (…,): the i-th component belongs to the i-th equation of the first-order system."""
         return self.line.left(real_points(z)).conj().reshape(*np.shape(z), -1)
 
     def shift(self, other: Problem) -> complex:

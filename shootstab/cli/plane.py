@@ -34,7 +34,7 @@ Box = tuple[complex, float, float]  # centre, half of the width, half of the hei
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """Points with one mark: a label for the legend, a format string of matplotlib's, and further settings of it."""
+    """Points (m,) with one mark: a label for the legend, a format string of matplotlib's, and further settings of it."""
 
     label: str
     points: Points
@@ -43,7 +43,7 @@ class Group:
 
 
 def picture(scene: Scene, groups: Sequence[Group], near: Box, title: str, outline: Points | None = None) -> Any:
-    """A matplotlib Figure with the continuous spectrum, the groups and, if there is one, the outline of a region."""
+    """A matplotlib Figure with the continuous spectrum, the groups and, if there is one, the outline (m,) of a region."""
     from matplotlib.figure import Figure
 
     line = continuum(scene)
@@ -74,7 +74,7 @@ def picture(scene: Scene, groups: Sequence[Group], near: Box, title: str, outlin
 
 
 def in_view(points: Points, near: Box) -> tuple[bool, Box]:
-    """Whether the points reach far beyond the box, which is then magnified beside all of them; else the box grows to hold them."""
+    """Whether the points (m,) reach far beyond the box, which is then magnified beside all of them; else the box grows to hold them."""
     if _spreads(points, near):
         return True, near
     centre, width, height = near
@@ -83,7 +83,7 @@ def in_view(points: Points, near: Box) -> tuple[bool, Box]:
 
 
 def fill(panel: Any, scene: Scene, groups: Sequence[Group], line: Points | None, outline: Points | None = None) -> None:
-    """Everything on one matplotlib Axes, with the names of its axes in the scene's symbol and unit, and the line of no growth."""
+    """Draw groups, a line (m,), an outline (k,) and that of no growth on matplotlib Axes, named by the scene's symbol and unit."""
     if line is not None:
         panel.plot(line.real, line.imag, "-", color="0.25", linewidth=1.6, zorder=1, label="continuous spectrum")
     if outline is not None:
@@ -102,7 +102,7 @@ def fill(panel: Any, scene: Scene, groups: Sequence[Group], line: Points | None,
 
 
 def continuum(scene: Scene) -> Points | None:
-    """The continuous spectrum inside as a line, in the scene's eigenvalue; None if there is none."""
+    """The continuous spectrum inside as a line (m,), in the scene's eigenvalue; None if there is none."""
     curve: Continuum | None = INTERIOR.of(scene.problem)
     return None if curve is None else curve(curve.heights(CONTINUUM_POINTS).astype(np.complex128))
 
@@ -114,7 +114,7 @@ def unit(scene: Scene) -> complex:
 
 
 def growth(scene: Scene, points: Points) -> NDArray[np.float64]:
-    """Re σ (m,) of eigenvalues (m,) in the scene's convention."""
+    """Re σ (m,) of points (m,), eigenvalues in the scene's convention."""
     return np.asarray((unit(scene) * points).real)
 
 
@@ -122,7 +122,7 @@ def magnified(scene: Scene, modes: Points, claims: Points, blurred: Points) -> B
     """The box around the end of the continuous spectrum that grows most and the modes nearest to it, or else around all modes.
 
     Growing modes belong into it, and the balloon of claims that the continuous spectrum blurs, unless it is so large that modes would
-    vanish in it.
+    vanish in it. modes, claims and those that are blurred are points (m,), (k,) and (l,).
     """
     line = continuum(scene)
     shown = modes if modes.size else claims
@@ -146,7 +146,7 @@ def magnified(scene: Scene, modes: Points, claims: Points, blurred: Points) -> B
 
 
 def around(points: Points, least: float) -> Box:
-    """A box that holds the points with room to spare, and is not flat."""
+    """A box that holds the points (m,) with room to spare, and is not flat."""
     low, high = complex(points.real.min(), points.imag.min()), complex(points.real.max(), points.imag.max())
     width, height = (max(0.6 * extent, least) for extent in ((high - low).real, (high - low).imag))
     return (low + high) / 2, width, height

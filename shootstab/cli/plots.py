@@ -96,7 +96,7 @@ def draw_found(answer: Found, region: Region, scene: Scene) -> Any:
 
 
 def rim(region: Region | None) -> Points | None:
-    """The boundary of a region as a closed line."""
+    """The boundary of a region as a closed line (m,)."""
     if region is None:
         return None
     return _points([region.boundary(t) for t in sorted({*region.corners, *(k / OUTLINE for k in range(OUTLINE + 1))})])

@@ -23,7 +23,7 @@ def slope(coefficients: Sequence[Any], sigma: Any) -> Any:
 
 
 def companion(coefficients: Sequence[NDArray[Any]]) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """A, B (…, qn, qn) with A x = σ B x where Σ σ^k P_k y = 0 for x = (y, σy, …, σ^(q−1) y); P_k (…, n, n), q the degree."""
+    """A, B (…, qn, qn) with A x = σ B x where Σ σ^k P_k y = 0 for x = (y, σy, …, σ^(q−1) y); coefficients P_k (…, n, n), degree q."""
     *lower, top = np.broadcast_arrays(*coefficients)
     q, n, shape = len(lower), top.shape[-1], top.shape[:-2]
     A, B = (np.zeros((*shape, q, n, q, n), dtype=np.complex128) for _ in range(2))

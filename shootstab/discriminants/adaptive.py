@@ -160,7 +160,7 @@ class Adaptive:
 
     @property
     def meshes(self) -> Meshes:
-        """The nodes of the cells that are known by now, one array for every subsystem."""
+        """The nodes (N + 1,) of the cells that are known by now, one array for every subsystem."""
         nodes = [member.nodes for member in self._members]
         return {cell: tuple(n[cell] for n in nodes) for cell in nodes[0] if all(cell in n for n in nodes)}
 
@@ -184,7 +184,7 @@ def _of_member(begin: Meshes | None, place: int, count: int) -> dict[Cell | None
 def adaptive(
     method: Propagator, problem: Problem, path: DeformedPath | None = None, centre: complex | None = None, begin: Meshes | None = None
 ) -> Adaptive:
-    """D(σ) of the problem, along the real axis or along a path meant for σ = centre; begin are meshes of a neighbouring problem.
+    """D(σ) of the problem, along the real axis or along a path meant for σ = centre; begin are meshes (N + 1,) of another problem.
 
     It is the `on` of every method that is its own propagator. Raises InputError where D is asked for and the problem is wrong,
     ConvergenceError where no mesh is found.

@@ -66,7 +66,7 @@ class Solution:
         return _back_in_order(M @ self.phi[node][:, :, None], order)
 
     def left_at(self, z: ComplexArray) -> ComplexArray:
-        """y (m, n) at such points: a step back from the node nearer to the wall, from which y C decays."""
+        """y (m, n) at points z (m,): a step back from the node nearer to the wall, from which y C decays."""
         order, node = self._places(z)
         points, end = z[order], self.nodes[node + 1]
         M = step_matrices(self.problem, self.sigma, points, end - points)
@@ -213,7 +213,7 @@ def step_matrices(problem: Problem, sigma: complex, starts: ComplexArray, h: Com
 
 
 def step_slopes(problem: Problem, sigma: complex, starts: ComplexArray, h: ComplexArray, phi: ComplexArray) -> ComplexArray:
-    """(dM/dσ) φ (N, n) of such steps from φ (N, n)."""
+    """(dM/dσ) φ (N, n) of such steps of length h (N,) from starts (N,), from phi (N, n)."""
     A, dA = _stage_matrices(problem, sigma, starts, h, True)
     K, L = (np.empty((*A.shape[:3], 1), dtype=np.complex128) for _ in range(2))
     for i in range(STAGES):

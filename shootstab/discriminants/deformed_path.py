@@ -29,7 +29,7 @@ class DeformedPath:
     height: float
 
     def deform(self, nodes: NDArray[np.float64]) -> ComplexArray:
-        """The mesh (N,) with the detour in it, (M,); the ends stay where they are, and a leg that would overshoot ends there."""
+        """The nodes (N,) of a mesh with the detour in it, (M,); the ends stay where they are, and a leg that would overshoot ends there."""
         along = 1.0 if nodes[-1] > nodes[0] else -1.0
         leave, apex, back = self.corners(nodes)
         before = nodes[along * nodes < along * leave.real - 1e-9 * self.half_width]

@@ -64,7 +64,7 @@ def halved(nodes: NDArray[np.complex128], seed: int | None = None) -> NDArray[np
 
 
 def across_knots(nodes: NDArray[np.complex128]) -> NDArray[np.bool_]:
-    """The steps (N,) that have no length but roundings: they lead over a knot of the coefficients, and no stage of another step does."""
+    """The steps (N,) between nodes (N + 1,) with no length but roundings: only these lead over a knot of the coefficients."""
     return np.asarray(np.abs(np.diff(nodes)) <= KNOT_STEP * np.abs(nodes).max())
 
 

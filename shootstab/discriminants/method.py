@@ -115,7 +115,7 @@ class AdaptiveDiscriminant(Discriminant, Protocol):
 
     @property
     def meshes(self) -> Meshes:
-        """The nodes of the cells that are known by now, for a neighbouring problem to begin with."""
+        """The nodes (N + 1,) of the cells that are known by now, for a neighbouring problem to begin with."""
         ...
 
 
@@ -135,7 +135,7 @@ class Method(Protocol):
     ) -> AdaptiveDiscriminant:
         """D(σ) of a problem, integrated along the real axis or along a path.
 
-        centre is a σ that the path is meant for; begin are meshes of a neighbouring problem, with which those of the same cells begin.
+        centre is a σ that the path is meant for; begin are meshes (N + 1,) of another problem, with which those of the same cells begin.
         """
         ...
 

@@ -58,7 +58,7 @@ class Subsystem:
         return (1 + 0j, 1j, -1 + 0j, -1j)[turns]
 
     def pencil(self, z: ComplexArray) -> Pencil:
-        """The matrices (m, n, n) of the subsystem.
+        """The matrices (m, n, n) of the subsystem at points z (m,).
 
         Raises Coupled where a state of it meets an equation outside it: the samples have missed that.
         """
@@ -126,7 +126,7 @@ class Subsystem:
         return curve
 
     def of_whole(self, states: ComplexArray) -> ComplexArray:
-        """The state of the whole (m, n) of which this is the subsystem's (m, size), and zero elsewhere."""
+        """The states of the whole (m, n) of which these (m, size) are the subsystem's, and zero elsewhere."""
         return self._placed(states, self.states, I_POWERS[self.phases[0]])
 
     def left_of_whole(self, rows: ComplexArray) -> ComplexArray:

@@ -50,7 +50,7 @@ def _paired(here: list[complex], there: list[complex]) -> list[tuple[complex, co
 
 
 def on_curve(limit: AsymptoticPencil, ells: NDArray[np.float64], smallest: float) -> list[list[complex]]:
-    """All σ with a rate iℓ, for each ℓ in (m,): det(D − iℓ C) = 0, without those that no rate belongs to, as large ones in place of ∞."""
+    """All σ with a rate iℓ, for each ℓ of ells (m,): det(D − iℓ C) = 0, without those of no rate, as large ones in place of ∞."""
     pairs = polynomial.companion([D - 1j * ells[:, None, None] * C for C, D in zip(limit.pencil.C, limit.pencil.D, strict=True)])
     found = [scipy.linalg.eig(a, b, right=False, homogeneous_eigvals=True) for a, b in zip(*pairs, strict=True)]
     alpha, beta = (np.array([pair[i] for pair in found]) for i in (0, 1))

@@ -7,7 +7,7 @@ from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
 
 
 def null_space(arithmetic: Arithmetic, rows: Matrix, n: int) -> Matrix:
-    """A basis (n, n − m) of the solutions of m independent rows, by elimination with the largest pivots."""
+    """A basis (n, n − m) of the solutions of independent rows (m, n), by elimination with the largest pivots."""
     work, pivots = [list(row) for row in rows], []
     for r in range(len(work)):
         i, j = max(

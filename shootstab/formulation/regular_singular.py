@@ -147,7 +147,7 @@ def coefficient_arrays(parts: ScaledPencil, n: int, terms: int, length: float = 
 
 
 def blocks(arrays: SeriesArrays, shifts: Sequence[int], family: complex, count: int) -> list[NDArray[np.complex128]]:
-    """The matrices before σ⁰, σ¹, … of all equations for m < count, (count·n, count·n)."""
+    """The matrices before σ⁰, σ¹, … of all equations for m < count, (count·n, count·n), from arrays (terms, n, n)."""
     n, S = len(shifts), np.diag(np.array(shifts, dtype=float))
     out = []
     for C, D in zip(*arrays, strict=True):

@@ -18,7 +18,7 @@ TABLE_SUFFIXES = (".csv", ".npz")
 
 
 def save(z: NDArray[np.float64], fields: Mapping[str, NDArray[Any]], path: Path, about: Mapping[str, Any]) -> None:
-    """Fields (m,) at z (m,) as a csv or npz file, told by its suffix.
+    """The fields (m,) at z (m,) as a csv or npz file, told by its suffix.
 
     Raises InputError for another suffix, OutputError where the file cannot be written.
 

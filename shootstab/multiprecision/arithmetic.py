@@ -107,7 +107,7 @@ class Arithmetic(Protocol):
         ...
 
     def expanded(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> list[Matrix]:
-        """All these Y_m (n, k)."""
+        """All these Y_m (n, k), with the same left."""
         ...
 
     def multiplier(self, A: Matrix) -> Callable[[Matrix], Matrix]:

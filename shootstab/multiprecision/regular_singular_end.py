@@ -15,7 +15,10 @@ from shootstab.multiprecision.linear_step import TaylorEntries, leading, stacked
 def decaying_series(
     arithmetic: Arithmetic, C: TaylorEntries, D: TaylorEntries, P0: Matrix, rate: Any, nilpotent: Matrix, terms: int
 ) -> list[Matrix]:
-    """P_m (n, k) for m below terms, from P_0 and Λ = rate I + N with N² = 0: P_m = G (R − C_0 G R N), G = ((m + rate) C_0 − D_0)⁻¹."""
+    """P_m (n, k), m < terms, from P0 (n, k) and Λ = rate I + N, N = nilpotent (k, k) with N² = 0.
+
+    P_m = G (R − C_0 G R N), G = ((m + rate) C_0 − D_0)⁻¹, with R as in kernels.frobenius.
+    """
     n, k = len(P0), len(P0[0])
     nothing = arithmetic.number(0)
     P = [P0, *([[nothing] * k for _ in range(n)] for _ in range(terms - 1))]

@@ -20,7 +20,7 @@ def combined(A: Matrix, B: Matrix, factor: Any) -> Matrix:
 
 
 def polynomial(coefficients: Sequence[Matrix], sigma: Any) -> Matrix:
-    """Σ σ^k A_k, all (m, n), by Horner's rule."""
+    """Σ σ^k A_k of coefficients A_k, all (m, n), by Horner's rule."""
     total = coefficients[-1]
     for A in reversed(coefficients[:-1]):
         total = combined(A, total, sigma)

@@ -26,8 +26,8 @@ TERM_SLACK = 4.0  # chosen: bits by which the last terms may exceed the toleranc
 
 @dataclass(frozen=True)
 class Factors:
-    """The steps, the frame at the beginning of each and at the wall, the B with which each was multiplied after a step, the rows of the
-    unknowns along each; the rows W(σ) at the wall, and where it is."""
+    """The steps, the frames (n, k) at the beginning of each and at the wall, the factors (k, k) that each was multiplied with,
+    the rows of the unknowns along each; the rows W(σ) (k, n) at the wall, and its place."""
 
     steps: Sequence[Expansion]
     frames: list[Matrix]

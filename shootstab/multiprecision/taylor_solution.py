@@ -30,7 +30,7 @@ OUTSIDE_DIGITS = 1e-15  # chosen: part of the domain by which a z may miss an en
 
 @dataclass(frozen=True, eq=False)
 class TaylorSolution:
-    """Places z_0 … z_N from the far end to the wall, the steps between them, ψ at the beginning of each, and the rows of the unknowns."""
+    """Places z_0 … z_N from the far end to the wall, steps between them, psi (n, 1) at the beginning of each, rows of the unknowns."""
 
     arithmetic: Arithmetic
     sigma: Any

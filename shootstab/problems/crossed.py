@@ -64,11 +64,11 @@ class Crossed:
         return Pencil.of([inverse @ M @ T for M in pencil.C], D)
 
     def solution(self, states: ComplexArray, z: ComplexArray) -> ComplexArray:
-        """ψ = T φ of φ (m, n) at z (m,); at an interface on the side that is come from."""
+        """ψ = T φ of states φ (m, n) at z (m,); at an interface on the side that is come from."""
         return np.asarray(np.einsum("mij,mj->mi", self.factors[self._passed(z)], states))
 
     def left_solution(self, rows: ComplexArray, z: ComplexArray) -> ComplexArray:
-        """y of the pencil of ψ, y T being that (m, n) of the pencil of φ multiplied by T⁻¹."""
+        """y (m, n) of the pencil of ψ at z (m,), from rows y T (m, n) of the pencil of φ multiplied by T⁻¹."""
         return np.asarray(np.einsum("mi,mij->mj", rows, self.inverses[self._passed(z)]))
 
     def _passed(self, z: ComplexArray) -> NDArray[np.int64]:

@@ -53,11 +53,11 @@ class Wall:
 class Infinity:
     """An end at infinity: solutions decay towards it.
 
-    decaying is the number of solutions that do, found from the limiting matrix if it is not given. limit is what the pencil is there (D0,
-    D1 or C0, C1, D0, D1), by default what the function gives at ±∞. start is the |z| at which to begin. Without a limit beside it, it says
-    that the coefficients have none (x² in a potential), and the decaying space is that of the pencil frozen there; with one, the
-    space is that of the limit. What either misses is a part of the bound. By default the start is where the coefficients are at
-    their limit to rounding, to which they have to come exponentially.
+    decaying is the number of solutions that do, found from the limiting matrix if it is not given. limit is the pencil there, D0, D1 or
+    C0, C1, D0, D1, all (n, n), by default what the function gives at ±∞. start is the |z| at which to begin. Without a limit beside it,
+    it says that the coefficients have none (x² in a potential), and the decaying space is that of the pencil frozen there; with one, the
+    space is that of the limit. What either misses is a part of the bound. By default the start is where the coefficients are at their
+    limit to rounding, to which they have to come exponentially.
 
     Raises InputError for a start that is no finite number above 0.
     """
@@ -86,7 +86,7 @@ class Interface:
 
     @classmethod
     def jump(cls, z: float, J: ArrayLike, moving: ArrayLike | None = None) -> Interface:
-        """ψ(z+) = (J + σ moving) ψ(z−)."""
+        """ψ(z+) = (J + σ moving) ψ(z−), J and moving (n, n); moving may be (q, n, n), for σ, …, σ^q."""
         at: Any = np.asarray(J)
         return cls(z, at, -np.eye(*at.shape[:1]), moving)
 
@@ -127,7 +127,7 @@ def _is_stack(moving: Any) -> bool:
 
 
 def as_matrix(values: ArrayLike, shape: tuple[int | None, int], named: str) -> ComplexArray:
-    """A finite complex matrix (n, m) of this shape; None stands for any number above 0. Raises InputError."""
+    """The values as a finite complex matrix (n, m) of this shape; None stands for any number above 0. Raises InputError."""
     allowed = f"({'m' if shape[0] is None else shape[0]}, {shape[1]})"
     try:
         matrix = np.array(values, dtype=np.complex128)

@@ -75,7 +75,7 @@ class _Pieces:
 
 
 def find_knots(coefficients: CoefficientFunction, low: float, high: float, given: Reals) -> Reals:
-    """The knots of coefficients inside an interval, those given among them, rising.
+    """The knots (k,) of coefficients inside an interval, those given (l,) among them, rising.
 
     Raises InputError with the place where they are more than MOST_KNOTS beside those given, or where coefficients go with a power that is
     no integer beside one.
@@ -124,7 +124,7 @@ def pair(knot: float, span: float, offset: float = 0.0) -> tuple[float, float]:
 
 
 def with_pairs(nodes: Reals, pairs: Reals) -> Reals:
-    """Nodes (N,), rising or falling, with those of all pairs (M, 2) that lie inside, and without others next to them."""
+    """The nodes (N,), rising or falling, with those of all pairs (M, 2) that lie inside, and without others next to them."""
     low, high = sorted((float(nodes[0]), float(nodes[-1])))
     inside = pairs[(pairs.min(axis=1) > low) & (pairs.max(axis=1) < high)].ravel()
     near = np.abs(nodes[:, None] - inside[None]).min(axis=1, initial=np.inf) < PAIR_SPACE * (high - low)

@@ -146,10 +146,10 @@ def _curves(
 class LinearProblem:
     """A user's problem behind the problem protocol; made by `problem`.
 
-    curve is σ_c(z), fixed are continuous spectra that no path leads around. coarser is the problem on a base flow that is less accurate by
-    a factor, farther_walls that with its approximate walls twice as far from the points that they approximate, written the same in
-    equations; growing_region is that of problems.capabilities. unknowns: what eigenfunctions are shown in; given are the knots that the
-    user knows of.
+    curve is σ_c(z), fixed are continuous spectra (z, σ_c), each (m,), that no path avoids. coarser is the problem on a base flow that is
+    less accurate by a factor, farther_walls that with its approximate walls twice as far from the points that they approximate, written
+    the same in equations; growing_region is that of problems.capabilities. unknowns: what eigenfunctions are shown in; given are the
+    knots that the user knows of.
     """
 
     function: PencilFunction

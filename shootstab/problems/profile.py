@@ -18,7 +18,7 @@ PROFILE_ORDERS = (1, 3, 5, 7)  # chosen: degrees of the polynomials; of an even 
 class Profile:
     """A function of real z between the ends of its data; made by `profile`.
 
-    A derivative of the highest order that it has jumps at its knots, between which it is one polynomial each.
+    The sites (m,) are the z of the data. Its derivative of the highest order jumps at its knots, between which it is one polynomial each.
     """
 
     spline: BSpline

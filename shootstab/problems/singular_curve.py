@@ -70,7 +70,7 @@ class ContinuumOnLine:
 
 
 def traces(function: PencilFunction, z: ComplexArray, sigmas: ComplexArray) -> ComplexArray:
-    """tr[C⁻¹ dC/dσ] for σ (s,) at points z (p,): (s, p). Not finite where C is singular at one of these σ."""
+    """tr[C⁻¹ dC/dσ] for sigmas (s,) at points z (p,): (s, p). Not finite where C is singular at one of these σ."""
     C = function(z).C
     with np.errstate(all="ignore"):
         try:

@@ -65,7 +65,7 @@ class AsymptoticPencil:
         return np.asarray(rates[np.argsort(rates.real)])
 
     def rates_at(self, sigmas: ComplexArray) -> ComplexArray:
-        """The rates (m, n) at σ (m,), in no order; NaN where C is singular."""
+        """The rates (m, n) at sigmas (m,), in no order; NaN where C is singular."""
         C, D = (polynomial.value(part, sigmas[:, None, None]) for part in (self.pencil.C, self.pencil.D))
         whole = np.linalg.cond(C) < 1.0 / EPSILON
         rates = np.full(D.shape[:2], np.nan, dtype=np.complex128)

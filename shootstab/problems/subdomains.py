@@ -44,7 +44,7 @@ class Subdomain:
         return replace(self, offset=self.offset + self.scale * shift, scale=self.scale * stretch)
 
     def points(self, t: ComplexArray) -> ComplexArray:
-        """z (m,); at an interface a hair inside."""
+        """z (m,) of t (m,); at an interface a hair inside."""
         z = self.offset + self.scale * t
         for end in self.ends:
             hair = INSIDE_INTERFACE * max(1.0, abs(end))
@@ -53,7 +53,7 @@ class Subdomain:
         return z
 
     def pencil(self, function: PencilFunction, t: ComplexArray) -> Pencil:
-        """The matrices (m, N, N) of ψ, and of a before it if the subdomain is augmented."""
+        """The matrices (m, N, N) of ψ at t (m,), and of a before it if the subdomain is augmented."""
         z = self.points(t)
         p = function(z) if self.crossed is None else self.crossed.changed(function(z), z)
         own = p if self.scale == 1.0 else p.stretched(self.scale)

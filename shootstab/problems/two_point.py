@@ -60,7 +60,7 @@ class TwoPointReduction:
         return tuple((low, high) for low, high in ends)
 
     def pairs(self, knots: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The t (M, 2) on either side of each knot z, in every subdomain that it lies inside."""
+        """The t (M, 2) on either side of each z of the knots (K,), in every subdomain that it lies inside."""
         found = []
         for subdomain, (low, high) in zip(self.subdomains, self.intervals, strict=True):
             for knot in knots[(knots > low) & (knots < high)].tolist():

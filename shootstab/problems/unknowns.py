@@ -72,7 +72,7 @@ class Placement:
         return own if self.crossed is None else self.crossed.solution(own, self.z(t))
 
     def left(self, rows: ComplexArray, t: ComplexArray) -> ComplexArray:
-        """The left solution (m, n) of that (m, N) of the whole at t (m,): y T⁻¹ behind interfaces."""
+        """The left solution (m, n) from rows (m, N), that of the whole at t (m,): y T⁻¹ behind interfaces."""
         own = rows[..., self.first : self.first + self.size]
         return own if self.crossed is None else self.crossed.left_solution(own, self.z(t))
 

@@ -38,7 +38,7 @@ class ModeShape:
     ky: float
 
     def fields(self, z: NDArray[np.float64], unknowns: Mapping[str, ComplexArray]) -> dict[str, ComplexArray]:
-        """The local mass flux, (3.1)."""
+        """The local mass flux (3.1), each component (m,), from unknowns (m,) at z (m,)."""
         states = self.flow.states_at(z)
         nu0, u0 = np.exp(states[:, 0]).real, states[:, 2].real
         return {

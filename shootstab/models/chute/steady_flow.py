@@ -180,7 +180,7 @@ class Flow:
 
 
 def top_state(chute: Chute, far_temperature: float, log_nu: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """States (m, 7) so high up that only the first terms of the expansion in ν count; u is taken relative to u_∞.
+    """States (m, 7) at log_nu (m,), so high up that only the first terms of the expansion in ν count; u is taken relative to u_∞.
 
     T = T_∞ (1 + (g4/g3) ν), Q = −(tanθ²/g2 − f5) T_∞^{5/2} ν / 2, u − u_∞ = −(tanθ/g2) T_∞^{3/2} ν.
     """

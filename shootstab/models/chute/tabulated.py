@@ -35,7 +35,7 @@ def tabulated(chute: Chute, states: NDArray[np.complex128], derivatives: bool = 
 
 
 def expanded(chute: Chute, states: NDArray[np.inexact]) -> NDArray[np.complex128]:
-    """The same with derivatives (44, N) as power series in ν, from (ν, T, u, Q) (4, N) as such series."""
+    """The same with derivatives (44, N) as power series in ν, from the states (ν, T, u, Q) (4, N) as such series."""
     return series(_recorded(chute.radial_law[0], True), states, _parameters(chute))
 
 

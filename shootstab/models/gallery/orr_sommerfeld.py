@@ -23,7 +23,7 @@ REGION_MARGIN = 2.0**-20  # chosen: part by which a region that holds all growin
 
 
 def orr_sommerfeld(profile: VelocityProfile, reynolds: complex, alpha: complex, V: float = 0.0) -> AffineMatrices:
-    """D0 (m, 4, 4) and D1 (4, 4) as a function of y (m,); C is the identity."""
+    """D0 (m, 4, 4) and D1 (4, 4) as a function of y (m,), from the profile U, U″ (m,); C is the identity."""
     a2, R = alpha * alpha, reynolds
     D1 = np.zeros((4, 4), dtype=np.complex128)
     D1[3, 0], D1[3, 2] = -R * a2, R

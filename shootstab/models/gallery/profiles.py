@@ -14,7 +14,7 @@ from shootstab.problems.protocol import ComplexArray
 class Piecewise:
     """A function of y ≥ 0: on [j h, (j+1) h] the polynomial Σ_m coefficients[j, m] (y − j h)^m, and beyond the last piece its limit.
 
-    Points y may be complex: the piece is that of their real part.
+    The coefficients are (pieces, terms). Points y may be complex: the piece is that of their real part.
     """
 
     h: float
@@ -51,5 +51,5 @@ class Piecewise:
 
 
 def off_by(numbers: NDArray[np.float64], relative: float) -> NDArray[np.float64]:
-    """Numbers (…, m), each changed by a random relative amount, always the same one, no larger than this."""
+    """The numbers (…, m), each changed by a random relative amount, always the same one, no larger than this."""
     return np.asarray(numbers * (1 + relative * (2 * np.random.default_rng(1).random(numbers.shape) - 1)))
