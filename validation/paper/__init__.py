@@ -3,8 +3,4 @@
 from __future__ import annotations
 
 # the rows in the order of the table
-SCRIPTS = (
-    "errata",
-    "order_and_continuum",
-    "far_field",
-)
+SCRIPTS = ("errata",)
