@@ -1,6 +1,7 @@
-"""How many modes grow: a count over the whole right half-plane, closed by a bound on |σ| that the growth of D gives.
+"""How many modes grow: a count over the whole right half-plane, closed by a theorem on |σ| or, where there is none, by the growth of D.
 
-For large |σ| the solutions vary on the short scale σ^(−1/2), and ln D = 2A σ^(1/2) + B ln σ + …, so that q(σ) = σ D′/D = A σ^(1/2) + B + …
+A theorem is that of the problem (problems.capabilities.GROWING_REGION), such as the numerical range of its equations. Without one: for
+large |σ| the solutions vary on the short scale σ^(−1/2), and ln D = 2A σ^(1/2) + B ln σ + …, so that q(σ) = σ D′/D = A σ^(1/2) + B + …
 in the right half-plane. Next to a zero q is infinite: where q follows that law over an arc, and over the next ones out to 64 times
 the radius, no zero hides beyond. The half-disc inside is then counted.
 """
@@ -23,6 +24,7 @@ from shootstab.core.regions import Rectangle
 from shootstab.discriminants.continuation import Continuation, Undecidable
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.method import AdaptiveDiscriminant, Method
+from shootstab.problems.capabilities import GROWING_REGION
 from shootstab.problems.protocol import Problem
 
 # chosen: nine directions on a half circle in Re σ > 0 in which the law of D at large |σ| is looked at
@@ -75,13 +77,19 @@ class HalfDisc:
 
 @dataclass(frozen=True)
 class Unstable:
-    """count modes have Re σ > floor; none has |σ| > radius, where q departs from its law by no more than departure."""
+    """count modes have Re σ > floor, and all of them lie in the region, none beyond |σ| = radius.
+
+    That no other one has Re σ > floor says the lemma of this name, or, where that is empty, the law of growth, from which q departs by no
+    more than departure.
+    """
 
     count: int
     floor: float
     radius: float
     departure: float
     counted: RegionCount
+    region: HalfDisc | Rectangle
+    lemma: str = ""
 
 
 def count_unstable(problem: Problem, floor: float = 1e-8, method: Method | None = None) -> Unstable:
@@ -99,9 +107,22 @@ def count_unstable(problem: Problem, floor: float = 1e-8, method: Method | None 
             f"the essential spectrum reaches Re sigma = {continuation.rightmost:.6g}, right of the floor {floor:.1e}: "
             "the half-plane cannot be counted as a whole; modes can be counted in a region that is named"
         )
-    radius, departure = bound(used.on(problem))
-    _, counted = counted_twice(Tightening(continuation), HalfDisc(radius, floor))
-    return Unstable(counted.count, floor, radius, departure, counted)
+    region, lemma, departure = _closed(problem, used, floor)
+    _, counted = counted_twice(Tightening(continuation), region)
+    radius = region.radius if isinstance(region, HalfDisc) else max(map(abs, region.hull))
+    return Unstable(counted.count, floor, radius, departure, counted, region, lemma)
+
+
+def _closed(problem: Problem, method: Method, floor: float) -> tuple[HalfDisc | Rectangle, str, float]:
+    """A region with all modes of Re σ > floor, the lemma by which it has them, and the departure from the law where it is that."""
+    theorem = GROWING_REGION.of(problem)
+    if theorem is not None:
+        try:
+            return *theorem(floor), 0.0
+        except InputError:
+            pass  # the floor lies above all of its region: the law is asked
+    radius, departure = bound(method.on(problem))
+    return HalfDisc(radius, floor), "", departure
 
 
 def bound(discriminant: AdaptiveDiscriminant) -> tuple[float, float]:

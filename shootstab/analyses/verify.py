@@ -26,7 +26,7 @@ from shootstab.analyses.missing import (
 )
 from shootstab.analyses.nearest import with_nearest
 from shootstab.analyses.refine_double import TIGHTEST, require_atol
-from shootstab.analyses.unstable import HalfDisc, count_unstable
+from shootstab.analyses.unstable import count_unstable
 from shootstab.analyses.verifier import Sighting, Verifier
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.progress import Progress, StageClock
@@ -273,6 +273,7 @@ def _unstable(continuation: Continuation, known: list[Zero]) -> tuple[tuple[Mode
     growing = [k.sigma.real for k in known if k.sigma.real > 0.0]
     counted = count_unstable(continuation.problem, min(1e-8, 1e-3 * min(growing, default=1.0)), continuation.method)
     said = f"in all {counted.count} modes have Re sigma > {counted.floor:.1e}, none of them |sigma| > {counted.radius:g}"
+    said += f" (by lemma {counted.lemma})" if counted.lemma else ""
     if counted.count == sum(k.multiplicity for k in known if k.sigma.real > counted.floor):
         return (), said
-    return modes_with_bounds(continuation, find_modes(continuation, HalfDisc(counted.radius, counted.floor), known)[1]), said
+    return modes_with_bounds(continuation, find_modes(continuation, counted.region, known)[1]), said

@@ -81,14 +81,14 @@ def count(options: Namespace) -> int:
 
     if options.floor is not None and options.region != "half-plane":
         raise InputError("--floor: allowed only with --region half-plane")
-    region = _region(options)
+    region, lemma = _region(options), ""
     scene = scene_files.load(options.scene)
     with progress(f"counting modes of {scene.name}"):
         if region is None:
-            from shootstab.analyses.unstable import HalfDisc, count_unstable
+            from shootstab.analyses.unstable import count_unstable
 
             growing = count_unstable(scene.problem, *(options.floor or ()))
-            region, found = HalfDisc(growing.radius, growing.floor), growing.counted
+            region, found, lemma = growing.region, growing.counted, growing.lemma
         else:
             from shootstab.analyses.count import counted
 
@@ -98,9 +98,9 @@ def count(options: Namespace) -> int:
     def tables() -> list[RenderableType]:
         from shootstab.cli import tables
 
-        return tables.count(shape, found, scene)
+        return tables.count(shape, found, scene, lemma)
 
-    _answer(options, documents.count(region, found), tables, scene)
+    _answer(options, documents.count(region, found, lemma), tables, scene)
     return DONE
 
 

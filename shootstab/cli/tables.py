@@ -148,12 +148,14 @@ def mode(found: Mode, scene: Scene, asked: int | None = None) -> Parts:
     return [heading(scene), pairs((name, with_i(value)) for name, value in rows.items())]
 
 
-def count(region: Region, found: RegionCount, scene: Scene) -> Parts:
-    """One sentence, and what was left out."""
+def count(region: Region, found: RegionCount, scene: Scene, lemma: str = "") -> Parts:
+    """One sentence, by which lemma the region holds all growing modes, and what was left out."""
     said = f"{scene.name}: {found.count} mode{'s' * (found.count != 1)} inside the {_shape(region)}."
     closed = f"The phase of D closed to {found.closure:.0e} of a turn, in {found.evaluations} evaluations."
     left = [f"Not counted: what lies within {d.radius:.1e} of the end {d.centre:.6g} of the continuous spectrum." for d in found.left_out]
-    return [paragraph(line) for line in (f"{said} {closed}", *left)]
+    floor = min(corner.real for corner in region.hull)
+    others = [f"None outside of it has Re σ > {floor:.1e}, by lemma {lemma} of `shootstab guide proofs`."] if lemma else []
+    return [paragraph(line) for line in (f"{said} {closed}", *others, *left)]
 
 
 def found(answer: Found, region: Region, scene: Scene) -> Parts:

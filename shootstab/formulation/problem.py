@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
+from shootstab.core.regions import Rectangle
 from shootstab.formulation.condition_count import require_count
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
 from shootstab.formulation.continuous_spectrum import InteriorSpectrum
@@ -119,6 +120,13 @@ class EquationProblem(LinearProblem):
         from shootstab.formulation.enclosed import EquationEnclosable
 
         return EquationEnclosable(self.states, *places(self.statement))
+
+    @cached_property
+    def growing_region(self) -> Callable[..., tuple[Rectangle, str]] | None:
+        """growing_region(floor): see problems.capabilities. None where the numerical range of the equations bounds no growing modes."""
+        from shootstab.formulation.growth_bound import growing_region
+
+        return growing_region(self.statement)
 
     @property
     def varied(self) -> Callable[[str], Callable[[Any], Enclosable]] | None:

@@ -79,8 +79,11 @@ def _verdict(verdict: Verdict) -> dict[str, Any]:
     }
 
 
-def count(region: Region, found: RegionCount) -> dict[str, Any]:
-    """What `count` answers: beside the count how nearly the phase closed, and what was left out around ends of the continuous spectrum."""
+def count(region: Region, found: RegionCount, lemma: str = "") -> dict[str, Any]:
+    """What `count` answers: beside the count how nearly the phase closed, and what was left out around ends of the continuous spectrum.
+
+    lemma is the theorem by which the region holds all growing modes.
+    """
     left_out = [disc.as_dict() for disc in found.left_out]
     return {
         "region": {**region.as_dict(), "bounds": bounds(region)},
@@ -88,6 +91,7 @@ def count(region: Region, found: RegionCount) -> dict[str, Any]:
         "closure": found.closure,
         "left_out": left_out,
         "evaluations": found.evaluations,
+        **({"lemma": lemma} if lemma else {}),
     }
 
 

@@ -62,8 +62,7 @@ def problem(
     couple ψ(z−) and ψ(z+). continuum(z) is σ_c(z), the σ for which C is singular at z; by default it is found from the pencil, and led
     around where it is one curve and analytic; with continuum=False it is not looked for. coarser(factor) is the problem on a base flow
     computed less accurately by this factor, if the base flow is computed at all; written makes the same problem by `equations`, which
-    gives it many digits and proofs; growing_region(floor) is a rectangle that a theorem says to hold every σ with Re σ ≥ floor, and the
-    name of the theorem.
+    gives it many digits and proofs; growing_region(floor) is a rectangle with every σ of Re σ ≥ floor, and the theorem that says so.
 
     Coefficients are sampled at a few thousand points, so that what they do far from the origin is seen. A feature that is narrower than a
     2000th of its subdomain, or than a 50th of its distance from a fold or a wall, may lie between samples: an interface at its place, or
@@ -148,8 +147,7 @@ class LinearProblem:
 
     curve is σ_c(z), fixed are continuous spectra (z, σ_c), each (m,), that no path avoids. coarser is the problem on a base flow that is
     less accurate by a factor, farther_walls that with its approximate walls twice as far from the points that they approximate, written
-    the same in equations; growing_region is that of problems.capabilities. unknowns: what eigenfunctions are shown in; given are the
-    knots that the user knows of.
+    the same in equations; bounded is the growing_region of `problem`; eigenfunctions are shown in unknowns; given are the user's knots.
     """
 
     function: PencilFunction
@@ -159,7 +157,7 @@ class LinearProblem:
     coarser: Callable[[float], LinearProblem] | None = None
     farther_walls: LinearProblem | None = None
     written: Callable[[], Any] | None = None
-    growing_region: Callable[..., tuple[Rectangle, str]] | None = None
+    bounded: Callable[..., tuple[Rectangle, str]] | None = None
     unknowns: Unknowns | None = None
     given: tuple[float, ...] = ()
 
@@ -271,6 +269,11 @@ class LinearProblem:
     def _on_line(self) -> ContinuumOnLine | None:
         low, high = sorted((self.reduction.start, self.reduction.end))
         return None if self.curve is None else ContinuumOnLine(self.curve, self.function.vectorized, low, high)
+
+    @cached_property
+    def growing_region(self) -> Callable[..., tuple[Rectangle, str]] | None:
+        """See problems.capabilities: as it was given, or that of the same problem in equations."""
+        return self.bounded or getattr(self._in_equations, "growing_region", None)
 
     @property
     def layout(self) -> tuple[Placement, ...]:

@@ -1,0 +1,152 @@
+"""A rectangle that holds every eigenvalue right of a floor, by the numerical range of the equations: found in doubles, proved in balls.
+
+The half-planes Re(e^{−iθ} σ) ≤ b of numerical_range.py for θ = 0 and for directions on both sides of it, cut off at the floor. b is the
+smallest number with which the form is positive at samples of z, widened; then a Cholesky decomposition in balls shows that it is positive
+on every piece of the interval.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.core.errors import InputError
+from shootstab.core.regions import Rectangle
+from shootstab.formulation.expression import Expression
+from shootstab.formulation.gaussian import ONE, Gaussian
+from shootstab.formulation.numerical_range import EnergyForm, energy_form, sampled
+from shootstab.formulation.sesquilinear_form import Form
+from shootstab.formulation.statement import Statement
+from shootstab.formulation.system import Jet
+
+LEMMA = "P3"
+DIRECTIONS = ((4, 3, 5), (3, 4, 5), (5, 12, 13), (7, 24, 25), (0, 1, 1))  # chosen: cos θ, sin θ as rational numbers, over the last one
+SAMPLES = 65  # chosen: points at which the form is looked at for b
+LARGEST_BOUND = 1e12  # chosen: beyond, there is no bound to any purpose
+WIDENED = 1.01  # chosen: b against that of the samples
+PROOF_TRIES, WIDER = 6, 1.3  # chosen: how often b is widened where the proof fails, and by how much
+RATIOS = (0.25, 4.0)  # chosen: steps with which weights of groups of equations are tried
+SWEEPS = 4  # chosen: rounds of these trials
+HALVINGS = 14  # chosen: of the interval at most, for one piece of the proof
+BITS = 80  # chosen: of the balls, half as many again as doubles have
+RECTANGLE_MARGIN = 1e-9  # chosen: of the rectangle beyond the bound, relative, far above the rounding of its corners
+
+
+def growing_region(statement: Statement) -> Callable[..., tuple[Rectangle, str]] | None:
+    """growing_region(floor) ↦ a rectangle with every σ of Re σ ≥ floor, and the lemma. None where no form bounds them.
+
+    Offered between two ends with conditions, for equations linear in the eigenvalue whose functions are formulas.
+    """
+    if statement.domain.given or statement.joints or statement.denominators or not all(statement.holding):
+        return None
+    right = _bound(statement, ONE)
+    if right is None:
+        return None
+    sides: list[list[tuple[float, float, float]]] = [[], []]  # cos θ, sin θ, b, below and above
+    for c, s, whole in DIRECTIONS:
+        for side in (0, 1):
+            found = _bound(statement, Gaussian(Fraction(c, whole), Fraction(s if side else -s, whole)))
+            if found is not None:
+                sides[side].append((c / whole, s / whole, found))
+    if not all(sides):
+        return None
+    top = right
+
+    def region(floor: float, /, **varied: float) -> tuple[Rectangle, str]:
+        if varied:
+            raise InputError("the bound on growing modes is for one value of each parameter: name a --region for an interval of them")
+        heights = [min((b - c * floor) / s for c, s, b in side) for side in sides]
+        size = max(*map(abs, heights), abs(top - floor))
+        edge = max(top + RECTANGLE_MARGIN * size, floor + RECTANGLE_MARGIN * size)  # a bound left of the floor leaves a sliver
+        low, high = -heights[0] - RECTANGLE_MARGIN * size, heights[1] + RECTANGLE_MARGIN * size
+        if low >= high:
+            low, high = min(low, high) - RECTANGLE_MARGIN * size, max(low, high) + RECTANGLE_MARGIN * size
+        return Rectangle(complex(floor, low), complex(edge, high)), LEMMA
+
+    return region
+
+
+def _bound(statement: Statement, direction: Gaussian) -> float | None:
+    """b ≥ 0 with Re(σ conj(direction)) ≤ b for every eigenvalue; None where none is found or proved."""
+    form = energy_form(statement, direction)
+    if form is None:
+        return None
+    low, high = float(statement.left.at), float(statement.right.at)  # type: ignore[union-attr]
+    jets = form.jets
+    z = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(np.pi * np.arange(SAMPLES) / (SAMPLES - 1))
+    S, L = (np.array([sampled(part, jets, z) for part in parts]) for parts in (form.weight, form.rotated))
+    if not (np.isfinite(S).all() and np.isfinite(L).all()):
+        return None
+    weights, b = _lightest(S, L)
+    for _ in range(PROOF_TRIES):
+        if not b < LARGEST_BOUND:
+            return None
+        b = WIDENED * b
+        if _proved(form, weights, b, Fraction(repr(low)), Fraction(repr(high))):
+            return b
+        b = WIDER * b + 1e-300
+    return None
+
+
+def _lightest(S: NDArray[np.complex128], L: NDArray[np.complex128]) -> tuple[list[float], float]:
+    """Weights of the groups, and about the smallest b with which the samples are positive; S and L are (groups, m, k, k)."""
+    weights = np.ones(len(S))
+    best = _smallest(weights, S, L)
+    for _ in range(SWEEPS if len(S) > 1 else 0):
+        before = best
+        for i in range(1, len(S)):
+            for ratio in RATIOS:
+                trial = weights.copy()
+                trial[i] *= ratio
+                b = _smallest(trial, S, L)
+                if b < best:
+                    weights, best = trial, b
+        if best == before:
+            break
+    return [float(w) for w in weights], best
+
+
+def _smallest(weights: NDArray[np.float64], S: NDArray[np.complex128], L: NDArray[np.complex128]) -> float:
+    """inf where none is below LARGEST_BOUND; to one part in a hundred."""
+    s, form = np.tensordot(weights, S, 1), np.tensordot(weights, L, 1)
+
+    def positive(b: float) -> bool:
+        P = b * s - form
+        size = np.sqrt(np.abs(np.diagonal(P, axis1=1, axis2=2)).max(axis=0))
+        size[size == 0.0] = 1.0
+        return bool(np.linalg.eigvalsh(P / size[:, None] / size[None, :]).min() > 0.0)
+
+    high = 1e-6
+    while not positive(high):
+        high *= 10.0
+        if high > LARGEST_BOUND:
+            return math.inf
+    low = 0.1 * high
+    while high > 1.01 * low:
+        middle = math.sqrt(low * high)
+        low, high = (low, middle) if positive(middle) else (middle, high)
+    return high
+
+
+def _proved(form: EnergyForm, weights: Sequence[float], b: float, low: Fraction, high: Fraction) -> bool:
+    """Whether S > 0 in its own jets and b S − Re(e^{−iθ} L) > 0 at every z of the interval."""
+    from shootstab.formulation.ball_forms import positive_everywhere
+
+    free = [Expression({(): Gaussian.of(w)}) for w in weights]
+    pairs = [(w, S, L) for w, S, L in zip(free, form.weight, form.rotated, strict=True)]
+    S = _sum([(w, part) for w, part, _ in pairs])
+    P = _sum([(w * Expression({(): Gaussian.of(b)}), part) for w, part, _ in pairs] + [(-w, part) for w, _, part in pairs])
+    return positive_everywhere(S, low, high, BITS, HALVINGS) and positive_everywhere(P, low, high, BITS, HALVINGS)
+
+
+def _sum(parts: Sequence[tuple[Expression, Form]]) -> Form:
+    total: dict[tuple[Jet, Jet], Any] = {}
+    for factor, form in parts:
+        for at, c in form.items():
+            total[at] = total[at] + factor * c if at in total else factor * c
+    return total
