@@ -27,14 +27,14 @@ from shootstab.formulation.system import Jet
 LEMMA = "P3"
 DIRECTIONS = ((4, 3, 5), (3, 4, 5), (5, 12, 13), (7, 24, 25), (0, 1, 1))  # chosen: cos θ, sin θ as rational numbers, over the last one
 SAMPLES = 65  # chosen: points at which the form is looked at for b
-LARGEST_BOUND = 1e12  # chosen: beyond, there is no bound to any purpose
+LARGEST_BOUND = 1e12  # chosen: a larger b is no bound to any purpose
 WIDENED = 1.01  # chosen: b against that of the samples
 PROOF_TRIES, WIDER = 6, 1.3  # chosen: how often b is widened where the proof fails, and by how much
 RATIOS = (0.25, 4.0)  # chosen: steps with which weights of groups of equations are tried
 SWEEPS = 4  # chosen: rounds of these trials
-HALVINGS = 14  # chosen: of the interval at most, for one piece of the proof
-BITS = 80  # chosen: of the balls, half as many again as doubles have
-RECTANGLE_MARGIN = 1e-9  # chosen: of the rectangle beyond the bound, relative, far above the rounding of its corners
+HALVINGS = 14  # chosen: halvings of the interval at most, for one piece of the proof
+BITS = 80  # chosen: precision of the balls, half as many bits again as doubles have
+RECTANGLE_MARGIN = 1e-9  # chosen: by which the rectangle is wider than the bound, relative, far above the rounding of its corners
 
 
 def growing_region(statement: Statement) -> Callable[..., tuple[Rectangle, str]] | None:

@@ -47,7 +47,7 @@ class EnergyForm:
 
 
 def energy_form(statement: Statement, direction: Gaussian) -> EnergyForm | None:
-    """That of e^{iθ} = direction, |direction| = 1; None where no weights are found that make it one."""
+    """The form for e^{iθ} = direction, |direction| = 1; None where no weights are found that make it one."""
     vanishing = statement.domain.vanishing
     if any(degree(c) > 1 for row in statement.system.rows for c in row.values()):
         return None
@@ -63,7 +63,7 @@ def energy_form(statement: Statement, direction: Gaussian) -> EnergyForm | None:
 
 
 def _pairings(statement: Statement) -> Iterator[tuple[str, ...]]:
-    """For each equation the unknown whose conjugate it is multiplied by: equations with the eigenvalue by one that it stands with."""
+    """The unknown for each equation whose conjugate it is multiplied by: equations with the eigenvalue by one that it stands with."""
     system = statement.system
     if len(system.unknowns) > MOST_PAIRED:
         return

@@ -18,7 +18,7 @@ from shootstab.formulation.gaussian import Gaussian
 from shootstab.formulation.system import Jet
 from shootstab.formulation.vanishing import Vanishing
 
-Form = dict[tuple[Jet, Jet], Expression]  # by the conjugated factor and the other one
+Form = dict[tuple[Jet, Jet], Expression]  # coefficients by the conjugated factor and the other one
 
 HALF = number(Fraction(1, 2))  # exact
 
@@ -29,7 +29,7 @@ class NotRealError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class RealPart:
-    """Of a form: entries, Hermitian at every real z, and what stands at the right end less what stands at the left one."""
+    """The real part of a form: entries, Hermitian at every real z, and what stands at the right end less what stands at the left one."""
 
     entries: Form
     at_ends: Form
@@ -73,7 +73,7 @@ def real_part(form: Form, vanishing: Vanishing) -> RealPart:
         mirrored = {(j, i): conjugated(c) for (i, j), c in G.items()}
         for sign, part in ((1, G), (-1, mirrored)):
             for (i, j), c in part.items():
-                hermitian = HALF * c  # of both parts together: G_h
+                hermitian = HALF * c  # G_h is the sum over both parts
                 at_ends.append({((i, p), (j, p)): HALF * hermitian})
                 entries.append({((i, p), (j, p)): -(HALF * hermitian.derivative())})
                 skew = hermitian if sign > 0 else -hermitian
