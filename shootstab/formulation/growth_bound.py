@@ -34,7 +34,7 @@ RATIOS = (0.25, 4.0)  # chosen: steps with which weights of groups of equations 
 SWEEPS = 4  # chosen: rounds of these trials
 HALVINGS = 14  # chosen: halvings of the interval at most, for one piece of the proof
 BITS = 80  # chosen: precision of the balls, half as many bits again as doubles have
-RECTANGLE_MARGIN = 1e-9  # chosen: by which the rectangle is wider than the bound, relative, far above the rounding of its corners
+RECTANGLE_MARGIN = 1e-9  # chosen: how much wider than the bound the rectangle is, relative, far above the rounding of its corners
 
 
 def growing_region(statement: Statement) -> Callable[..., tuple[Rectangle, str]] | None:
