@@ -115,7 +115,8 @@ def multiple(continuation: Continuation, found: Cluster, rtol: float, atol: floa
     error, asked = found.error, max(rtol * abs(found.mean), atol)
     status = CONVERGED
     if error > asked:
-        status = f"not converged: {found.multiplicity} modes lie within {error:.1e} of {found.mean:.12g}, and {asked:.1e} was asked for"
+        lie = "1 mode lies" if found.multiplicity == 1 else f"{found.multiplicity} modes lie"
+        status = f"not converged: {lie} within {error:.1e} of {found.mean:.12g}, and {asked:.1e} was asked for"
     return Mode(
         found.mean,
         error,
