@@ -143,3 +143,22 @@ def test_no_optional_library_is_imported_by_the_main_job() -> None:
         "print([m for m in ('matplotlib', 'flint', 'h5py', 'dask', 'sympy', 'pytest') if m in sys.modules])"
     )
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
+
+
+def test_without_the_extras_every_model_is_there_and_what_needs_one_is_refused_in_a_line() -> None:
+    code = (
+        "import sys\n"
+        "extras = 'matplotlib plotly flint h5py dask distributed sympy pytest hypothesis'\n"
+        "sys.modules.update(dict.fromkeys(extras.split()))\n"
+        "from shootstab.cli import main as cli\n"
+        "from shootstab.io import scenes\n"
+        "assert all(scenes.load(name).problem.size for name in ('low', 'benard', 'convection'))\n"
+        "for words in (['prove', 'poiseuille', '--guess', '0.0037,-0.2375'], ['check', 'no.json'],\n"
+        "              ['verify', 'poiseuille', '--prove', '--missing', 'none'], ['verify', 'poiseuille', '--html', 'no.html']):\n"
+        "    print(cli.main(words))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.stdout, done.returncode) == ("2\n" * 4, 0), done.stderr
+    lines = done.stderr.splitlines()
+    assert [line[:11] for line in lines] == ["shootstab: "] * 4
+    assert [line.partition("needs ")[2] for line in lines[:3]] == ["python-flint: install it with `pip install 'shootstab[precise]'`"] * 3

@@ -14,12 +14,11 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from flint import acb
-
 from shootstab.analyses import checker_settings
 from shootstab.analyses.contour_proof import CONTOUR_BITS, RIM
 from shootstab.analyses.proof import Proof
 from shootstab.analyses.prove import whole
+from shootstab.core.balls import acb
 from shootstab.core.errors import ConvergenceError, InputError, shortened
 from shootstab.core.reading import bytes_of, json_of, text_of
 from shootstab.multiprecision.enclosure import Enclosure, at_bits, decimal

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
 
-from flint import acb, arb
-
 from shootstab.analyses.disc_proof import MORE_BITS, disc
 from shootstab.analyses.proof import Proof, lemmas, named
+from shootstab.core.balls import acb, arb
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.progress import Progress
 from shootstab.core.regions import Rectangle

@@ -8,9 +8,9 @@ from time import perf_counter
 from typing import Any
 
 import mpmath
-from flint import acb, arb
 
 from shootstab.analyses.proof import Decimals, Proof, lemmas, named, rounded
+from shootstab.core.balls import acb, arb
 from shootstab.core.errors import ConvergenceError
 from shootstab.multiprecision.enclosable import Enclosable
 from shootstab.multiprecision.enclosure import Enclosure, at_bits, decimal

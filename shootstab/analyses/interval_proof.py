@@ -9,11 +9,10 @@ from fractions import Fraction
 from time import perf_counter
 from typing import Any
 
-from flint import acb, arb
-
 from shootstab.analyses.contour_proof import RECTANGLE_SLACK, RIM, along, settings
 from shootstab.analyses.disc_proof import MOST_BITS, disc
 from shootstab.analyses.proof import Proof, lemmas, named
+from shootstab.core.balls import acb, arb
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.progress import Progress
 from shootstab.core.regions import Rectangle

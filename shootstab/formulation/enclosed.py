@@ -15,8 +15,7 @@ from fractions import Fraction
 from itertools import combinations
 from typing import Any
 
-from flint import acb, acb_mat, arb
-
+from shootstab.core.balls import acb, acb_mat, arb
 from shootstab.formulation.atoms import Atom
 from shootstab.formulation.evaluation import Evaluator
 from shootstab.formulation.gaussian import Gaussian

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from shootstab.formulation.atoms import Atom
 from shootstab.formulation.expression import number
@@ -12,7 +12,9 @@ from shootstab.formulation.first_order import first_order
 from shootstab.formulation.gaussian import Gaussian
 from shootstab.formulation.state_pencil import in_states, state_pencil
 from shootstab.formulation.statement import Statement
-from shootstab.multiprecision.enclosable import Enclosable
+
+if TYPE_CHECKING:
+    from shootstab.multiprecision.enclosable import Enclosable
 
 
 def places(statement: Statement) -> tuple[Fraction, Fraction]:

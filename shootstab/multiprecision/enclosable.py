@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, Protocol
 
-from flint import acb, arb, fmpq
-
+from shootstab.core.balls import acb, arb, fmpq
 from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import exact
 from shootstab.multiprecision.minors import MinorEntries, minors

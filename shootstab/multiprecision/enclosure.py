@@ -21,8 +21,8 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from flint import acb, acb_mat, arb, ctx
 
+from shootstab.core.balls import acb, acb_mat, arb, ctx
 from shootstab.core.errors import ConvergenceError
 from shootstab.multiprecision.enclosable import Enclosable, ball
 from shootstab.multiprecision.minors import MinorEntries, at_sigma, compound, solved

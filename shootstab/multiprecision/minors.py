@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from itertools import combinations
 from typing import Any
 
-from flint import acb, acb_mat
-
+from shootstab.core.balls import acb, acb_mat
 from shootstab.core.errors import ConvergenceError
 from shootstab.multiprecision.tailed_series import TailedSeries
 

@@ -24,7 +24,7 @@ from contextlib import contextmanager
 from itertools import zip_longest
 from typing import Any
 
-from flint import acb, acb_poly, acb_series, arb, ctx
+from shootstab.core.balls import acb, acb_poly, acb_series, arb, ctx
 
 ZERO_BALL, NO_TAIL = acb(0), arb(0)
 UNBOUNDED = arb.pos_inf()

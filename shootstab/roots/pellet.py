@@ -17,8 +17,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from flint import acb, acb_poly, arb, ctx
-
+from shootstab.core.balls import acb, acb_poly, arb, ctx
 from shootstab.core.errors import ConvergenceError
 
 NO_RADIUS = arb(0)

@@ -11,8 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from flint import acb, acb_poly
-
+from shootstab.core.balls import acb, acb_poly
 from shootstab.roots.pellet import NO_RADIUS, EnclosedDiscriminant, PolynomialModel
 
 

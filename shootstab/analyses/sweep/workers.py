@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Sequence
+import logging
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import CancelledError
+from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
@@ -33,7 +35,7 @@ def on_cluster(work: Callable[[Job], Result], jobs: Sequence[Job], address: str)
         client = distributed.Client(address, timeout=CONNECT)
     except (OSError, ValueError) as error:
         raise InputError(f"{address}: no Dask scheduler answers: allowed is an address such as tcp://127.0.0.1:8786 ({error})") from error
-    with client:
+    with _unlogged("distributed"), client:
         try:
             futures = {client.submit(work, job, pure=False): job for job in jobs}
             for future in distributed.as_completed(list(futures)):
@@ -42,3 +44,17 @@ def on_cluster(work: Callable[[Job], Result], jobs: Sequence[Job], address: str)
             raise ShootstabError(f"{address}: the Dask scheduler is lost; the file of results keeps what was done") from error
         except distributed.KilledWorker as error:
             raise ShootstabError(f"{address}: the workers of the cluster died again and again at the same points: {error}") from error
+
+
+@contextmanager
+def _unlogged(name: str) -> Iterator[None]:
+    """A library logs nothing here, such as the traceback of a lost connection: the exception that is raised says it in a line."""
+    loggers = [logging.getLogger(name), *(logging.getLogger(n) for n in logging.root.manager.loggerDict if n.startswith(f"{name}."))]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)

@@ -1,0 +1,12 @@
+"""The balls of python-flint, an optional library: whatever needs them is refused in a line where it is not installed."""
+
+from __future__ import annotations
+
+from shootstab.core.errors import InputError
+
+try:
+    from flint import acb, acb_mat, acb_poly, acb_series, arb, ctx, fmpq
+except ImportError:
+    raise InputError("a proof needs python-flint: install it with `pip install 'shootstab[precise]'`") from None
+
+__all__ = ["acb", "acb_mat", "acb_poly", "acb_series", "arb", "ctx", "fmpq"]
