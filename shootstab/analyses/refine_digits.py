@@ -196,11 +196,13 @@ def _precisions(top: float, known: float) -> list[float]:
 def as_far_off(base: BaseFlowNumbers, asked: Sequence[BaseFlowNumbers]) -> BaseFlowNumbers:
     """A base flow that is off by as much as the ones asked for differ: from base to the first one, and from that to each of the others.
 
-    The largest of these differences, scaled to the sum of their sizes: what changes together stays together.
+    The largest of these differences, relative to each number, or for a zero to the largest, scaled to the sum of their sizes: what changes
+    together stays together.
     """
     ours, *others = asked
+    largest_number = max(map(abs, base), default=0) or 1
     shifts = [[x - y for x, y in zip(one, two, strict=True)] for one, two in ((ours, base), *((other, ours) for other in others))]
-    sizes = [max((abs(x / y) for x, y in zip(shift, base, strict=True)), default=0) for shift in shifts]
+    sizes = [max((abs(x) / (abs(y) or largest_number) for x, y in zip(shift, base, strict=True)), default=0) for shift in shifts]
     largest, size = max(zip(shifts, sizes, strict=True), key=lambda pair: pair[1])
     return tuple(y + x * (mpmath.fsum(sizes) / size) for x, y in zip(largest, base, strict=True)) if size else base
 

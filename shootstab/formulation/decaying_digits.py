@@ -23,6 +23,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from shootstab.core.errors import ConvergenceError
+from shootstab.formulation.base_digits import FlowSeries
 from shootstab.formulation.exponentials import ExponentialEnd
 from shootstab.formulation.regular_digits import SeriesEntries
 from shootstab.formulation.series_digits import on_numbers, on_series
@@ -51,8 +52,18 @@ class Solutions:
 class DecayingSpaceInDigits:
     """The decaying space of one end in one arithmetic, begun at a place that `begin` chooses."""
 
-    def __init__(self, arithmetic: Arithmetic, settings: Settings, end: ExponentialEnd, n: int, k: int, target: Fraction) -> None:
-        """target: where the integration goes, from farther out."""
+    def __init__(
+        self,
+        arithmetic: Arithmetic,
+        settings: Settings,
+        end: ExponentialEnd,
+        n: int,
+        k: int,
+        target: Fraction,
+        flow: FlowSeries | None = None,
+    ) -> None:
+        """target: where the integration goes, from farther out: from the reach of a base flow, if there is one, where it has settled."""
+        self._flow = flow
         self._arithmetic, self._settings, self._end, self._n, self._k, self._target = arithmetic, settings, end, n, k, target
         self._rate = arithmetic.rounded(on_numbers(arithmetic, arithmetic.number(0))(end.rate) * arithmetic.number(1))
         self._parts = [self._series(part) for part in (end.C, end.D)]
@@ -74,6 +85,8 @@ class DecayingSpaceInDigits:
         nearest = -kappa * d * float(self._target) / math.log(2) - 1.0
         z = -d * (min(holds, nearest) - self._settings.far_shift) * math.log(2) / kappa
         self.place = Fraction(round(z * 2**PLACE_BITS), 2**PLACE_BITS)
+        if self._flow is not None:
+            self.place = d * max(d * self._flow.reach(d), d * self._target + 1)
 
     def frame(self, sigma: Any) -> tuple[Matrix, Any]:
         """P (n, k) at the place, and det x^Λ there."""
@@ -95,7 +108,7 @@ class DecayingSpaceInDigits:
     def _series(self, powers: Sequence[Mapping[tuple[int, int], Any]]) -> list[dict[tuple[int, int], Taylor]]:
         zero, one = self._arithmetic.number(0), self._arithmetic.number(1)
         x = real_series(self._arithmetic, [zero, one] + [zero] * (self._settings.far_terms - 2))
-        at = on_series(self._arithmetic, x)
+        at = on_series(self._arithmetic, x, fields=None if self._flow is None else self._flow.limit(self._end.direction))
         out = []
         for part in powers:
             values = {place: at(entry) for place, entry in part.items()}

@@ -14,11 +14,12 @@ from typing import Any
 import mpmath
 
 from shootstab.core.progress import Tick
+from shootstab.formulation.base_digits import FlowDigits, FlowSeries
 from shootstab.formulation.evaluation import Evaluator
 from shootstab.formulation.expression import Expression
 from shootstab.formulation.null_space import null_space
 from shootstab.formulation.regular_digits import RegularStart
-from shootstab.formulation.series_digits import on_numbers, on_series
+from shootstab.formulation.series_digits import BaseFields, on_numbers, on_series
 from shootstab.formulation.state_pencil import Powers, StatePencil
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
 from shootstab.multiprecision.integration import BaseFlowNumbers, Expansion, UnknownRows
@@ -41,21 +42,23 @@ class EquationDigits:
         shown: Shown,
         start: RegularStart | None = None,
         backwards: bool = False,
+        flow: FlowDigits | None = None,
     ) -> None:
         """start: the regular solutions with which the integration begins at the left end, or backwards at the right one."""
         left, right = ends
-        self._system, self._shown, self._start = system, shown, start
+        self._system, self._shown, self._start, self._flow = system, shown, start, flow
         self._augmented = start is None and any(system.left[1:]) and any(system.right[1:])
         self._backwards = backwards if start is not None else any(system.left[1:]) and not self._augmented
         self._ends = (right, left) if self._backwards else (left, right)
         self.size = system.size * (1 + self._augmented)
 
     def base(self, arithmetic: Arithmetic, settings: Settings, progress: Tick) -> BaseFlowNumbers:
-        return ()
+        return () if self._flow is None else self._flow.base(arithmetic, settings, progress)
 
     def integration(self, arithmetic: Arithmetic, settings: Settings, base: BaseFlowNumbers) -> EquationIntegration:
+        flow = None if self._flow is None else self._flow.series(arithmetic, settings, base)
         return EquationIntegration(
-            arithmetic, settings, self._system, self._shown, self._ends, self._backwards, self._augmented, self._start
+            arithmetic, settings, self._system, self._shown, self._ends, self._backwards, self._augmented, self._start, flow
         )
 
 
@@ -72,7 +75,9 @@ class EquationIntegration:
         backwards: bool,
         augmented: bool,
         start: RegularStart | None,
+        flow: FlowSeries | None,
     ) -> None:
+        self._flow = flow
         self._arithmetic, self._settings, self._system, self._augmented = arithmetic, settings, system, augmented
         self._shown = shown
         self._regular = start
@@ -107,7 +112,7 @@ class EquationIntegration:
         h = left if at_wall else inside
         self._h = h
         z = self._along()
-        at = on_series(arithmetic, z)
+        at = on_series(arithmetic, z, fields=self._fields(z))
         C, D = ([self._entries(part, z, at) for part in powers] for powers in (self._system.C, self._system.D))
         if self._augmented:
             one = 0 * z + 1
@@ -121,7 +126,8 @@ class EquationIntegration:
     def unknowns(self, sigma: Any) -> UnknownRows:
         """Each unknown as Σ r_j ψ_j / p."""
         shift = self._system.size if self._augmented else 0
-        at = on_series(self._arithmetic, self._along(), sigma)
+        z = self._along()
+        at = on_series(self._arithmetic, z, sigma, self._fields(z))
         return {
             name: {j + shift: -at(factor) / at(divisor) for j, factor in factors.items()}
             for name, (factors, divisor) in self._shown.items()
@@ -147,7 +153,10 @@ class EquationIntegration:
         ]
 
     def corrected_base(self) -> BaseFlowNumbers:
-        return ()
+        return () if self._flow is None else self._flow.corrected()
+
+    def _fields(self, z: Taylor) -> BaseFields | None:
+        return None if self._flow is None else self._flow.along(z)
 
     def _entries(self, part: Mapping[tuple[int, int], Expression], z: Taylor, at: Evaluator) -> TaylorEntries:
         shift = self._system.size if self._augmented else 0
@@ -158,6 +167,7 @@ class EquationIntegration:
         return out
 
     def _rows(self, parts: Powers, count: int, z: Fraction) -> list[Matrix]:
-        at = on_numbers(self._arithmetic, self._arithmetic.number(z))
+        place = self._arithmetic.number(z)
+        at = on_numbers(self._arithmetic, place, None if self._flow is None else self._flow.at(place))
         nothing = self._arithmetic.number(0)
         return [[[at(part[i, j]) if (i, j) in part else nothing for j in range(self._system.size)] for i in range(count)] for part in parts]

@@ -8,6 +8,7 @@ from fractions import Fraction
 
 from shootstab.core.errors import InputError
 from shootstab.formulation.axis import RegularSpace
+from shootstab.formulation.base_digits import FlowDigits
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
 from shootstab.formulation.digits import EquationDigits
 from shootstab.formulation.exponentials import exponential_end
@@ -41,25 +42,29 @@ def digits_of(
 ) -> MultiprecisionProblem:
     """The problem in any precision. Raises InputError, with the reason, where there is no such way."""
     try:
-        if statement.domain.given:
-            raise InputError(f"{', '.join(statement.domain.given)} are given to doubles only: allowed are formulas")
+        if statement.doubles_only:
+            raise InputError(f"{', '.join(statement.doubles_only)} are given to doubles only: allowed are formulas")
         if isinstance(statement.left, Periodic):
             raise InputError("that is not offered between periodic ends: allowed are others")
         if statement.joints:
             return _in_layers(statement, system, layers, reduction)
+        flow = None if statement.base is None else FlowDigits(statement.base)
         places = [_place(end) for end in (statement.left, statement.right) if not isinstance(end, Infinity)]
         if all(statement.holding):
-            return EquationDigits(system, (places[0], places[1]), shown_in_states(statement.names.unknowns, layers[0].first_order))
+            shown = shown_in_states(statement.names.unknowns, layers[0].first_order)
+            return EquationDigits(system, (places[0], places[1]), shown, flow=flow)
         if any(statement.holding) and len(places) == 2:
             space = reduction.subdomains[0].far
             shown = shown_in_states(statement.names.unknowns, layers[0].first_order)
             return EquationDigits(system, (places[0], places[1]), shown, _regular(space), backwards=statement.holding[0])
-        return _towards_one_place(statement, system, reduction)
+        return _towards_one_place(statement, system, reduction, flow)
     except InputError as error:
         raise InputError(f"more than 12 digits: {error}") from None
 
 
-def _towards_one_place(statement: Statement, system: StatePencil, reduction: TwoPointReduction) -> MultiprecisionProblem:
+def _towards_one_place(
+    statement: Statement, system: StatePencil, reduction: TwoPointReduction, flow: FlowDigits | None
+) -> MultiprecisionProblem:
     """The way from an end at infinity to the conditions at the other, or from two ends, infinite or singular, to where the sides meet."""
     n, one = system.size, number(1)
     ends = {side: end for side, end in ((-1, statement.left), (1, statement.right)) if not isinstance(end, Conditions)}
@@ -69,12 +74,12 @@ def _towards_one_place(statement: Statement, system: StatePencil, reduction: Two
         rows, count = (system.left, system.left_rows) if side > 0 else (system.right, system.right_rows)
         target = _place(statement.left if side > 0 else statement.right)
         begin = _at_end(ends[side], side, system, spaces[side])
-        return SubdomainDigits([DigitSubdomain(system, begin, target)], [ArrivalConditions(rows, count, target)])
+        return SubdomainDigits([DigitSubdomain(system, begin, target)], [ArrivalConditions(rows, count, target)], flow)
     first = reduction.subdomains[0]
     meeting = Fraction(first.offset + first.scale * reduction.end)
     subdomains = [DigitSubdomain(system, _at_end(end, side, system, spaces[side]), meeting) for side, end in ends.items()]
     same = {(i, i): one for i in range(n)} | {(i, n + i): -one for i in range(n)}
-    return SubdomainDigits(subdomains, [ArrivalConditions((same,), n, meeting)])
+    return SubdomainDigits(subdomains, [ArrivalConditions((same,), n, meeting)], flow)
 
 
 def _in_layers(

@@ -5,7 +5,7 @@ There a solution neither grows nor decays towards the end: e^{iqz} solves the eq
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from shootstab.core.errors import InputError
 from shootstab.formulation.atoms import Atom
@@ -20,8 +20,11 @@ from shootstab.formulation.system import SIGMA, coefficients
 WAVENUMBERS = ("q", "m", "q_")  # chosen: names for the wavenumber, the first that the user has not used
 
 
-def dispersion_relation(system: StatePencil, direction: int, wavenumber: str) -> Expression | None:
-    """The polynomial in σ and the wavenumber; None where the coefficients are not rational in one exponential."""
+FlowLimit = Callable[[str, int], float]  # the value of a derivative of a base flow at the end
+
+
+def dispersion_relation(system: StatePencil, direction: int, wavenumber: str, limit: FlowLimit | None = None) -> Expression | None:
+    """The polynomial in σ and the wavenumber; None where the coefficients are not rational in one exponential, or in a base flow."""
     try:
         end = exponential_end(system, direction)
     except InputError:
@@ -31,7 +34,11 @@ def dispersion_relation(system: StatePencil, direction: int, wavenumber: str) ->
     for powers, factor in ((end.C, iq), (end.D, number(-1))):
         for power, part in enumerate(powers):
             for (i, j), entry in part.items():
-                term = factor * SIGMA**power * substituted(entry, VARIABLE, number(0))
+                entry = substituted(entry, VARIABLE, number(0))
+                for atom in entry.atoms():
+                    if atom.kind == "given" and limit is not None:
+                        entry = substituted(entry, atom, number(limit(atom.name, atom.order)))
+                term = factor * SIGMA**power * entry
                 rows[i][str(j)] = rows[i].get(str(j), number(0)) + term
     return determinant(rows, [str(j) for j in n])
 

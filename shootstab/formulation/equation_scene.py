@@ -11,7 +11,8 @@
 An end is {at, conditions}; {axis = its place} where the equations have a regular singular point; {periodic = its place}, both ends;
 "infinity"; or, where the coefficients have no limit there, {infinity = true, start = …}.
 interfaces = [{ at, conditions, amplitudes }] divides the domain into layers, in which parameters and definitions that are lists have one
-value each. Further keys: eigenvalue and variable, their names (by default sigma and z), fold, and reference = [re, im].
+value each. base is a flow that solves equations of its own: see base_table.py. Further keys: eigenvalue and variable, their names (by
+default sigma and z), fold, reference = [re, im], and knots = [places at which coefficients are not smooth, or hardly].
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from shootstab.problems.ends import Infinity
 
 # chosen: the keys of [problem], as the docstring says
 NEEDED = ("unknowns", "equations", "left", "right")
-OPTIONAL = ("interfaces", "parameters", "where", "eigenvalue", "variable", "fold", "reference")  # chosen likewise
+OPTIONAL = ("interfaces", "parameters", "where", "base", "eigenvalue", "variable", "fold", "reference", "knots")  # chosen likewise
 
 
 def from_table(table: Mapping[str, Any]) -> EquationProblem:
@@ -51,9 +52,11 @@ def from_table(table: Mapping[str, Any]) -> EquationProblem:
         interfaces=_interfaces(table),
         parameters=_table(table, "parameters"),
         where=_table(table, "where"),
+        base=table.get("base"),
         eigenvalue=_text(table, "eigenvalue", "sigma"),
         variable=_text(table, "variable", "z"),
         fold=None if fold is None else float(fold),
+        knots=_places(table),
         reference=None if reference is None else complex(*reference),
     )
 
@@ -88,6 +91,13 @@ def _interfaces(table: Mapping[str, Any]) -> list[Any]:
     if not isinstance(value, list) or not all(isinstance(x, dict) for x in value):
         raise InputError(f"[problem] interfaces = {value!r}: allowed is a list of {{ at = ..., conditions = [...], amplitudes = [...] }}")
     return value
+
+
+def _places(table: Mapping[str, Any]) -> list[float]:
+    value = table.get("knots", [])
+    if not isinstance(value, list) or not all(map(_is_number, value)):
+        raise InputError(f"[problem] knots = {shortened(value)}: allowed is a list of numbers")
+    return [float(x) for x in value]
 
 
 def _texts(table: Mapping[str, Any], key: str) -> list[str]:

@@ -5,10 +5,13 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Callable, Sequence
+from functools import partial
 
+from shootstab.formulation.base_flow import highest_derivatives
+from shootstab.formulation.base_solution import found_values, limit_of
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
 from shootstab.formulation.continuous_spectrum import InteriorSpectrum
-from shootstab.formulation.dispersion import dispersion_relation, free_name, zero_in_sigma
+from shootstab.formulation.dispersion import FlowLimit, dispersion_relation, free_name, zero_in_sigma
 from shootstab.formulation.expression import VARIABLE, Expression, number
 from shootstab.formulation.joint_conditions import rows_over_states
 from shootstab.formulation.names import Names
@@ -48,6 +51,9 @@ def explanation(
         ("order", f"{first.order}: as many conditions, or solutions that decay, are needed in all"),
         ("states", ", ".join(map(shown, first.states))),
     ]
+    if statement.base is not None:
+        lines += [("base flow", f"{shown(top)} = {text(slope)}") for top, slope in highest_derivatives(statement.base)]
+        lines += [("base flow", told) for told in found_values(statement.base, names.variable)]
     for flux, row in first.fluxes.items():
         lines.append(("flux", f"{flux} = {row_text(row)}, a state in place of a division"))
     states = {name for name, _ in first.states}
@@ -84,14 +90,16 @@ def explanation(
         else:
             lines.append((f"{side}, infinity", "solutions decay"))
             layer = layers[0 if side == "left" else -1]
-            lines += _essential(layer.states, -1 if side == "left" else 1, names, text)
+            direction = -1 if side == "left" else 1
+            limit = None if statement.base is None else partial(limit_of, statement.base, direction)
+            lines += _essential(layer.states, direction, limit, names, text)
     return lines
 
 
-def _essential(states: StatePencil, direction: int, names: Names, text: Callable[[Expression], str]) -> Lines:
+def _essential(states: StatePencil, direction: int, limit: FlowLimit | None, names: Names, text: Callable[[Expression], str]) -> Lines:
     """The essential spectrum of an end at infinity, where it is known as a formula."""
     wavenumber = free_name([*names.unknowns, names.variable, names.eigenvalue])
-    relation = dispersion_relation(states, direction, wavenumber)
+    relation = dispersion_relation(states, direction, wavenumber, limit)
     if relation is None:
         return []
     if not degree(relation):

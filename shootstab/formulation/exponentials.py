@@ -18,7 +18,7 @@ import numpy as np
 from shootstab.core.errors import InputError
 from shootstab.formulation.atoms import Atom
 from shootstab.formulation.evaluation import on_arrays
-from shootstab.formulation.expression import VARIABLE, Expression, Z, function, number
+from shootstab.formulation.expression import VARIABLE, Expression, Z, function, held_kinds, number
 from shootstab.formulation.first_order import ExpressionEntries
 from shootstab.formulation.state_pencil import Powers, StatePencil
 from shootstab.formulation.substitution import substituted
@@ -52,6 +52,8 @@ def exponential_end(system: StatePencil, direction: int) -> ExponentialEnd:
     atoms = sorted({atom for entry in entries for atom in entry.atoms() if atom.kind == "function" and _varies(atom)})
     if not atoms:
         return ExponentialEnd(number(1), direction, system.C, system.D)
+    if any("given" in held_kinds(entry) for entry in entries):
+        raise InputError(f"{where} the coefficients hold the base flow and {atoms[0]}: allowed is one of them in the coefficients")
     slopes = [_slope(atom, where) for atom in atoms]
     unit = slopes[0]
     sign = _sign(unit, where)

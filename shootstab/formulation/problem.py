@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
 from shootstab.core.regions import Rectangle
+from shootstab.formulation.base_solution import functions
 from shootstab.formulation.condition_count import require_count
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
 from shootstab.formulation.continuous_spectrum import InteriorSpectrum
@@ -30,7 +31,7 @@ from shootstab.formulation.state_pencil import Condition, Powers, StatePencil, i
 from shootstab.formulation.stated_unknowns import unknowns_of
 from shootstab.formulation.statement import Statement, stated
 from shootstab.problems.ends import Infinity, Wall
-from shootstab.problems.linear_problem import MOST_STATES, LinearProblem
+from shootstab.problems.linear_problem import MOST_STATES, LinearProblem, as_knots
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.singular_curve import ContinuumOnLine
@@ -101,8 +102,8 @@ class EquationProblem(LinearProblem):
 
     @cached_property
     def knots(self) -> NDArray[np.float64]:
-        """The knots (k,) of functions that no formula defines, and interfaces; what formulas define is analytic."""
-        return super().knots if self.statement.domain.given else np.sort(self.reduction.jumps)
+        """The knots (k,) of functions that no formula defines, those given, and interfaces; what formulas define is analytic."""
+        return super().knots if self.statement.doubles_only else np.unique(np.concatenate((self.given, self.reduction.jumps)))
 
     @property
     def multiprecision(self) -> Callable[[], MultiprecisionProblem]:
@@ -160,8 +161,10 @@ def equations(
     eigenvalue: str = "sigma",
     variable: str = "z",
     given: Given | None = None,
+    base: Mapping[str, Any] | None = None,
     fold: float | None = None,
     reference: complex | None = None,
+    knots: Sequence[float] = (),
 ) -> EquationProblem:
     """The eigenvalue problem that equations linear in the unknowns and their derivatives pose, with conditions in the same language.
 
@@ -170,8 +173,8 @@ def equations(
     regular singular point of the equations at which solutions are regular; or both ends are Periodic(at). interfaces divide the domain
     into layers, in which parameters and definitions that are lists have one value each: see joints.py. given are
     functions of the coordinate that no formula defines, as name: f(z, order) ↦ the derivative of that order, for arrays z; one with
-    knots, as a `profile` has them, has a jump in one of its derivatives there. fold and
-    reference are those of `problem`.
+    knots, as a `profile` has them, has a jump in one of its derivatives there. base is a flow that solves ordinary differential equations
+    of its own, whose unknowns are functions in the equations: see base_table.py. fold, reference and knots are those of `problem`.
 
     Raises InputError, which names the equation or condition and the place: an unknown name, a term that is not linear, as many equations
     as unknowns, dependent equations, a point at which the order changes, and conditions that are too many, too few, or say nothing.
@@ -187,12 +190,14 @@ def equations(
         "eigenvalue": eigenvalue,
         "variable": variable,
         "given": given or {},
+        "base": base,
         "fold": fold,
         "reference": reference,
+        "knots": knots,
     }
     tables = parameters or {}, where or {}
-    statement = stated(unknowns, equations, left, right, interfaces, *tables, eigenvalue, variable, given or {})
-    return assembled(statement, fold, reference, posed)
+    statement = stated(unknowns, equations, left, right, interfaces, *tables, eigenvalue, variable, given or {}, base)
+    return assembled(statement, fold, reference, posed, knots=knots)
 
 
 def remade(posed: Mapping[str, Any], values: Mapping[str, complex]) -> EquationProblem:
@@ -205,11 +210,16 @@ def remade(posed: Mapping[str, Any], values: Mapping[str, complex]) -> EquationP
 
 
 def assembled(
-    statement: Statement, fold: float | None = None, reference: complex | None = None, posed: Mapping[str, Any] | None = None
+    statement: Statement,
+    fold: float | None = None,
+    reference: complex | None = None,
+    posed: Mapping[str, Any] | None = None,
+    reduced: tuple[ReducedLayer, ...] | None = None,
+    knots: Sequence[float] = (),
 ) -> EquationProblem:
-    """The reduction of a statement, and the problem that it makes."""
+    """The reduction of a statement, or that which is known already, and the problem that it makes."""
     domain = statement.domain
-    layers = reduced_layers(statement.layers)
+    layers = reduced_layers(statement.layers) if reduced is None else reduced
     first, spectrum = layers[0].first_order, layers[0].spectrum_inside
     conditions = [
         in_states(list(rows), layer.first_order)
@@ -242,20 +252,39 @@ def assembled(
     else:
         interfaces = between(statement.joints, [layer.first_order for layer in layers], domain.given)
         reduction = reduce_to_two_points(matrices, made[0], made[1], interfaces, fold, reference)
+    made_coarser: Callable[[float], LinearProblem] | None = None
+    if statement.base is not None and reduced is None:
+        made_coarser = partial(_on_another_flow, statement, fold, reference, layers, knots)
     # layers find unknowns that were removed each in its own way, so only those that are states are shown across layers
     shown_unknowns = [name for name in statement.names.unknowns if not statement.joints or (name, 0) in first.states]
     return EquationProblem(
         matrices,
         reduction,
         curve,
+        coarser=made_coarser,
         unknowns=unknowns_of(shown_unknowns, first, system.size, domain.given),
         statement=statement,
         layers=layers,
         conditions=(conditions[0], conditions[1]),
         states=system,
         posed=posed,
-        given=tuple(np.concatenate([[], *(getattr(f, "knots", ()) for f in domain.given.values())]).tolist()),
+        given=(*as_knots(knots, domain.left, domain.right), *(k for f in domain.given.values() for k in getattr(f, "knots", ()))),
     )
+
+
+def _on_another_flow(
+    statement: Statement,
+    fold: float | None,
+    reference: complex | None,
+    layers: tuple[ReducedLayer, ...],
+    knots: Sequence[float],
+    factor: float,
+) -> LinearProblem:
+    """The problem on a base flow that is off by so many roundings."""
+    given: Given = {**statement.domain.given, **functions(statement.base, factor)}
+    other = replace(statement, domain=replace(statement.domain, given=given))
+    changed = tuple(replace(x, domain=replace(x.domain, given=given)) for x in layers)
+    return assembled(other, fold, reference, reduced=changed, knots=knots)
 
 
 def _require_finite(matrices: PencilFunction, statement: Statement) -> None:

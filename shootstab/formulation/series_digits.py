@@ -13,17 +13,44 @@ import mpmath
 from shootstab.formulation.analytic_series import SeriesFunctions
 from shootstab.formulation.evaluation import Evaluator
 from shootstab.formulation.gaussian import Gaussian
+from shootstab.formulation.relaxed_functions import RelaxedFunctions
 from shootstab.multiprecision.arithmetic import Arithmetic
+from shootstab.multiprecision.relaxed_series import RelaxedSeries, RelaxedSystem
 from shootstab.multiprecision.taylor import Taylor
 
+# the derivative, of this order, of a base flow's function by name, in what the evaluator computes with
+BaseFields = Callable[[Evaluator, str, int], Any]
 
-def on_numbers(arithmetic: Arithmetic, z: Any) -> Evaluator:
+
+def on_numbers(arithmetic: Arithmetic, z: Any, fields: BaseFields | None = None) -> Evaluator:
     """Expressions at one z, in numbers of the arithmetic."""
     seed = partial(_seed, arithmetic)
-    return Evaluator(partial(_number, arithmetic), seed, partial(_root, arithmetic), {"z": z, "pi": arithmetic.pi}, _not_given)
+    given = _Given(fields)
+    given.at = Evaluator(partial(_number, arithmetic), seed, partial(_root, arithmetic), {"z": z, "pi": arithmetic.pi}, given)
+    return given.at
 
 
-def on_series(arithmetic: Arithmetic, z: Taylor, sigma: Any = None) -> Evaluator:
+def on_relaxed(graph: RelaxedSystem, z: RelaxedSeries, fields: BaseFields) -> Evaluator:
+    """Expressions, real ones, on a series z that is known only as far as it has been computed."""
+    arithmetic = graph.arithmetic
+
+    def exponent(e: Fraction) -> Any:
+        return arithmetic.number(e)
+
+    functions = RelaxedFunctions(graph, partial(_seed, arithmetic), partial(_root, arithmetic), exponent)
+
+    def applied(name: str, x: Any) -> Any:
+        return functions.apply(name, x) if isinstance(x, RelaxedSeries) else _seed(arithmetic, name, x)
+
+    def power(x: Any, e: Fraction) -> Any:
+        return functions.power(x, e) if isinstance(x, RelaxedSeries) else _root(arithmetic, x, e)
+
+    given = _Given(fields)
+    given.at = Evaluator(partial(_number, arithmetic), applied, power, {"z": z, "pi": arithmetic.pi}, given)
+    return given.at
+
+
+def on_series(arithmetic: Arithmetic, z: Taylor, sigma: Any = None, fields: BaseFields | None = None) -> Evaluator:
     """Expressions on the power series z, at one eigenvalue where they hold it."""
     real, wide = (
         SeriesFunctions(dot, partial(_seed, arithmetic), partial(_root, arithmetic)) for dot in (arithmetic.dot, partial(_dot, arithmetic))
@@ -47,11 +74,22 @@ def on_series(arithmetic: Arithmetic, z: Taylor, sigma: Any = None) -> Evaluator
             return 1 / x ** -int(exponent)
         return computed(x, lambda functions, a: functions.power(a, exponent), True)
 
-    return Evaluator(partial(_number, arithmetic), applied, power, {"z": z, "pi": arithmetic.pi, "sigma": sigma}, _not_given)
+    given = _Given(fields)
+    given.at = Evaluator(partial(_number, arithmetic), applied, power, {"z": z, "pi": arithmetic.pi, "sigma": sigma}, given)
+    return given.at
 
 
-def _not_given(name: str, order: int) -> Any:
-    raise AssertionError(f"{name} has no digits: refused where the problem offers its capabilities")
+class _Given:
+    """Functions that no formula defines, of the evaluator that asks for them."""
+
+    at: Evaluator
+
+    def __init__(self, fields: BaseFields | None) -> None:
+        self._fields = fields
+
+    def __call__(self, name: str, order: int) -> Any:
+        assert self._fields is not None, f"{name} has no digits: refused where the problem offers its capabilities"
+        return self._fields(self.at, name, order)
 
 
 def _number(arithmetic: Arithmetic, c: Gaussian) -> Any:

@@ -10,6 +10,9 @@ from typing import Any
 
 from shootstab.core.errors import InputError
 from shootstab.formulation.atoms import Atom
+from shootstab.formulation.base_flow import BaseFlow
+from shootstab.formulation.base_solution import functions
+from shootstab.formulation.base_table import base_flow, base_unknowns
 from shootstab.formulation.conditions import Conditions, End, Periodic, end_of, rows_of
 from shootstab.formulation.domain import Domain
 from shootstab.formulation.evaluation import Given
@@ -27,7 +30,7 @@ class Statement:
 
     An end without conditions (an axis, infinity) has no rows. Layers are one more than joints, from left to right. denominators are
     those of equations and conditions that hold the eigenvalue, each once in a layer. varied(name) is the
-    same statement in which a parameter is left open.
+    same statement in which a parameter is left open. base is the flow that solves equations of its own, if there is one.
     """
 
     left: End
@@ -39,6 +42,7 @@ class Statement:
     joints: tuple[Joint, ...]
     denominators: Denominators
     varied: Callable[[str], Statement]
+    base: BaseFlow | None = None
 
     @property
     def names(self) -> Names:
@@ -49,6 +53,11 @@ class Statement:
     def system(self) -> System:
         """The system of the first layer."""
         return self.layers[0].system
+
+    @property
+    def doubles_only(self) -> tuple[str, ...]:
+        """The functions that are known to doubles alone: those given, without the unknowns of a base flow."""
+        return tuple(name for name in self.domain.given if self.base is None or name not in self.base.unknowns)
 
     @property
     def finite(self) -> tuple[bool, bool]:
@@ -72,6 +81,7 @@ def stated(
     eigenvalue: str,
     variable: str,
     given: Given,
+    base: Mapping[str, Any] | None = None,
 ) -> Statement:
     """See problem.equations. Raises InputError."""
     for name, value in (("unknowns", unknowns), ("equations", equations)):
@@ -89,26 +99,34 @@ def stated(
             told = f"ends and interfaces lie at {variable} = {', '.join(f'{place:g}' for place in places)}"
         raise InputError(f"{told}: allowed is a left end below the right one{', and interfaces between' if joints else ''}")
     count, layers = len(places) - 1, []
+    named = (*given, *(() if base is None else base_unknowns(base)))
+    flow: BaseFlow | None = None
+    functions_of_z = dict(given)
     for j, (begin, end) in enumerate(itertools.pairwise(places)):
         own_parameters = own_definitions(parameters, j, count, "the parameter")
-        names = Names(tuple(unknowns), own_parameters, own_definitions(where, j, count, "where"), eigenvalue, variable, tuple(given))
+        names = Names(tuple(unknowns), own_parameters, own_definitions(where, j, count, "where"), eigenvalue, variable, named)
+        if base is not None and flow is None:
+            if joints:
+                raise InputError("base beside interfaces: that is not offered; allowed is a base flow in one layer")
+            flow = base_flow(base, names, (low, high))
+            functions_of_z |= functions(flow)
         read = {f"equation {i}": names.expression(e, f"equation {i}") for i, e in enumerate(equations, 1)}
-        layers.append(Layer(names, System.of(names.unknowns, read), Domain(begin, end, dict(given))))
+        layers.append(Layer(names, System.of(names.unknowns, read), Domain(begin, end, functions_of_z)))
     layered = [name for table in (parameters, where) for name, value in table.items() if isinstance(value, list | tuple)]
     read_joints = [read_joint(joint, (a.names, b.names), layered) for joint, (a, b) in zip(joints, itertools.pairwise(layers), strict=True)]
     rows = [rows_of(end, side, layers[j].names) for end, side, j in zip(ends, ("left", "right"), (0, -1), strict=True)]
     held = [layer.system.denominators for layer in layers] + [joint.denominators for joint in read_joints] + [found for _, found in rows]
     denominators = [pair for found in held for pair in found]
-    whole = Domain(low, high, dict(given))
+    whole = Domain(low, high, functions_of_z)
 
     def varied(name: str) -> Statement:
         if name not in parameters:
             raise InputError(f"{name} is no parameter of the equations: allowed is one of {', '.join(parameters) or 'none'}")
         others = {other: value for other, value in parameters.items() if other != name}
         left_open = {**where, name: open_parameter(name, parameters[name])}
-        return stated(unknowns, equations, left, right, interfaces, others, left_open, eigenvalue, variable, given)
+        return stated(unknowns, equations, left, right, interfaces, others, left_open, eigenvalue, variable, given, base)
 
-    return Statement(*ends, rows[0][0], rows[1][0], whole, tuple(layers), tuple(read_joints), tuple(denominators), varied)
+    return Statement(*ends, rows[0][0], rows[1][0], whole, tuple(layers), tuple(read_joints), tuple(denominators), varied, flow)
 
 
 def _interfaces(given: Sequence[Any], ends: tuple[End, End]) -> list[InterfaceConditions]:

@@ -15,6 +15,7 @@ from typing import Any, Protocol
 
 from shootstab.core.errors import InputError
 from shootstab.core.progress import Tick
+from shootstab.formulation.base_digits import FlowDigits, FlowSeries
 from shootstab.formulation.decaying_digits import DecayingSpaceInDigits
 from shootstab.formulation.exponentials import ExponentialEnd
 from shootstab.formulation.expression import Expression
@@ -48,8 +49,10 @@ class Beginning(Protocol):
 class Begin(Protocol):
     """What a subdomain begins with, in any arithmetic."""
 
-    def beginning(self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction) -> Beginning:
-        """The same in one arithmetic."""
+    def beginning(
+        self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction, flow: FlowSeries | None
+    ) -> Beginning:
+        """The same in one arithmetic, on a base flow."""
         ...
 
 
@@ -60,8 +63,10 @@ class AtInfinity:
     end: ExponentialEnd
     columns: int
 
-    def beginning(self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction) -> Beginning:
-        return DecayingSpaceInDigits(arithmetic, settings, self.end, system.size, self.columns, target)
+    def beginning(
+        self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction, flow: FlowSeries | None
+    ) -> Beginning:
+        return DecayingSpaceInDigits(arithmetic, settings, self.end, system.size, self.columns, target, flow)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +77,9 @@ class AtSingularEnd:
     direction: int
     start: RegularStart
 
-    def beginning(self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction) -> Beginning:
+    def beginning(
+        self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction, flow: FlowSeries | None
+    ) -> Beginning:
         place = self.at + self.direction * self.start.x / Fraction(2) ** round(settings.far_shift)
         return _Fixed(place, lambda sigma: self.start.frame(arithmetic, settings, sigma), arithmetic.number(1))
 
@@ -85,8 +92,11 @@ class AtWall:
     rows: Mapping[tuple[int, int], Expression]
     count: int
 
-    def beginning(self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction) -> Beginning:
-        at, nothing, n = on_numbers(arithmetic, arithmetic.number(self.at)), arithmetic.number(0), system.size
+    def beginning(
+        self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction, flow: FlowSeries | None
+    ) -> Beginning:
+        place, nothing, n = arithmetic.number(self.at), arithmetic.number(0), system.size
+        at = on_numbers(arithmetic, place, None if flow is None else flow.at(place))
         found = null_space(
             arithmetic, [[at(self.rows[i, j]) if (i, j) in self.rows else nothing for j in range(n)] for i in range(self.count)], n
         )
@@ -99,7 +109,9 @@ class AugmentedBeginning:
 
     at: Fraction
 
-    def beginning(self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction) -> Beginning:
+    def beginning(
+        self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction, flow: FlowSeries | None
+    ) -> Beginning:
         identity = [[arithmetic.number(int(i == j)) for j in range(system.size)] for i in range(system.size)]
         return _Fixed(self.at, lambda sigma: [*identity, *[list(row) for row in identity]], arithmetic.number(1))
 
@@ -145,25 +157,32 @@ class SubdomainDigits:
 
     real = False
 
-    def __init__(self, subdomains: Sequence[DigitSubdomain], arrivals: Sequence[ArrivalConditions]) -> None:
-        self._subdomains, self._arrivals = subdomains, arrivals
+    def __init__(self, subdomains: Sequence[DigitSubdomain], arrivals: Sequence[ArrivalConditions], flow: FlowDigits | None = None) -> None:
+        self._subdomains, self._arrivals, self._flow = subdomains, arrivals, flow
         self.size = sum(subdomain.size for subdomain in subdomains)
 
     def base(self, arithmetic: Arithmetic, settings: Settings, progress: Tick) -> BaseFlowNumbers:
-        return ()
+        return () if self._flow is None else self._flow.base(arithmetic, settings, progress)
 
     def integration(self, arithmetic: Arithmetic, settings: Settings, base: BaseFlowNumbers) -> SubdomainIntegration:
-        return SubdomainIntegration(arithmetic, settings, self._subdomains, self._arrivals)
+        flow = None if self._flow is None else self._flow.series(arithmetic, settings, base)
+        return SubdomainIntegration(arithmetic, settings, self._subdomains, self._arrivals, flow)
 
 
 class SubdomainIntegration:
     """See multiprecision.integration.Integration."""
 
     def __init__(
-        self, arithmetic: Arithmetic, settings: Settings, subdomains: Sequence[DigitSubdomain], arrivals: Sequence[ArrivalConditions]
+        self,
+        arithmetic: Arithmetic,
+        settings: Settings,
+        subdomains: Sequence[DigitSubdomain],
+        arrivals: Sequence[ArrivalConditions],
+        flow: FlowSeries | None,
     ) -> None:
         self._arithmetic, self._settings, self._subdomains, self._arrivals = arithmetic, settings, subdomains, arrivals
-        self._beginnings = [s.begin.beginning(arithmetic, settings, s.system, s.target) for s in subdomains]
+        self._flow = flow
+        self._beginnings = [s.begin.beginning(arithmetic, settings, s.system, s.target, flow) for s in subdomains]
         self._t = arithmetic.number(0)
         self._step = arithmetic.number(1) / settings.order  # a first trial; steps double from there
 
@@ -197,7 +216,7 @@ class SubdomainIntegration:
             way = arithmetic.number(subdomain.target - beginning.place)
             here = arithmetic.number(beginning.place) + way * self._t
             z = real_series(arithmetic, [here, way * h] + [arithmetic.number(0)] * (self._settings.order - 2))
-            at = on_series(arithmetic, z)
+            at = on_series(arithmetic, z, fields=None if self._flow is None else self._flow.along(z))
             for still in range(subdomain.size - system.size):
                 C[0][shift + still, shift + still] = 0 * z + 1
             shift += subdomain.size - system.size
@@ -228,15 +247,16 @@ class SubdomainIntegration:
         powers = max(len(arrival.rows) for arrival in self._arrivals)
         out: list[Matrix] = [[] for _ in range(powers)]
         for arrival in self._arrivals:
-            at = on_numbers(arithmetic, arithmetic.number(arrival.at))
+            place = arithmetic.number(arrival.at)
+            at = on_numbers(arithmetic, place, None if self._flow is None else self._flow.at(place))
             for power, whole in enumerate(out):
                 part = arrival.rows[power] if power < len(arrival.rows) else {}
-                values = {place: arithmetic.number(1) * at(entry) for place, entry in part.items()}
+                values = {entry: arithmetic.number(1) * at(part[entry]) for entry in part}
                 whole += [[values.get((i, j), arithmetic.number(0)) for j in range(width)] for i in range(arrival.count)]
         return out
 
     def corrected_base(self) -> BaseFlowNumbers:
-        return ()
+        return () if self._flow is None else self._flow.corrected()
 
 
 def _evaluated(part: Mapping[tuple[int, int], Expression], at: Any, z: Taylor) -> dict[tuple[int, int], Taylor]:

@@ -26,6 +26,10 @@ class RelaxedSystem:
         self._turn: list[tuple[list[Any], Term]] = []  # coefficients and term of each node
         self._known: dict[tuple[Any, ...], RelaxedSeries] = {}
 
+    def __len__(self) -> int:
+        """The number of expressions in it."""
+        return len(self._nodes)
+
     def unknown(self) -> RelaxedSeries:
         """A series whose coefficients are set from outside, before each turn."""
         node = RelaxedSeries(self)

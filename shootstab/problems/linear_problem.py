@@ -96,7 +96,8 @@ def problem(
         mapped = isinstance(unknowns, Mapping)
         shown = Unknowns.combinations(unknowns, size) if mapped else Unknowns.components(unknowns, size)  # type: ignore[arg-type]
     function = PencilFunction(size, pencil, vectorized)
-    given = _as_knots(knots, left, right)
+    low, high = (end.z if isinstance(end, Wall) else math.copysign(math.inf, side) for end, side in ((left, -1), (right, 1)))
+    given = as_knots(knots, low, high)
     reduction = reduce_to_two_points(function, left, right, tuple(interfaces), fold, reference)
     farther = None
     if any(isinstance(end, Wall) and end.approximates is not None for end in (left, right)):
@@ -111,9 +112,8 @@ def problem(
     return LinearProblem(function, reduction, curve, fixed, coarser, farther, written, growing_region, shown, given)
 
 
-def _as_knots(knots: ArrayLike, left: Wall | Infinity, right: Wall | Infinity) -> tuple[float, ...]:
-    """Points between the ends, rising, each once. Raises InputError for what is none."""
-    low, high = (end.z if isinstance(end, Wall) else math.copysign(math.inf, side) for end, side in ((left, -1), (right, 1)))
+def as_knots(knots: ArrayLike, low: float, high: float) -> tuple[float, ...]:
+    """Points (k,) between the ends low and high, rising, each once. Raises InputError for what is none."""
     try:
         at = np.unique(np.asarray(knots, dtype=np.float64).ravel())
     except (ValueError, TypeError) as error:

@@ -21,7 +21,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError, NoFlowError
-from shootstab.models.gallery.profiles import off_by
+from shootstab.problems.base_flow_error import off_by
 from shootstab.problems.protocol import ComplexArray
 
 NODES = 24  # chosen: Chebyshev points of an interval

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from shootstab.problems.base_flow_error import off_by
 from shootstab.problems.protocol import ComplexArray
 
 
@@ -48,8 +49,3 @@ class Piecewise:
         sizes = np.abs(self.coefficients * self.h ** np.arange(self.coefficients.shape[1])).max(axis=0)
         kept = int(np.flatnonzero(sizes > accuracy * sizes.max())[-1]) + 1
         return Piecewise(self.h, off_by(self.coefficients[:, :kept], accuracy), self.limit)
-
-
-def off_by(numbers: NDArray[np.float64], relative: float) -> NDArray[np.float64]:
-    """The numbers (…, m), each changed by a random relative amount, always the same one, no larger than this."""
-    return np.asarray(numbers * (1 + relative * (2 * np.random.default_rng(1).random(numbers.shape) - 1)))
