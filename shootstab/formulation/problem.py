@@ -19,7 +19,7 @@ from shootstab.formulation.continuous_spectrum import InteriorSpectrum
 from shootstab.formulation.digits_of import digits_of
 from shootstab.formulation.equation_collocation import EquationCollocation, collocation
 from shootstab.formulation.equation_family import EquationFamily, family_around
-from shootstab.formulation.evaluation import Given, filled, on_arrays
+from shootstab.formulation.evaluation import Given
 from shootstab.formulation.explanation import Lines, explanation
 from shootstab.formulation.first_order import FirstOrder
 from shootstab.formulation.joint_conditions import between
@@ -27,10 +27,11 @@ from shootstab.formulation.limits import with_limit
 from shootstab.formulation.open_parameter import places, varied
 from shootstab.formulation.reduced_layers import ReducedLayer, pencil_of, reduced_layers
 from shootstab.formulation.singular_ends import between_periodic_ends, between_singular_ends, singular_end
-from shootstab.formulation.state_pencil import Condition, Powers, StatePencil, in_states, state_pencil
+from shootstab.formulation.state_pencil import Condition, StatePencil, in_states, state_pencil
 from shootstab.formulation.stated_unknowns import unknowns_of
 from shootstab.formulation.statement import Statement, stated
-from shootstab.problems.ends import Infinity, Wall
+from shootstab.formulation.walls import require_finite, wall_at
+from shootstab.problems.ends import Infinity
 from shootstab.problems.linear_problem import MOST_STATES, LinearProblem, as_knots
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray
@@ -232,12 +233,12 @@ def assembled(
         raise InputError(f"the equations have {system.size} states: allowed are {MOST_STATES}")
     systems = [system, *(layer.states for layer in layers[1:])]
     matrices = PencilFunction(system.size, pencil_of(systems, [layer.domain for layer in layers]), vectorized=True)
-    _require_finite(matrices, statement)
+    require_finite(matrices, statement)
     curve: Callable[[Any], Any] | None = spectrum.curve if spectrum.curves and len(layers) == 1 else None
     made: list[Any] = []
     for end, rows, count, side in zip(ends, (system.left, system.right), (system.left_rows, system.right_rows), (-1, 1), strict=True):
         if isinstance(end, Conditions):
-            made.append(_wall(end.at, rows, count, system.size, domain.given))
+            made.append(wall_at(end.at, rows, count, system.size, domain.given))
         elif isinstance(end, Axis):
             bounded = [i for i, (name, order) in enumerate(first.states) if order == 0 and name in statement.names.unknowns]
             made.append(singular_end(system, end.at, -side, bounded, f"{statement.names.variable} = {end.at:g}", domain))
@@ -285,20 +286,3 @@ def _on_another_flow(
     other = replace(statement, domain=replace(statement.domain, given=given))
     changed = tuple(replace(x, domain=replace(x.domain, given=given)) for x in layers)
     return assembled(other, fold, reference, reduced=changed, knots=knots)
-
-
-def _require_finite(matrices: PencilFunction, statement: Statement) -> None:
-    """Raise InputError where the coefficients are not finite at an end with conditions."""
-    for side, end in (("left", statement.left), ("right", statement.right)):
-        if isinstance(end, Conditions) and not all(np.isfinite(part).all() for part in matrices.function(np.array([complex(end.at)]))):
-            place = f"{statement.names.variable} = {end.at:g}"
-            raise InputError(
-                f"at the {side} end, {place}, the equations are singular, or beyond 1e308: allowed is st.Axis({end.at:g}), or another end"
-            )
-
-
-def _wall(z: float, rows: Powers, count: int, size: int, given: Given) -> Wall:
-    place = np.array([float(z)])
-    at = on_arrays(place, given)
-    W0, *later = (filled(part, (count, size), place.astype(np.complex128), at)[0] for part in rows)
-    return Wall(float(z), W0, np.array(later))
