@@ -113,7 +113,7 @@ def problem(
 
 
 def as_knots(knots: ArrayLike, low: float, high: float) -> tuple[float, ...]:
-    """Points (k,) between the ends low and high, rising, each once. Raises InputError for what is none."""
+    """The knots (k,), points between the ends low and high, rising, each once. Raises InputError for what is none."""
     try:
         at = np.unique(np.asarray(knots, dtype=np.float64).ravel())
     except (ValueError, TypeError) as error:
