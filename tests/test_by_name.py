@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import shootstab as st
+from shootstab.discriminants.continuation import Continuation
 
 SIGMA = 0.0037396706229794 - 0.2375264888204701j  # plane Poiseuille flow, R = 10000, alpha = 1
 
@@ -50,3 +51,17 @@ def test_the_command_line_knows_the_names_of_the_methods() -> None:
 
     assert tuple(METHODS) == METHOD_NAMES
     assert [make(rtol=1e-7).name for make in METHODS.values()] == list(METHODS)
+
+
+def test_what_is_printed_of_an_object_is_short() -> None:
+    low, front = st.scene("low"), st.scene("bistable-front").problem
+    continuation = Continuation(front, st.Frame())
+    assert continuation.barrier is not None
+    read = st.read(Path(st.__file__).parent / "examples" / "low.csv")
+    objects = [low, low.problem, low.problem.flow, front, continuation, continuation.barrier, st.discriminant(low), read]
+    for thing in objects:
+        assert 10 < len(repr(thing)) < 250
+        assert " at 0x" not in repr(thing)
+    assert repr(read) == "ClaimedSpectrum(12 eigenvalues)"
+    assert str(low) == low.heading
+    assert repr(low.problem.flow.at(1.0)).startswith("Fields(nu=0.375677")

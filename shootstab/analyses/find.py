@@ -35,13 +35,17 @@ WIDER_AROUND = 4.0  # chosen: the radius of the next circle around a multiple ze
 LARGEST_CIRCLE = 1e3  # chosen: the last of them, in the first: beyond, the zero was not multiple to any purpose
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Found:
     """All modes in a region, each with its error bar, the count that says that these are all, and resonances if they were looked for."""
 
     modes: tuple[Mode, ...]
     counted: RegionCount
     resonances: tuple[complex, ...] | None = None
+
+    def __repr__(self) -> str:
+        beyond = "" if self.resonances is None else f", {len(self.resonances)} resonances"
+        return f"Found({', '.join(map(repr, self.modes)) or 'no mode'}{beyond})"
 
 
 def find(
@@ -54,7 +58,7 @@ def find(
 ) -> Found:
     """All modes in a region, each to rtol, and to KNOWN_WITHIN of the region's size at least.
 
-    A multiple one is one mode with its multiplicity, and the multiplicities add up to counted.count.
+    Those that grow most come first; a multiple one is one mode with its multiplicity, and the multiplicities add up to counted.count.
 
     What lies within counted.left_out, around ends of the continuous spectrum, is not looked for. Raises Undecidable or ConvergenceError
     where the region as a whole cannot be counted.
@@ -65,6 +69,7 @@ def find(
     modes = without_repetition(
         zeros, (modes_of(continuation, zero, min(rtol, within / max(abs(zero.sigma), within)), atol) for zero in zeros)
     )
+    modes = tuple(sorted(modes, key=lambda mode: -mode.sigma.real))
     return Found(modes, whole, tuple(find_resonances(continuation, region)) if resonances else None)
 
 

@@ -1,9 +1,9 @@
 """A whole list that is off by one thing: before all claims are called spurious, the usual mistakes are tested against the modes.
 
-A spectrum v may be meant as σ = f v or σ = f v̄, with f of a sign, of i (frequencies), of units of length and velocity, or of a
-wavenumber (phase speeds). f = ±1, ±i are tried on the claims themselves; any other f is that of a claim and a mode of the
-pseudospectral reference, where the problem has one. Or only the real parts of the spectrum were written. What is found is only proposed:
-nothing is judged by it.
+A spectrum v may be meant as σ = f v or σ = f v̄, with f of a sign, of i (frequencies), of a wavenumber (phase speeds, σ = −iαc), or of
+units. f = ±1, ±i and, for a known α, ±iα are tried on the claims themselves; any other f is that of a claim and a mode of the
+pseudospectral reference, where the problem has one, that takes a second claim to another of its modes. Or only one of the two parts of
+each eigenvalue was written. One claim in four may be wrong in itself. What is found is only proposed: nothing is judged by it.
 """
 
 from __future__ import annotations
@@ -15,89 +15,128 @@ import numpy as np
 
 from shootstab.analyses import reference
 from shootstab.analyses.verify import verify
+from shootstab.core.errors import ConvergenceError
 from shootstab.core.records import CONFIRMED, INACCURATE, SPURIOUS, Report, digits_between
-from shootstab.problems.protocol import Problem
+from shootstab.discriminants.continuation import Continuation
+from shootstab.discriminants.frame import Frame
+from shootstab.problems.protocol import ComplexArray, Problem
 
-TRIED = 4  # claims on which a hypothesis is tested: chosen, as each costs a verdict, and four do not agree by chance
+TRIED = 4  # claims on which a hypothesis is tested: chosen, as each costs a verdict, and three of four do not agree by chance
+MAY_FAIL = 4  # chosen: one claim in so many may be no mode under a hypothesis that is proposed
 LEAST = 2  # derived: one claim agrees with some mode under some factor
 AGREE = 3.0  # chosen: digits of a claim that must agree with a mode under the hypothesis: a thousand times less than by chance
+NEIGHBOURS = 10.0  # chosen: Newton's step may be so many times the distance of a mode that has others beside it
+ROUGHLY = Frame(rtol=1e-6)  # chosen: a step needs few digits
+COMPARED = 40  # chosen: claims that are held against the reference for each factor
 # factors between conventions of sign and of time, exp(σt) and exp(∓iωt), before any scale is looked for
 UNITS = (1.0, -1.0, 1j, -1j)  # exact: the fourth roots of 1
+PARTS = {"real parts": 1.0, "imaginary parts": -1j, "imaginary parts with the other sign": 1j}  # exact: the part of σ is Re(factor σ)
 
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """σ = factor·v, of the conjugate of v if so: how many of the claims tried are then modes, and the fewest digits that agree."""
+    """σ = factor·v, of the conjugate of v if so: how many of the claims tried are then modes, and the fewest digits that these share.
+
+    parts: instead, which parts of eigenvalues of the reference the claims are.
+    """
 
     factor: complex
     conjugate: bool
     tried: int
     digits: float
-    real_parts: bool = False  # instead: the claims are the real parts of eigenvalues of the reference
+    agreeing: int
+    parts: str = ""
 
     def applied(self, claim: complex) -> complex:
         """The claim as it may have been meant."""
         return self.factor * (claim.conjugate() if self.conjugate else claim)
 
 
-def hypotheses(problem: Problem, report: Report, digits: int) -> tuple[Hypothesis, ...]:
-    """Those that hold for every claim tried, if the report calls all claims spurious; nothing otherwise."""
+def hypotheses(problem: Problem, report: Report, digits: int, factors: Sequence[complex] = UNITS) -> tuple[Hypothesis, ...]:
+    """Those that hold for the claims tried, if the report calls all claims spurious; nothing otherwise. factors are tried first."""
     claims = [v.claimed for v in report.verdicts if v.claimed != 0.0]
     if len(claims) < LEAST or any(v.verdict != SPURIOUS for v in report.verdicts):
         return ()
-    claims = sorted(claims, key=abs)[:TRIED]
-    for factors in (lambda conjugate: UNITS, lambda conjugate: _factors(problem, claims, digits, conjugate)):
-        found = [h for h in _holding(problem, digits, claims, factors) if h is not None]
+    claims = sorted(claims, key=abs)
+    for factors_of in (lambda conjugate: factors, lambda conjugate: _factors(problem, claims, digits, conjugate)):
+        found = _holding(problem, digits, claims[:TRIED], factors_of)
         if found:
             return tuple(found)
-    return _as_real_parts(problem, claims, digits)
+    return _as_parts(problem, claims[:TRIED], digits)
 
 
-def _as_real_parts(problem: Problem, claims: Sequence[complex], digits: int) -> tuple[Hypothesis, ...]:
-    """Whether claims without imaginary parts are the real parts of eigenvalues of the reference that have one."""
+def _enough(claims: int) -> int:
+    """How many of the claims tried must be modes."""
+    return max(LEAST, claims - claims // MAY_FAIL)
+
+
+def _as_parts(problem: Problem, claims: Sequence[complex], digits: int) -> tuple[Hypothesis, ...]:
+    """Whether real claims are the real or the imaginary parts of eigenvalues of the reference that have both."""
     modes = reference.eigenvalues(problem, digits)
-    modes = modes[modes.imag != 0.0]
+    modes = modes[(modes.imag != 0.0) & (modes.real != 0.0)]
     if not len(modes) or any(c.imag != 0.0 for c in claims):
         return ()
     own = np.array([c.real for c in claims])
-    off = float((np.abs(modes.real - own[:, None]).min(axis=1) / np.abs(own)).max())
-    return () if off > 10.0**-AGREE else (Hypothesis(1.0, False, len(claims), digits_between(off, 1.0), True),)
+    for parts, factor in PARTS.items():
+        off = np.abs((factor * modes).real - own[:, None]).min(axis=1) / np.abs(own)
+        close = off <= 10.0**-AGREE
+        if close.sum() >= _enough(len(own)):
+            return (Hypothesis(1.0, False, len(own), digits_between(float(off[close].max()), 1.0), int(close.sum()), parts),)
+    return ()
 
 
 def _holding(problem: Problem, digits: int, claims: Sequence[complex], factors: Callable[[bool], Sequence[complex]]) -> list[Hypothesis]:
-    """The hypotheses under which every claim is a mode; the first of those that map the claims to the same numbers."""
+    """The hypotheses under which the claims are modes; the first of those that map the claims to the same numbers."""
     found: list[Hypothesis] = []
+    continuation = Continuation(problem, ROUGHLY)
     for conjugate in (False, True):
         for factor in factors(conjugate):
-            wanted = Hypothesis(factor, conjugate, len(claims), 0.0)
+            wanted = Hypothesis(factor, conjugate, len(claims), 0.0, 0)
             meant = [wanted.applied(c) for c in claims]
             if (factor == 1.0 and not conjugate) or any(np.allclose(meant, [h.applied(c) for c in claims]) for h in found):
                 continue
+            if sum(_may_mean_a_mode(continuation, claim) for claim in meant) < _enough(len(meant)):
+                continue
             agreed = _agreed(problem, digits, meant)
-            if agreed is not None:
-                found.append(Hypothesis(factor, conjugate, len(claims), agreed))
+            if len(agreed) >= _enough(len(claims)):
+                found.append(Hypothesis(factor, conjugate, len(claims), min(agreed), len(agreed)))
     return found
 
 
-def _agreed(problem: Problem, digits: int, claims: Sequence[complex]) -> float | None:
-    """The fewest digits that a claim shares with its mode; None as soon as one is no mode."""
-    fewest = 99.0
-    for claim in claims:
+def _may_mean_a_mode(continuation: Continuation, claim: complex) -> bool:
+    """Whether Newton's step from the claim, about the distance of the nearest zero, is short: one value of D, a verdict takes many."""
+    try:
+        step = continuation.along(claim)[0].with_derivative(claim).newton_step
+    except ConvergenceError:
+        return False
+    return abs(step) <= NEIGHBOURS * 10.0**-AGREE * abs(claim)
+
+
+def _agreed(problem: Problem, digits: int, claims: Sequence[complex]) -> list[float]:
+    """The digits that claims share with their modes; an empty list as soon as too many are no modes."""
+    agreed = []
+    for done, claim in enumerate(claims, 1):
         (verdict,) = verify(problem, [claim], digits, missing="none").verdicts
-        if verdict.verdict not in (CONFIRMED, INACCURATE) or (verdict.digits_agreed or 0.0) < AGREE:
-            return None
-        fewest = min(fewest, verdict.digits_agreed or 0.0)
-    return fewest
+        if verdict.verdict in (CONFIRMED, INACCURATE) and (verdict.digits_agreed or 0.0) >= AGREE:
+            agreed.append(verdict.digits_agreed or 0.0)
+        elif done - len(agreed) > len(claims) - _enough(len(claims)):
+            return []
+    return agreed
 
 
 def _factors(problem: Problem, claims: Sequence[complex], digits: int, conjugate: bool) -> list[complex]:
-    """The factor that takes the first claim to a mode and all others to modes as well, to AGREE digits; of several the nearest to 1."""
+    """The factor that takes a claim to a mode and the most others to modes as well, to AGREE digits; of several the nearest to 1."""
     modes = reference.eigenvalues(problem, digits)
-    own = np.array([c.conjugate() if conjugate else c for c in claims])
-    good = []
-    for factor in modes[modes != 0.0] / own[0]:
-        meant = factor * own
-        nearest = np.abs(meant[:, None] - modes[None, :]).min(axis=1)
-        if np.all(nearest <= 10.0**-AGREE * np.abs(meant)):
-            good.append(complex(factor))
-    return sorted(good, key=lambda f: abs(np.log(f)))[:1]
+    modes = modes[modes != 0.0]
+    own = np.array([c.conjugate() if conjugate else c for c in claims[:COMPARED]])
+    candidates = (modes[:, None] / own[None, : LEAST * MAY_FAIL]).ravel()
+    hits = [(_hits(factor * own, modes), complex(factor)) for factor in candidates]
+    most = max((n for n, _ in hits), default=0)
+    return sorted((f for n, f in hits if n == most >= LEAST), key=lambda f: abs(np.log(f)))[:1]
+
+
+def _hits(meant: ComplexArray, modes: ComplexArray) -> int:
+    """How many modes the claims (m,) mean, to AGREE digits."""
+    off = np.abs(meant[:, None] - modes[None, :])
+    close = off.min(axis=1) <= 10.0**-AGREE * np.abs(meant)
+    return len(set(off[close].argmin(axis=1).tolist()))

@@ -107,6 +107,8 @@ def trade(problem: Problem, guess: complex | None = None, progress: Progress | N
     Raises InputError where a problem has no reference and no guess is given, or no evaluation in many digits; ConvergenceError where no
     mode is found next to the guess.
     """
+    if guess is None and PSEUDOSPECTRAL.of(problem) is None:
+        raise InputError("this problem has no bundled pseudospectral reference that would tell a mode: give a guess")
     start = _three_digits(complex(reference.claims(problem, 6)[0]) if guess is None else guess)
     curves = [*spectral_curves(problem), *_shooting()]
     told = progress or (lambda done, total: None)

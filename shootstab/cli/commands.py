@@ -185,9 +185,10 @@ def scenes(options: Namespace) -> int:
         _write_json(options, {"scenes": says})
     if options.json != "-" and not options.quiet:
         width = max(map(len, listed)) + 2
+        column = " " * width
         for name, one in listed.items():
-            print(filled(f"{name:<{width}}{one.scene.description}", " " * width))
-            print(filled(f"{'':<{width}}{one.details}", " " * width))
+            for first, said in ((name, one.scene.description), ("", one.details)):
+                print(f"{first:<{width}}{filled(f'{column}{said}', column)[width:]}")
     return DONE
 
 

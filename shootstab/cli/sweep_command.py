@@ -88,7 +88,7 @@ def sweep(options: Namespace) -> int:
 
         maps.save(found, scene, options.plot)
     answer(options, document(found), lambda: tables(found, scene), scene)
-    return BAD_NEWS if found.bad_news() else DONE
+    return BAD_NEWS if found.bad_news else DONE
 
 
 def document(found: Swept) -> dict[str, Any]:

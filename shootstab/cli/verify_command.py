@@ -14,6 +14,7 @@ from shootstab.cli.selection import SORTS
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.records import VERDICTS, Report
 from shootstab.io import scenes as scene_files
+from shootstab.io.conventions import wavenumber
 from shootstab.io.files import write_text
 
 if TYPE_CHECKING:
@@ -113,9 +114,11 @@ def verify(options: Namespace) -> int:
 
             theorems = proved_verdicts(scene.problem, report)
     from shootstab.analyses.hypotheses import hypotheses
-    from shootstab.cli.proposals import sentence
+    from shootstab.cli.proposals import factors, sentence
 
-    meant = [sentence(found, convention.plain) for found in hypotheses(scene.problem, report, options.digits)]
+    alpha = wavenumber(own.problem)
+    tried = factors(convention, alpha)
+    meant = [sentence(found, convention, alpha) for found in hypotheses(scene.problem, report, options.digits, tried)]
     report = convention.shown(replace(report, dropped=0 if spectrum is None else spectrum.dropped))
     if options.plot is not None:
         from shootstab.cli import plots

@@ -128,7 +128,7 @@ class Adaptive:
         centre: complex | None = None,
         begin: Meshes | None = None,
     ) -> None:
-        self.problem, self.path = problem, path
+        self.problem, self.propagator, self.path = problem, propagator, path
         self._decoupling = decouple(problem)
         subsystems: Sequence[Problem] = (problem,) if self._decoupling is None else self._decoupling.members
         self._members = tuple(
@@ -136,6 +136,10 @@ class Adaptive:
             for i, subsystem in enumerate(subsystems)
         )
         self._products: OrderedDict[tuple[int, ...], Product] = OrderedDict()
+
+    def __repr__(self) -> str:
+        path = "" if self.path is None else f", {self.path}"
+        return f"D(σ) of {self.problem!r} by {self.propagator!r}{path}"
 
     def at(self, sigma: complex, tangent: bool = True) -> Shooting | Product:
         """D on the mesh that serves σ. Raises ConvergenceError where none is found."""

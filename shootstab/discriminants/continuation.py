@@ -49,6 +49,9 @@ class Continuation:
         self.on_the_axis = method.on(problem, begin=begin)
         self._deformed: dict[DeformedPath, AdaptiveDiscriminant] = {}
 
+    def __repr__(self) -> str:
+        return f"Continuation({self.problem!r}, {self.method!r})"
+
     def distance(self, sigma: complex) -> float:
         """The distance of σ to the continuous spectrum; infinite if there is none."""
         spectra = [s for s in (self.continuum, self.barrier) if s is not None]

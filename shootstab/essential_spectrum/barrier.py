@@ -19,12 +19,15 @@ from shootstab.problems.protocol import ComplexArray, Problem
 from shootstab.problems.splitting import AsymptoticPencil
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Barrier:
     """The curves, and the asymptotic pencils of the ends, each with the number of solutions that count as decaying there."""
 
     curves: tuple[Curve, ...]
     asymptotics: tuple[tuple[AsymptoticPencil, int], ...]
+
+    def __repr__(self) -> str:
+        return f"Barrier({len(self.curves)} curves, {len(self.asymptotics)} ends at infinity)"
 
     def distance(self, sigma: complex) -> float:
         """The distance of σ to the nearest of the curves; 0 where it lies on one to rounding."""

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from shootstab.multiprecision.integration import MultiprecisionProblem
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class EquationProblem(LinearProblem):
     """A problem made by `equations`: the engine's view of it, what the reduction found, and what the user wrote.
 

@@ -24,13 +24,17 @@ UNPACKED = 32 * 2**20  # chosen: bytes of an array; with its file and what is ma
 INFINITE = 1e15
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ClaimedSpectrum:
     """Eigenvalues as they were read: values (m,), and how many entries were left out as infinite, not a number, or 1e15 and more."""
 
     values: NDArray[np.complex128]
     dropped: int = 0
     source: str = ""
+
+    def __repr__(self) -> str:
+        left_out = f", {self.dropped} left out" if self.dropped else ""
+        return f"ClaimedSpectrum({len(self)} eigenvalues{left_out})"
 
     def __len__(self) -> int:
         return len(self.values)

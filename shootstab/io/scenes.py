@@ -28,7 +28,7 @@ LARGEST_SCENE = 2**17  # chosen: bytes of a scene file, six of the longest formu
 MODELS = ("shootstab.models.chute.chute_scene", "shootstab.models.catalogue.gallery_scene")  # each has a SceneModel called MODEL
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Scene:
     """A problem with a name. flow is the steady flow under it, if it has one; symbol is what the eigenvalue is called, unit its unit;
     details say what the problem is, parameters are the tables that a scene file would hold.
@@ -42,6 +42,12 @@ class Scene:
     unit: str = ""
     symbol: str = "σ"
     parameters: Mapping[str, Any] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return f"Scene({self.name}: {self.description})"
+
+    def __str__(self) -> str:
+        return self.heading
 
     @property
     def heading(self) -> str:

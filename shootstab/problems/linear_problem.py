@@ -141,7 +141,7 @@ def _curves(
     return None, tuple(curves)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class LinearProblem:
     """A user's problem behind the problem protocol; made by `problem`.
 
@@ -160,6 +160,9 @@ class LinearProblem:
     bounded: Callable[..., tuple[Rectangle, str]] | None = None
     unknowns: Unknowns | None = None
     given: tuple[float, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}(order {self.size}, {self.decaying} conditions at its first end)"
 
     @property
     def size(self) -> int:

@@ -44,6 +44,19 @@ def test_a_list_that_is_only_wrong_or_not_wholly_wrong_gets_no_proposal() -> Non
 
 def test_real_parts_alone_are_told_as_such() -> None:
     (one,) = found(MODES.real.astype(complex))
-    assert (one.real_parts, one.tried) == (True, 3)
+    assert (one.parts, one.tried, one.agreeing) == ("real parts", 3, 3)
     assert one.digits > 8
     assert found(MODES.real * 1.01 + 0j) == ()
+
+
+@pytest.mark.parametrize(("claims", "parts"), [(MODES.imag, "imaginary parts"), (-MODES.imag, "imaginary parts with the other sign")])
+def test_imaginary_parts_alone_are_told_as_such(claims: np.ndarray, parts: str) -> None:
+    (one,) = found(claims.astype(complex))
+    assert one.parts == parts
+
+
+def test_one_claim_in_four_may_be_wrong_in_itself() -> None:
+    more = np.array([-0.0911228 - 0.907983j, -0.05089872725702 - 0.27720434380895j])  # the first of them is no mode to three digits
+    for factor in (1j, 0.37 - 0.2j):
+        (one,) = found(np.concatenate([MODES, more])[[0, 1, 2, 4, 3]] / factor * np.array([1.0, 1.0, 1.3, 1.0, 1.0]))
+        assert (abs(one.factor - factor) < 1e-6, one.tried, one.agreeing) == (True, 4, 3)

@@ -9,7 +9,7 @@ import pytest
 
 from shootstab.analyses.hypotheses import Hypothesis
 from shootstab.cli import main as cli
-from shootstab.cli.proposals import options, sentence
+from shootstab.cli.proposals import factors, options, sentence
 from shootstab.io.conventions import Convention
 
 
@@ -25,7 +25,7 @@ from shootstab.io.conventions import Convention
     ],
 )
 def test_the_options_proposed_mean_the_factor(factor: complex, conjugate: bool, said: str) -> None:
-    one = Hypothesis(factor, conjugate, 3, 8.0)
+    one = Hypothesis(factor, conjugate, 3, 8.0, 3)
     assert options(one) == said
     if said:
         words = said.split()
@@ -34,16 +34,16 @@ def test_the_options_proposed_mean_the_factor(factor: complex, conjugate: bool, 
             given.get("--as", "growth"), given.get("--sign"), length=float(given.get("--length", 1)), conjugate="--conjugate" in words
         )
         assert (convention.unit, convention.conjugate) == (factor, conjugate)
-    assert (": try" in sentence(one, True), ": try" in sentence(one, False)) == (bool(said), False)
+    assert (": try" in sentence(one)) == bool(said)
 
 
 @pytest.mark.parametrize(("factor", "said"), [(-1j, "× -i,"), (1j, "× i,"), (2.0, "× 2,"), (0.5 - 2j, "× (0.5 - 2i),"), (-3j, "× -3i,")])
 def test_a_factor_is_written_as_people_do(factor: complex, said: str) -> None:
-    assert said in sentence(Hypothesis(factor, False, 3, 8.0), True)
+    assert said in sentence(Hypothesis(factor, False, 3, 8.0, 3))
 
 
 def test_real_parts_are_told_to_lack_the_others() -> None:
-    said = sentence(Hypothesis(1.0, False, 3, 8.0, real_parts=True), True)
+    said = sentence(Hypothesis(1.0, False, 3, 8.0, 3, "real parts"))
     assert said.startswith("All 3 claims tried are real parts of eigenvalues of the bundled reference, to 8.0 digits: both parts")
 
 
@@ -52,3 +52,23 @@ def test_a_conjugate_list_is_told_so(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert cli.main(["verify", "poiseuille", str(tmp_path / "modes.csv")]) == 1
     assert "All 2 claims tried, conjugated, are modes to" in (out := capsys.readouterr().out)
     assert "try --conjugate." in out
+
+
+@pytest.mark.parametrize(
+    ("given", "factor", "conjugate", "said"),
+    [
+        (Convention(conjugate=True), 1.0, True, "as the problem has them: leave out --conjugate."),
+        (Convention("frequency"), 1j, False, "as the problem has them: leave out --as frequency."),
+        (Convention("frequency"), 0.011, False, "try --as phase-speed in place of --as frequency."),
+        (Convention("phase-speed", alpha=0.011), 1.0, True, "try --as phase-speed --conjugate in place of --as phase-speed."),
+        (Convention(), -0.011j, False, "try --as phase-speed."),
+        (Convention(), 0.011j, True, "try --as phase-speed --sign + --conjugate."),
+    ],
+)
+def test_what_is_proposed_counts_with_what_was_given(given: Convention, factor: complex, conjugate: bool, said: str) -> None:
+    assert sentence(Hypothesis(factor, conjugate, 3, 8.0, 3), given, 0.011).endswith(said)
+    assert any(abs(factor - tried) <= 1e-15 for tried in factors(given, 0.011))
+
+
+def test_a_claim_that_is_wrong_in_itself_is_counted() -> None:
+    assert sentence(Hypothesis(1.0, True, 4, 8.0, 3)).startswith("3 of 4 claims tried, conjugated, are modes")

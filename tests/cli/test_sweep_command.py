@@ -93,7 +93,7 @@ def test_refusals_in_one_line(words: list[str], says: str, capsys: pytest.Captur
 
 
 def test_bad_news_where_a_point_is_unresolved() -> None:
-    assert swept().bad_news()
+    assert swept().bad_news
     assert swept().summary == {
         PROVED: 3, FOLLOWED: 4, NONE_GROWS: 3, NO_WAVE: 1, NO_FLOW: 0, UNRESOLVED: 1, "counted": 4,
     }  # fmt: skip

@@ -28,7 +28,7 @@ from shootstab.problems.protocol import Problem
 FORMAT = 2  # defined by the store: the version of the file of results; one of another version is refused
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Swept:
     """The outcome at every point of a grid; axes in the order in which they were given, the last one running fastest."""
 
@@ -36,6 +36,11 @@ class Swept:
     outcomes: Mapping[Point, Outcome]
     settings: WalkSettings
     family: Family
+
+    def __repr__(self) -> str:
+        axes = " x ".join(f"{axis.name}: {len(axis.values)}" for axis in self.axes)
+        said = ", ".join(f"{n} {what}" for what, n in self.summary.items() if n and what != "counted")
+        return f"Swept({axes}; {said})"
 
     @property
     def grid(self) -> SweepGrid:
@@ -74,6 +79,7 @@ class Swept:
         said = [o.status.partition(":")[0] for o in self.outcomes.values()]
         return {**{kind: said.count(kind) for kind in OUTCOMES}, "counted": sum(o.proved for o in self.outcomes.values())}
 
+    @property
     def bad_news(self) -> bool:
         """Whether a point is unresolved."""
         return self.summary[UNRESOLVED] > 0

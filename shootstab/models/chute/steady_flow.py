@@ -47,7 +47,7 @@ class Fields:
     T_z: Any
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Flow:
     """One steady flow, known at any z, real or complex.
 
@@ -63,6 +63,9 @@ class Flow:
     far_velocity: float
     tolerance: float = TOLERANCE
     asked_flux: float | None = None  # the mass flux by which the flow was chosen, if it was
+
+    def __repr__(self) -> str:
+        return f"Flow({self.chute!r}, far_temperature={self.far_temperature!r})"
 
     @property
     def states(self) -> NDArray[np.float64]:
@@ -107,13 +110,14 @@ class Flow:
         return out
 
     def at(self, z: Any) -> Fields:
-        """The fields at heights z, real or complex, each of the shape of z."""
+        """The fields at heights z, real or complex, each of the shape of z, numbers at one height."""
         states: NDArray[Any] = self.states_at(z)
         states = states.real if np.isrealobj(z) else states
         nu, T, u, Q = np.exp(states[..., 0]), states[..., 1], states[..., 2], states[..., 3]
         g0, _ = law.radial(nu, self.chute.radial_law)
         decay, T_z, u_z, _ = slopes(nu, T, Q, self.chute.ep, self.chute.tan_theta, self.chute.radial_law, math.pi)
-        return Fields(nu, u, T, nu * law.f1(nu, g0, self.chute.ep) * T, nu * Q, nu * decay, u_z, T_z)
+        fields = nu, u, T, nu * law.f1(nu, g0, self.chute.ep) * T, nu * Q, nu * decay, u_z, T_z
+        return Fields(*(np.asarray(field).item() if np.ndim(z) == 0 else field for field in fields))
 
     def _beyond_top(self, z: NDArray[np.complex128]) -> NDArray[np.complex128]:
         log_nu = self.pieces[0, 0, 0] - (z - self.nodes[0]) / self.far_temperature
