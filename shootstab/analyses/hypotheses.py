@@ -27,7 +27,7 @@ LEAST = 2  # derived: one claim agrees with some mode under some factor
 AGREE = 3.0  # chosen: digits of a claim that must agree with a mode under the hypothesis: a thousand times less than by chance
 NEIGHBOURS = 10.0  # chosen: Newton's step may be so many times the distance of a mode that has others beside it
 ROUGHLY = Frame(rtol=1e-6)  # chosen: a step needs few digits
-COMPARED = 40  # chosen: claims that are held against the reference for each factor
+HELD_AGAINST_REFERENCE = 40  # chosen: claims that are held against the reference for each factor
 # factors between conventions of sign and of time, exp(σt) and exp(∓iωt), before any scale is looked for
 UNITS = (1.0, -1.0, 1j, -1j)  # exact: the fourth roots of 1
 PARTS = {"real parts": 1.0, "imaginary parts": -1j, "imaginary parts with the other sign": 1j}  # exact: the part of σ is Re(factor σ)
@@ -109,7 +109,7 @@ def _may_mean_a_mode(continuation: Continuation, claim: complex) -> bool:
         step = continuation.along(claim)[0].with_derivative(claim).newton_step
     except ConvergenceError:
         return False
-    return abs(step) <= NEIGHBOURS * 10.0**-AGREE * abs(claim)
+    return bool(abs(step) <= NEIGHBOURS * 10.0**-AGREE * abs(claim))
 
 
 def _agreed(problem: Problem, digits: int, claims: Sequence[complex]) -> list[float]:
@@ -128,7 +128,7 @@ def _factors(problem: Problem, claims: Sequence[complex], digits: int, conjugate
     """The factor that takes a claim to a mode and the most others to modes as well, to AGREE digits; of several the nearest to 1."""
     modes = reference.eigenvalues(problem, digits)
     modes = modes[modes != 0.0]
-    own = np.array([c.conjugate() if conjugate else c for c in claims[:COMPARED]])
+    own = np.array([c.conjugate() if conjugate else c for c in claims[:HELD_AGAINST_REFERENCE]])
     candidates = (modes[:, None] / own[None, : LEAST * MAY_FAIL]).ravel()
     hits = [(_hits(factor * own, modes), complex(factor)) for factor in candidates]
     most = max((n for n, _ in hits), default=0)

@@ -14,16 +14,16 @@ TURNS = (1.0, -1.0, 1j, -1j)  # exact: σ/v of growth rates and frequencies
 SAME_FACTOR = 1e-6  # chosen: relative: a factor comes from a claim and a mode that agree to some digits only
 OPTIONS_OF_FACTOR = {1.0: "", -1.0: "--as growth --sign -", -1j: "--as frequency", 1j: "--as frequency --sign +"}  # σ/v: what says so
 OPTIONS_OF_SPEED = {-1j: "--as phase-speed", 1j: "--as phase-speed --sign +"}  # σ/(αv)
-PLAIN = Convention()
+AS_THE_PROBLEM = Convention()
 
 
-def factors(given: Convention, wavenumber: float | None) -> list[complex]:
+def factors_tried(given: Convention, wavenumber: float | None) -> list[complex]:
     """What the claims, as they were judged, are to be multiplied by to have been meant in one of the conventions without other units."""
     speeds = () if wavenumber is None else (-1j * wavenumber, 1j * wavenumber)
     return [whole / given.unit for whole in (*TURNS, *speeds)]
 
 
-def sentence(found: Hypothesis, given: Convention = PLAIN, wavenumber: float | None = None) -> str:
+def sentence(found: Hypothesis, given: Convention = AS_THE_PROBLEM, wavenumber: float | None = None) -> str:
     """The proposal in words, with the options that are to be given in place of those that were."""
     tried = f"All {found.tried}" if found.agreeing == found.tried else f"{found.agreeing} of {found.tried}"
     if found.parts:

@@ -114,10 +114,10 @@ def verify(options: Namespace) -> int:
 
             theorems = proved_verdicts(scene.problem, report)
     from shootstab.analyses.hypotheses import hypotheses
-    from shootstab.cli.proposals import factors, sentence
+    from shootstab.cli.proposals import factors_tried, sentence
 
     alpha = wavenumber(own.problem)
-    tried = factors(convention, alpha)
+    tried = factors_tried(convention, alpha)
     meant = [sentence(found, convention, alpha) for found in hypotheses(scene.problem, report, options.digits, tried)]
     report = convention.shown(replace(report, dropped=0 if spectrum is None else spectrum.dropped))
     if options.plot is not None:

@@ -281,12 +281,7 @@ class LinearProblem:
     @property
     def layout(self) -> tuple[Placement, ...]:
         """Where the components of each subdomain live; of an augmented one those of ψ, behind those of a."""
-        n, first, out = self.function.size, 0, []
-        for subdomain in self.reduction.subdomains:
-            first += n * subdomain.augmented
-            out.append(Placement(subdomain.offset, subdomain.scale, first, n, subdomain.crossed))
-            first += n
-        return tuple(out)
+        return self.reduction.placements(self.function.size)
 
     @cached_property
     def _in_equations(self) -> Any:

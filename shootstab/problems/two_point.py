@@ -27,6 +27,7 @@ from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.splitting import AsymptoticPencil
 from shootstab.problems.subdomains import Subdomain
 from shootstab.problems.truncation import Approach, limit_at, middle
+from shootstab.problems.unknowns import Placement
 
 LINE = 2001  # chosen: points of a subdomain at which a continuous spectrum that no path leads around is sampled
 
@@ -58,6 +59,15 @@ class TwoPointReduction:
         """The z that each subdomain covers, rising."""
         ends = [sorted(subdomain.offset + subdomain.scale * t for t in (self.start, self.end)) for subdomain in self.subdomains]
         return tuple((low, high) for low, high in ends)
+
+    def placements(self, size: int) -> tuple[Placement, ...]:
+        """Where the components of each subdomain, so many in the user's pencil, live; of an augmented one those of ψ, behind those of a."""
+        first, out = 0, []
+        for subdomain in self.subdomains:
+            first += size * subdomain.augmented
+            out.append(Placement(subdomain.offset, subdomain.scale, first, size, subdomain.crossed))
+            first += size
+        return tuple(out)
 
     def pairs(self, knots: NDArray[np.float64]) -> NDArray[np.float64]:
         """The t (M, 2) on either side of each z of the knots (K,), in every subdomain that it lies inside."""

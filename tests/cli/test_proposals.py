@@ -9,7 +9,7 @@ import pytest
 
 from shootstab.analyses.hypotheses import Hypothesis
 from shootstab.cli import main as cli
-from shootstab.cli.proposals import factors, options, sentence
+from shootstab.cli.proposals import factors_tried, options, sentence
 from shootstab.io.conventions import Convention
 
 
@@ -67,7 +67,7 @@ def test_a_conjugate_list_is_told_so(tmp_path: Path, capsys: pytest.CaptureFixtu
 )
 def test_what_is_proposed_counts_with_what_was_given(given: Convention, factor: complex, conjugate: bool, said: str) -> None:
     assert sentence(Hypothesis(factor, conjugate, 3, 8.0, 3), given, 0.011).endswith(said)
-    assert any(abs(factor - tried) <= 1e-15 for tried in factors(given, 0.011))
+    assert any(abs(factor - tried) <= 1e-15 for tried in factors_tried(given, 0.011))
 
 
 def test_a_claim_that_is_wrong_in_itself_is_counted() -> None:
