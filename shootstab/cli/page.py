@@ -24,6 +24,7 @@ from shootstab import __version__
 from shootstab.cli import exports, plane, plots
 from shootstab.cli.lines import with_i
 from shootstab.cli.tables import sentence
+from shootstab.cli.verdict_looks import css
 from shootstab.core.errors import InputError
 from shootstab.core.records import VERDICTS, Mode, Report
 from shootstab.io.files import write_text
@@ -86,7 +87,7 @@ def made(page: Page) -> str:
         [
             '<!doctype html><html lang="en"><head><meta charset="utf-8">',
             '<meta name="viewport" content="width=device-width, initial-scale=1">',
-            f"<title>{title}</title><style>{(own / 'page.css').read_text(encoding='utf-8')}</style>",
+            f"<title>{title}</title><style>{(own / 'page.css').read_text(encoding='utf-8')}{css()}</style>",
             f"<script>{get_plotlyjs()}</script></head><body>",
             f"<h1>{html.escape(page.scene.name)}</h1><p>{html.escape(page.scene.heading)}</p>",
             f"<p class=sentence>{html.escape(sentence(page.report))}</p>{body}",

@@ -11,7 +11,8 @@ import numpy as np
 from shootstab.cli import figures, plane
 from shootstab.cli.figures import PLAIN, Look
 from shootstab.cli.plane import Box, Group, Points
-from shootstab.core.records import CONFIRMED, CONTINUUM, INACCURATE, SPURIOUS, UNRESOLVED, Report
+from shootstab.cli.verdict_looks import LOOKS, MISSING_LOOK
+from shootstab.core.records import CONTINUUM, Report
 from shootstab.core.regions import Region
 
 if TYPE_CHECKING:
@@ -19,16 +20,8 @@ if TYPE_CHECKING:
     from shootstab.io.scenes import Scene
     from shootstab.spectral.qz import Spectrum
 
-# marker, colour (Okabe and Ito's, told apart by the colour-blind), size
-MARKS = {
-    CONFIRMED: ("o", "#009E73", 7),
-    INACCURATE: ("^", "#E69F00", 7),
-    SPURIOUS: ("x", "#D55E00", 6),
-    CONTINUUM: ("+", "#0072B2", 7),
-    UNRESOLVED: ("D", "#CC79A7", 5),
-}
 RING = {"markerfacecolor": "none", "markeredgecolor": "black", "markersize": 11, "zorder": 4}
-STAR = {"color": "#F0E442", "markeredgecolor": "black", "markersize": 13, "zorder": 5}
+STAR = {"color": MISSING_LOOK.colour, "markeredgecolor": "black", "markersize": MISSING_LOOK.size, "zorder": 5}
 OUTLINE = 400  # chosen: points of a region's rim
 
 require = figures.require
@@ -55,13 +48,13 @@ def draw_on(axes: Any, report: Report, scene: Scene) -> None:
 def of_report(report: Report, scene: Scene) -> tuple[list[Group], Box]:
     """What is drawn, and the part that is magnified."""
     groups = []
-    for verdict, (marker, colour, size) in MARKS.items():
+    for verdict, look in LOOKS.items():
         chosen = _claims(report, verdict)
-        style = {"color": colour, "markersize": size, "markeredgewidth": 1.4, "linestyle": "none", "zorder": 3}
-        groups.append(Group(f"{verdict} ({chosen.size})", chosen, marker, style))
+        style = {"color": look.colour, "markersize": look.size, "markeredgewidth": 1.4, "linestyle": "none", "zorder": 3}
+        groups.append(Group(f"{verdict} ({chosen.size})", chosen, look.marker, style))
     modes = _points([v.sigma for v in report.verdicts if v.sigma is not None])
     missing = _points([m.sigma for m in report.missing])
-    groups += [Group("mode", modes, "o", RING), Group(f"missing mode ({missing.size})", missing, "*", STAR)]
+    groups += [Group("mode", modes, "o", RING), Group(f"missing mode ({missing.size})", missing, MISSING_LOOK.marker, STAR)]
     near = plane.magnified(scene, np.concatenate([modes, missing]), _claims(report), _claims(report, CONTINUUM))
     return groups, near
 
@@ -104,7 +97,7 @@ def rim(region: Region | None) -> Points | None:
 
 def _claims(report: Report, *verdicts: str) -> Points:
     """The claimed eigenvalues with these verdicts; without any, all."""
-    return _points([v.claimed for v in report.verdicts if v.verdict in (verdicts or MARKS)])
+    return _points([v.claimed for v in report.verdicts if v.verdict in (verdicts or LOOKS)])
 
 
 def _points(values: Sequence[Any] | Any) -> Points:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from shootstab.cli import figures, plots
+from shootstab.cli.verdict_looks import LOOKS
 from shootstab.core.errors import InputError
 from shootstab.core.records import (
     CONFIRMED,
@@ -75,8 +76,9 @@ def test_every_verdict_has_its_own_mark(fig2: Scene, crowded: Report) -> None:
     for said in VERDICTS:
         assert f"{said} ({crowded.summary[said]})" in named
     assert {"continuous spectrum", "mode", "missing mode (1)"} <= set(named)
-    marks = [plots.MARKS[said] for said in VERDICTS]
-    assert len({m[0] for m in marks}) == len({m[1] for m in marks}) == len(VERDICTS)
+    looks = [LOOKS[said] for said in VERDICTS]
+    for told in ("marker", "colour", "style", "by_day", "by_night"):
+        assert len({getattr(look, told) for look in looks}) == len(VERDICTS)
 
 
 def test_labels_and_title(fig2: Scene, crowded: Report) -> None:
