@@ -11,7 +11,7 @@ import numpy as np
 from shootstab.cli import figures, plane
 from shootstab.cli.figures import PLAIN, Look
 from shootstab.cli.plane import Box, Group, Points
-from shootstab.cli.verdict_looks import LOOKS, MISSING_LOOK
+from shootstab.cli.verdict_looks import MISSING_LOOK, VERDICT_LOOKS
 from shootstab.core.records import CONTINUUM, Report
 from shootstab.core.regions import Region
 
@@ -48,7 +48,7 @@ def draw_on(axes: Any, report: Report, scene: Scene) -> None:
 def of_report(report: Report, scene: Scene) -> tuple[list[Group], Box]:
     """What is drawn, and the part that is magnified."""
     groups = []
-    for verdict, look in LOOKS.items():
+    for verdict, look in VERDICT_LOOKS.items():
         chosen = _claims(report, verdict)
         style = {"color": look.colour, "markersize": look.size, "markeredgewidth": 1.4, "linestyle": "none", "zorder": 3}
         groups.append(Group(f"{verdict} ({chosen.size})", chosen, look.marker, style))
@@ -97,7 +97,7 @@ def rim(region: Region | None) -> Points | None:
 
 def _claims(report: Report, *verdicts: str) -> Points:
     """The claimed eigenvalues with these verdicts; without any, all."""
-    return _points([v.claimed for v in report.verdicts if v.verdict in (verdicts or LOOKS)])
+    return _points([v.claimed for v in report.verdicts if v.verdict in (verdicts or VERDICT_LOOKS)])
 
 
 def _points(values: Sequence[Any] | Any) -> Points:

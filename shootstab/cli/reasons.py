@@ -9,7 +9,7 @@ from rich.text import Text
 
 from shootstab.cli.lines import GAP, PAGE, filled, numbered, with_i
 from shootstab.cli.selection import VerdictRow
-from shootstab.cli.verdict_looks import LOOKS
+from shootstab.cli.verdict_looks import VERDICT_LOOKS
 from shootstab.core.records import CONFIRMED, Report
 
 REASON_INDENT = 8  # chosen: columns for the numbers of rows, with a gap behind them
@@ -20,7 +20,7 @@ def told(found: Report, shown: Sequence[VerdictRow]) -> list[Text]:
     """Why a claim is not confirmed; rows with one reason together."""
     reasons = []
     for numbers, verdict, why in grouped([row for row in shown if row[1].verdict != CONFIRMED]):
-        reasons.append(_reason(numbers, verdict, why, LOOKS[verdict].style))
+        reasons.append(_reason(numbers, verdict, why, VERDICT_LOOKS[verdict].style))
     reasons += [_reason("", "not searched", what, "magenta") for what in found.undecided]
     return [*reasons, Text("")] if reasons else []
 

@@ -14,7 +14,7 @@ from rich.text import Text
 from shootstab.cli.lines import GAP, PAGE, filled, with_i
 from shootstab.cli.reasons import told
 from shootstab.cli.selection import rows
-from shootstab.cli.verdict_looks import LOOKS, MISSING_LOOK
+from shootstab.cli.verdict_looks import MISSING_LOOK, VERDICT_LOOKS
 from shootstab.core.records import (
     CONFIRMED,
     Mode,
@@ -234,7 +234,7 @@ def _two_figures(value: float | None) -> str:
 
 
 def _coloured(verdict: str) -> Text:
-    return Text(verdict, style=(MISSING_LOOK if verdict == "missing" else LOOKS[verdict]).style)
+    return Text(verdict, style=(MISSING_LOOK if verdict == "missing" else VERDICT_LOOKS[verdict]).style)
 
 
 def ruled(title: str, *headings: str, numbered: bool = True) -> Table:

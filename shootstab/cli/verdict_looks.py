@@ -20,7 +20,7 @@ class VerdictLook:
 
 
 # colours of marks are Okabe and Ito's, told apart by the colour-blind
-LOOKS = {
+VERDICT_LOOKS = {
     CONFIRMED: VerdictLook("green", "#00704f", "#3fd3a3", "o", "#009E73", 7),
     INACCURATE: VerdictLook("yellow", "#8a5a00", "#f0b545", "^", "#E69F00", 7),
     SPURIOUS: VerdictLook("red", "#b34700", "#ff9a57", "x", "#D55E00", 6),
@@ -32,7 +32,7 @@ MISSING_LOOK = VerdictLook("bold red", "#a0005a", "#f08fc4", "*", "#F0E442", 13)
 
 def css() -> str:
     """The rules that colour the words on a page."""
-    looks = {**LOOKS, "missing": MISSING_LOOK}
+    looks = {**VERDICT_LOOKS, "missing": MISSING_LOOK}
     day = " ".join(f"b.{word} {{ color: {look.by_day}; }}" for word, look in looks.items())
     night = " ".join(f"b.{word} {{ color: {look.by_night}; }}" for word, look in looks.items())
     return f"{day}\n@media (prefers-color-scheme: dark) {{ {night} }}\n"

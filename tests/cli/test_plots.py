@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from shootstab.cli import figures, plots
-from shootstab.cli.verdict_looks import LOOKS
+from shootstab.cli.verdict_looks import VERDICT_LOOKS
 from shootstab.core.errors import InputError
 from shootstab.core.records import (
     CONFIRMED,
@@ -76,7 +76,7 @@ def test_every_verdict_has_its_own_mark(fig2: Scene, crowded: Report) -> None:
     for said in VERDICTS:
         assert f"{said} ({crowded.summary[said]})" in named
     assert {"continuous spectrum", "mode", "missing mode (1)"} <= set(named)
-    looks = [LOOKS[said] for said in VERDICTS]
+    looks = [VERDICT_LOOKS[said] for said in VERDICTS]
     for told in ("marker", "colour", "style", "by_day", "by_night"):
         assert len({getattr(look, told) for look in looks}) == len(VERDICTS)
 
