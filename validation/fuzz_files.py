@@ -55,6 +55,7 @@ class Kind:
 
 # valid files
 
+SCENES = Path(__file__).parent.parent / "shootstab" / "models" / "catalogue" / "scenes"
 Z = np.array([0.0039705046 + 0j, -0.0035 - 0.0071j, 1.5 + 2e-7j, -1e-3 + 2j])
 
 
@@ -177,7 +178,7 @@ def hdf5() -> list[bytes]:
 
 
 def scenes() -> list[bytes]:
-    """One of every kind of scene file."""
+    """One of every kind of scene file, and all that are built in: layers, interfaces, amplitudes, [about] and [published]."""
     chute = (
         '[flow]\ne = 0.8\ne_w = 0.8\nr = 0.6\ntan_theta = 0.3\nnu_max = 0.62\nmass_flux = 3.0\nbranch = "high"\n'
         "[wave]\nkx = 0.0\nky = 0.01\n"
@@ -195,7 +196,8 @@ def scenes() -> list[bytes]:
         '[problem]\nunknowns = ["u"]\nequations = ["sigma*u = d(u,2) + d(u)/r - 4*u/r**2"]\nvariable = "r"\nleft = { axis = 0 }\n'
         'right = { at = 1, conditions = ["u"] }\n'
     )
-    return [t.encode() for t in (chute, chute.replace('mass_flux = 3.0\nbranch = "high"', "far_temperature = 7.0"), plate, line, axis)]
+    own = [t.encode() for t in (chute, chute.replace('mass_flux = 3.0\nbranch = "high"', "far_temperature = 7.0"), plate, line, axis)]
+    return own + [path.read_bytes() for path in sorted(SCENES.glob("*.toml"))]
 
 
 def certificates() -> list[bytes]:
@@ -285,7 +287,7 @@ def read_store(path: Path) -> None:
 WORDS = {
     "spectrum": """re im eigenvalues nan inf 1e999 - + , ; j [ { } " : null true # ( )""",
     "scene": """= [ ] { } " ' [flow] [wave] [problem] d( ** * / ( ) sigma u z i exp( cosh( 9**9**9**9 inf nan true 1979-05-27 infinity at
-        conditions axis periodic parameters where""",
+        conditions axis periodic parameters where interfaces before( after( jump( amplitudes [about] [published] value digits order""",
     "certificate": """" [ ] { } , : null NaN - e . true 0 1""",
     "baseline": """[[mode]] re im error digits scene = " nan inf 1e999 true [ ] { } -1""",
     "store": "points sweep proved NULL CREATE TABLE kx",

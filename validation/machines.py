@@ -28,6 +28,7 @@ QUESTIONS: dict[str, tuple[list[str], int]] = {
     "a count": (["count", "benard", "--region", "disc", "--centre=5,0", "--radius=20"], 0),
     "a refusal": (["refine", "no-such-scene", "--guess", "1"], 2),
     "a missing extra": (["verify", "high", "modes.h5"], 2),
+    "a missing proof": (["prove", "poiseuille", "--guess", "0.0037,-0.2375"], 2),
 }
 QUICK = ("version", "scenes", "a count", "a refusal")
 PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH = 24, 1, 2  # constants of Linux: prctl(2), capabilities(7)
@@ -158,10 +159,10 @@ def wrong(question: str, status: int, got: MachineAnswer, plain: MachineAnswer, 
     return None
 
 
-def checked(machine: Machine, quick: bool) -> tuple[int, list[str]]:
-    """How many combinations, and what was wrong with which."""
+def checked(machine: Machine, quick: bool, asked: list[str] | None) -> tuple[int, list[str]]:
+    """How many combinations, and what was wrong with which; the questions may be chosen by name."""
     failed, count = [], 0
-    questions = {name: QUESTIONS[name] for name in (QUICK if quick else QUESTIONS)}
+    questions = {name: QUESTIONS[name] for name in asked or (QUICK if quick else QUESTIONS)}
     (machine.folder / "modes.h5").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(100))
     plain = {name: machine.asked(words, Circumstance("plain")) for name, (words, _) in questions.items()}
     for there in (Circumstance("plain"), *CIRCUMSTANCES):
@@ -223,6 +224,7 @@ def installed(package: Path, folder: Path) -> Machine:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="the sources and the interpreter that run this, a few circumstances")
+    parser.add_argument("--question", action="append", choices=QUESTIONS, help="this question (default: all)")
     options = parser.parse_args()
     began, count, failed = time.monotonic(), 0, []
     with tempfile.TemporaryDirectory(prefix="shootstab-machines-") as name:
@@ -235,7 +237,7 @@ def main() -> int:
         else:
             machines = [installed(package, folder) for package in built(folder)]
         for machine in machines:
-            made, bad = checked(machine, options.quick)
+            made, bad = checked(machine, options.quick, options.question)
             count, failed = count + made, failed + bad
         for path in folder.rglob("*"):
             if path.is_dir() and not path.is_symlink():

@@ -2,20 +2,22 @@
 
 NAMES pick some: of claims, of the scripts in validation/paper/, or `paper` for all of these. Results of their full form are stored, and
 not computed again while the package and their script are what they were, unless with --again; --write puts their table into README.md.
-Exit status 1 if a claim fails, or a row of the paper no longer comes out as it is stored.
+What shows that the program survives are scripts in processes of their own: --quick runs their short forms too, and `survival` or their
+names run them whole. Exit status 1 if a claim fails, or a row of the paper no longer comes out as it is stored.
 """
 
 from __future__ import annotations
 
 import argparse
 import importlib
+import subprocess
 import sys
 import time
+from pathlib import Path
 
 from paper import SCRIPTS
 
-# random_chutes.py and fuzz_pencils.py are searches for faults, not yet claims: they run by themselves, and what they find is open;
-# kills.py, fuzz_files.py, mutants.py, machines.py and load.py run by themselves because they take minutes or kill what they start
+# random_chutes.py and fuzz_pencils.py are searches for faults, not yet claims: they run by themselves, and what they find is open
 CLAIMS = (
     "paper_modes",
     "against_pseudospectral",
@@ -32,29 +34,46 @@ CLAIMS = (
 )
 
 
+# scripts in processes of their own, with the arguments of their short forms
+SURVIVAL = {
+    "kills": ("--quick",),
+    "lost_cluster": ("--quick",),
+    "fuzz_files": ("--number", "40"),
+    "random_commands": ("--quick",),
+    "mutants": ("--quick",),
+    "machines": ("--quick",),
+    "load": ("--quick",),
+}
+
+
 def checked(name: str, quick: bool, again: bool) -> bool:
-    """Whether one claim holds, or one script of the paper gives what is stored."""
+    """Whether one claim holds, one script of the paper gives what is stored, or one of survival ends with status 0."""
     if name in SCRIPTS:
         return bool(importlib.import_module(f"paper.{name}").REPRODUCTION.check(quick, again))
+    if name in SURVIVAL:
+        script = Path(__file__).parent / f"{name}.py"
+        return subprocess.run([sys.executable, script, *(SURVIVAL[name] if quick else ())], check=False).returncode == 0
     return bool(importlib.import_module(name).CLAIM.check(quick))
 
 
 def main() -> int:
     """Check in order."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("names", nargs="*", metavar="NAMES", help=f"of {', '.join((*CLAIMS, 'paper', *SCRIPTS))}")
+    groups = {"paper": tuple(SCRIPTS), "survival": tuple(SURVIVAL)}
+    known = (*CLAIMS, *SCRIPTS, *SURVIVAL, *groups)
+    parser.add_argument("names", nargs="*", metavar="NAMES", help=f"of {', '.join(known)}")
     parser.add_argument("--quick", action="store_true", help="seconds instead of minutes")
     parser.add_argument("--again", action="store_true", help="compute what is stored too")
     parser.add_argument(
         "--write", action="store_true", help="put the table of the paper's rows into README.md; without NAMES nothing else is done"
     )
     options = parser.parse_args()
-    unknown = set(options.names) - {*CLAIMS, *SCRIPTS, "paper"}
+    unknown = set(options.names) - set(known)
     if unknown:
         parser.error(f"{', '.join(sorted(unknown))}: no such claim")
-    asked = [name for given in options.names for name in (SCRIPTS if given == "paper" else (given,))]
+    asked = [name for given in options.names for name in groups.get(given, (given,))]
     failed = []
-    names = asked if options.names or options.write else [*CLAIMS, *SCRIPTS]
+    names = asked if options.names or options.write else [*CLAIMS, *SCRIPTS, *(SURVIVAL if options.quick else ())]
     for name in names:
         began = time.perf_counter()
         if not checked(name, options.quick, options.again):

@@ -121,6 +121,9 @@ class Checker:
         if any(v is None for v in values):
             return "the tail of a Taylor step is not bounded: the order is too low for the steps"
         M, q = self.bound(self.centre, self.outer), iv.mpf((x := self.radius / self.outer).numerator) / x.denominator
+        cut = M * q**self.K / (1 - q)
+        if not cut.b < iv.mpf(self.K * max(map(length, values))) / 2**self.P:
+            return "what the series leaves out may be larger than all that it holds: no inequality can hold with this outer circle"
         coefficients = []
         for m in range(self.K):
             total = Ball(0, 0, 0)
@@ -128,7 +131,7 @@ class Checker:
                 total = self.plus(total, self.times(v, roots[-j * m % self.K]))
             off = self.up(M * q ** (m + self.K) / (1 - q**self.K))
             coefficients.append(Ball(total.x // self.K, total.y // self.K, total.r // self.K + 3 + off))
-        rest = self.up(M * q**self.K / (1 - q))
+        rest = self.up(cut)
         if self.floor is not None:
             return self.followed(coefficients, rest)
         leading = coefficients.pop(self.n)
@@ -192,11 +195,7 @@ class Checker:
         states = [[self.exact(Fraction(int(i == j))) for i in range(4)] for j in self.free]
         y, N, one, R, a = Fraction(0), self.N, 1 << self.P, self.R, self.alpha
         for h in self.steps:
-            s = (
-                self.plus(sigma, self.exact(Fraction(0), a * (1 - y * y))),
-                self.exact(Fraction(0), -2 * a * y),
-                self.exact(Fraction(0), -a),
-            )
+            s = self.plus(sigma, self.exact(Fraction(0), a * (1 - y * y))), self.exact(Fraction(0), -2 * a * y), self.exact(Fraction(0), -a)
             p = [self.times(x, self.exact(R * h ** (2 + j))) for j, x in enumerate(s)]
             q = [self.times(x, self.exact(-R * a * a * h ** (4 + j))) for j, x in enumerate(s)]
             p[0] = self.plus(p[0], self.exact(2 * a * a * h * h))
