@@ -9,13 +9,13 @@ from shootstab.kernels.cache import require_place
 
 
 class _Compilation(event.Listener):
-    """Passes on that numba compiles, which it does not where the cache holds what it wants."""
+    """A listener that passes on which kernel numba compiles; it hears nothing where the cache holds the kernel."""
 
     def on_start(self, event: event.Event) -> None:
         compilation.begins(event.data["dispatcher"].py_func.__name__)
 
     def on_end(self, event: event.Event) -> None:
-        """Nothing is told then."""
+        """Tell nothing at the end of a compilation."""
 
 
 event.register("numba:compile", _Compilation())  # type: ignore[no-untyped-call]

@@ -1,4 +1,4 @@
-"""Where compiled kernels are kept: beside the sources, or where numba keeps what is a user's; and where neither may be written to, in a
+"""The place of compiled kernels: beside the sources, or where numba keeps what is a user's; and where neither may be written to, in a
 folder of this process's own, for numba refuses to compile what it is to keep and cannot.
 """
 

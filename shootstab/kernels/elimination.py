@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-LANES = 4  # chosen: columns that are multiplied together; those that a matrix lacks are zero
+LANES = 4  # chosen: the number of columns that are multiplied together; those that a matrix lacks are zero
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -60,7 +60,7 @@ def factorize(F, pivots):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy", inline="always")
 def substitute(F, pivots, R, first, last):  # type: ignore[no-untyped-def]
-    """Columns first ≤ q < last of R (n, ·) ← F⁻¹ R with the factors that `factorize` left."""
+    """Solve for columns first ≤ q < last: R (n, ·) ← F⁻¹ R with the factors that `factorize` left in F (n, n)."""
     n = len(F)
     for p in range(n):
         best = pivots[p]

@@ -39,7 +39,7 @@ class Induced(NamedTuple):
 
 @lru_cache(maxsize=32)
 def induced(n: int, k: int) -> Induced:
-    """The lists for 0 < k ≤ n."""
+    """The lists of A^(k) for 0 < k ≤ n."""
     subsets = list(itertools.combinations(range(n), k))
     index = {subset: place for place, subset in enumerate(subsets)}
     row: list[int] = []

@@ -22,7 +22,7 @@ from shootstab.kernels.step_control import FLOOR, local_error
 from shootstab.kernels.tableau import STAGES, WEIGHTS
 from shootstab.kernels.tableau import A as RK_A
 
-TABLE = np.concatenate((RK_A, WEIGHTS))  # derived: what the stages are combined with: for each of them, for the end of the step, its errors
+TABLE = np.concatenate((RK_A, WEIGHTS))  # derived: rows of weights: one for each stage, one for the end of the step, two for its errors
 
 
 def transport(
@@ -37,7 +37,7 @@ def transport(
     m, kind = system.G.shape[3], Y.dtype
     width = (len(system.column) - int(system.start[n])) // m if m else 0
     columns = 2 * k if tangent else k
-    frame = np.zeros((2, n, columns + -columns % LANES), kind)  # [Y, dY] and zeros, and zeros to begin a sum with
+    frame = np.zeros((2, n, columns + -columns % LANES), kind)  # F is [Y, dY] and zeros, sums begin with zeros
     frame[0, :, :k] = Y
     if tangent:
         frame[0, :, k : 2 * k] = dY
@@ -45,7 +45,7 @@ def transport(
     stages = np.empty((STAGES, n + m, frame.shape[2]), kind)
     entries = np.empty((2, len(system.column)), kind)
     small = np.empty((m, 2 * (m + width)), kind)
-    # the same memory as real numbers, for what is real-linear
+    # the same memory seen as real numbers, for operations that are real-linear
     f, s, r = (a.view(np.float64).reshape(len(a), -1) for a in (frame, sums, stages))
     values, slopes = entries
     lists, numbers = system[:6], system[6:]
@@ -70,7 +70,7 @@ def carry(start, column, linear, higher, powers, carries, P, V, G, sigma, k, tan
         if step == len(errors):
             break
         for i in range(STAGES + 3):
-            # a stage from sums[0], then the end of the step and its two errors in the three others
+            # each stage is made in sums[0], then the end of the step and its two errors in the three others
             combine(f, 1 if i > STAGES else 0, r, TABLE, i, min(i, STAGES), s, max(0, i - STAGES + 1))
             if i < STAGES:
                 evaluate(P, G, linear, higher, powers, step, i, sigma, values, slopes, small)

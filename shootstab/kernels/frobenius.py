@@ -27,7 +27,7 @@ class Recurrence(NamedTuple):
 
 
 def recurrence(C: NDArray[np.inexact], D: NDArray[np.inexact]) -> Recurrence:
-    """From the matrices C and D, each (2, M, n, n)."""
+    """The recurrence of the matrices C and D, each (2, M, n, n)."""
     places = [np.nonzero((matrices != 0).any(axis=(0, 1))) for matrices in (D, C)]
     row, column = (np.concatenate(at) for at in zip(*places, strict=True))
     values, slopes = (
@@ -60,7 +60,7 @@ def series_terms(
     kind = P.dtype
     values: NDArray[Any] = system.values.copy()
     values[system.moving] += sigma * system.slopes
-    X = np.zeros((2 if tangent else 1, 2, terms, n, k + -k % LANES), kind)  # of P, and of dP: the terms, and S
+    X = np.zeros((2 if tangent else 1, 2, terms, n, k + -k % LANES), kind)  # the terms and S, for P and for dP
     for part, given in zip(X, (P, dP), strict=False):
         part[0, 0, :, :k] = given[0]
     work = np.empty((n, X.shape[4] + 1), kind)
@@ -92,7 +92,7 @@ def fill_terms(row, column, every, moving, fluxes, values, slopes, rate, left, r
                 for a in range(n):
                     for b in range(q + 1):
                         R[a, b] = 0.0
-                # for the derivative the dependence of the left side on σ is moved to the right
+                # the dependence of the left side on σ is moved to the right to make the derivative
                 for turn in range(part + 1):
                     entries, numbers = (every, values) if turn == 0 else (moving, slopes)
                     for p in range(len(entries)):
@@ -107,7 +107,7 @@ def fill_terms(row, column, every, moving, fluxes, values, slopes, rate, left, r
                                 y += v * X[part - turn, kind, m - j, c, d + 2]
                                 z += v * X[part - turn, kind, m - j, c, d + 3]
                             R[r, d], R[r, d + 1], R[r, d + 2], R[r, d + 3] = w, x, y, z
-                # F⁻¹ R, and then F⁻¹ of −C_0 F⁻¹ R left, in the last column
+                # the columns become F⁻¹ R, and the last one F⁻¹ of −C_0 F⁻¹ R left
                 for turn in range(2):
                     substitute(F, pivots, R, q * turn, q + turn)
                     for e in range(fluxes if turn == 0 else len(every), len(every)):

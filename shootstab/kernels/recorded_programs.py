@@ -26,7 +26,7 @@ def evaluate_points(lists, inputs, parameters, out):  # type: ignore[no-untyped-
     for start in range(0, points, WIDTH):
         width = min(WIDTH, points - start)
         for k in range(shared if start > 0 else 0, len(operation)):
-            # what is the same at all points is computed for a whole block, once
+            # nodes that are the same at all points are computed once for a whole block
             _at_points(operation[k], x[k], y[k], a[k], b[k], inputs, parameters, start, width if k >= shared else WIDTH, values, k)
         for s in range(len(result)):
             for p in range(width):

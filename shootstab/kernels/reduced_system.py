@@ -19,12 +19,12 @@ from shootstab.kernels.elimination import solve_small
 
 
 class ReducedSystem(NamedTuple):
-    """The reduced system at the 12 abscissae of each of N steps, the length of the step multiplied into X and V.
+    """The reduced system at the S abscissae (STAGES of the tableau) of each of N steps, the length of the step multiplied into X and V.
 
     [X; τ], n + m rows, is stored by rows without what is zero at every abscissa: entry e of row i stands in column[e] for start[i] ≤ e <
-    start[i + 1]; all rows of τ have the same columns. P (N, 12, E + E1 + E2) are the entries at σ = 0, then the factors of σ of those
+    start[i + 1]; all rows of τ have the same columns. P (N, S, E + E1 + E2) are the entries at σ = 0, then the factors of σ of those
     entries that have one, E1 of them listed in linear, and of higher powers, E2 listed in higher with their exponents in powers. Likewise V
-    by its rows carries (v,) that are not zero, V (N, 12, v, m). G (N, 12, g, m, m) are the coefficients of γ, the constant one first,
+    by its rows carries (v,) that are not zero, V (N, S, v, m). G (N, S, g, m, m) are the coefficients of γ, the constant one first,
     g ≥ 2. The lists are unsigned.
     """
 
@@ -45,7 +45,7 @@ class ReducedSystem(NamedTuple):
 
     @property
     def numbers(self) -> tuple[NDArray[np.inexact], ...]:
-        """P (N, 12, E + E1 + E2), V (N, 12, v, m), G (N, 12, g, m, m)."""
+        """P (N, S, E + E1 + E2), V (N, S, v, m), G (N, S, g, m, m)."""
         return self[6:]
 
     def in_complex_numbers(self) -> ReducedSystem:
@@ -84,7 +84,7 @@ def evaluate(P, G, linear, higher, powers, s, i, sigma, values, slopes, small): 
         slopes[higher[q]] += float(power) * factor
     if m == 0:
         return
-    # γ U = τ, γ U′ = τ′ − γ′ U: [γ, γ′, τ, τ′] is solved at once
+    # U = γ⁻¹ τ and U′ follow from γ U = τ, γ U′ = τ′ − γ′ U, solved at once on [γ, γ′, τ, τ′]
     width = small.shape[1] // 2 - m
     first = E - m * width
     for a in range(m):

@@ -134,7 +134,7 @@ def riccati_tangent(B, dB, S, dS, M, out, place):  # type: ignore[no-untyped-def
     return trace(M, 1)
 
 
-# As in reduced_system.py whole arrays are indexed: slices would be counted references
+# whole arrays are indexed, as in reduced_system.py: slices would be counted references
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -177,7 +177,7 @@ def trace(M, which):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def enter_chart(Y, dY, units, order):  # type: ignore[no-untyped-def]
-    """A frame Y (n, k) in these units, in its chart: S (n−k, k) with Y ~ [I; S] U in the order of the chart, dS, det U and its slope."""
+    """Enter the chart of a frame Y (n, k) in these units: S (n−k, k) with Y ~ [I; S] U in the chart's order, dS, det U and its slope."""
     n, k = Y.shape
     F, pivots = np.empty((k, k), dtype=np.complex128), np.empty(k, dtype=np.int64)
     U, dU = np.empty((k, k), dtype=np.complex128), np.empty((k, k), dtype=np.complex128)
@@ -217,7 +217,7 @@ def leave_chart(S, dS, units, order):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def exchange(S, dS, i, j, tangent):  # type: ignore[no-untyped-def]
-    """The i-th other row and the j-th pivot change places: with s = S_ij,
+    """Exchange the i-th other row with the j-th pivot: with s = S_ij,
 
     s ← 1/s,   S_ic ← −S_ic/s,   S_rj ← S_rj/s,   S_rc ← S_rc − S_rj S_ic/s   (r ≠ i, c ≠ j).
     """
@@ -246,7 +246,7 @@ def exchange(S, dS, i, j, tangent):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def farthest(S):  # type: ignore[no-untyped-def]
-    """Where |S_ij| is largest; where it is a NaN if there is one; (−1, −1) if S is empty."""
+    """The place of the largest |S_ij|, or of a NaN if there is one; (−1, −1) if S is empty."""
     i, j, largest = -1, -1, -1.0
     for c in range(S.shape[0]):
         for d in range(S.shape[1]):

@@ -1,4 +1,4 @@
-"""What the stages of a Runge–Kutta step have in common: they are combined with real weights."""
+"""Combination of the stages of a Runge–Kutta step with real weights, which all transports have in common."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from numba import njit
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"}, inline="always")
 def combine(y, base, K, weights, row, count, out, place):  # type: ignore[no-untyped-def]
-    """out[place] = y[base] + Σ_j weights[row, j] K_j over the first count stages, all as real numbers: y, out (·, p), K (12, p)."""
+    """out[place] = y[base] + Σ_j weights[row, j] K_j over the first count stages, all as real numbers: y, out (·, p), K (STAGES, p)."""
     for p in range(y.shape[1]):
         out[place, p] = y[base, p]
     for j in range(count):

@@ -1,4 +1,4 @@
-"""How large the error of a step is, and how long the next one may be: for every integration by the pair of `tableau`."""
+"""The size of a step's error, and the length that the next one may have, for every integration by the pair of `tableau`."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from numba import njit
 
 from shootstab.kernels.tableau import ORDER
 
-FLOOR = 1e-9  # chosen: of the largest row; smaller rows count as so large
-MARGIN = 0.9  # chosen: of the step that would just meet the tolerance; without it every other step is rejected
+FLOOR = 1e-9  # chosen: part of the largest row; smaller rows count as so large
+MARGIN = 0.9  # chosen: part of the step that would just meet the tolerance; without it every other step is rejected
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -20,7 +20,7 @@ def local_error(fifth, third):  # type: ignore[no-untyped-def]
 
 
 def factor(error: Any) -> Any:
-    """By what steps may be multiplied whose errors are these, in the tolerance: MARGIN · error^(−1/ORDER)."""
+    """The factor on the length of steps with these errors, in the tolerance: MARGIN · error^(−1/ORDER)."""
     return MARGIN * error ** (-1.0 / ORDER)
 
 

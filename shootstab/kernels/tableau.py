@@ -19,7 +19,7 @@ def _frozen(a: Sequence[float] | Sequence[Sequence[float]] | NDArray[np.float64]
     return copy
 
 
-STAGES, ORDER = 12, 8  # published (Hairer, Nørsett & Wanner 1993): of the pair of orders 8(5, 3)
+STAGES, ORDER = 12, 8  # published (Hairer, Nørsett & Wanner 1993): the pair of orders 8(5, 3)
 _LOWER = (  # published (ibid.): the rows of A, below its diagonal
     (),
     (0.05260015195876773,),
@@ -116,7 +116,7 @@ E5 = _frozen(  # published (ibid.): weights of the error estimate of order 5
         -0.022355307863886294,
     )
 )
-E3 = _frozen(  # published (ibid.): and of order 3
+E3 = _frozen(  # published (ibid.): weights of the error estimate of order 3
     (
         -0.18980075407240762,
         0.0,
@@ -132,4 +132,4 @@ E3 = _frozen(  # published (ibid.): and of order 3
         0.02265179219836082,
     )
 )
-WEIGHTS = _frozen(np.stack((B, E5, E3)))  # of the stages: in the step, and in its two error estimates
+WEIGHTS = _frozen(np.stack((B, E5, E3)))  # the weights of the stages in the step, and in its two error estimates

@@ -22,17 +22,17 @@ FALSE_POSITIONS, CLOSED_PLACE = (
     100,
     4e-16,
 )  # chosen, more than are ever needed, and derived: two units in the last place of an end
-OWN_PIECE = 1.0 + 1e-9  # chosen: of a radius: the end of a piece, where the next one begins, is its own to rounding
-SAME_SHEET = 1e-6  # chosen: a continued solution that agrees so well with a piece is the one that the piece is of
+OWN_PIECE = 1.0 + 1e-9  # chosen: part of a radius: the end of a piece, where the next one begins, is its own to rounding
+SAME_SHEET = 1e-6  # chosen: a continued solution that agrees so well with a piece is the solution of that piece
 
 
 def terms_for(tolerance: float) -> int:
-    """How many terms cost least for a tolerance: one more than Jorba & Zou's order 1 − ½ ln ε."""
+    """The number of terms that costs least for a tolerance: one more than Jorba & Zou's order 1 − ½ ln ε."""
     return math.ceil(1.0 - 0.5 * math.log(tolerance)) + 1
 
 
-# What is called from one place is inlined there: numba would compile it by itself, and with its caller once more. Assignments to slices
-# would take seconds to compile.
+# Functions that are called from one place are inlined there: numba would compile one by itself, and with its caller once more. Assignments
+# to slices would take seconds to compile.
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -55,7 +55,7 @@ def expand(program, parameters, values, y, sizes, terms):  # type: ignore[no-unt
 
 @njit(cache=True, error_model="numpy", inline="always")
 def radius(y, sizes, tolerance):  # type: ignore[no-untyped-def]
-    """Where the last two terms of y (n, N) reach the tolerance; NaN where they are no numbers."""
+    """The distance at which the last two terms of y (n, N) reach the tolerance; NaN where they are no numbers."""
     n, terms = y.shape
     least = np.inf
     for c in range(n):
@@ -79,7 +79,7 @@ def value(pieces, k, t, out, place):  # type: ignore[no-untyped-def]
         out[place, c] = total
 
 
-LOOK, SEEK, NODE, LAST = range(4)  # exact: what `integrate` expands the solution for
+LOOK, SEEK, NODE, LAST = range(4)  # exact: purposes for which `integrate` expands the solution
 
 
 @njit(cache=True, error_model="numpy")
@@ -99,7 +99,7 @@ def integrate(program, parameters, start, tolerance, limits, nodes, pieces, radi
     nodes[0] = 0.0
     why, k, tries = NODE, 0, 0
     first, sign, at_node = 0.0, 0.0, 0.0  # the first radius; the function at the first node and at the last one
-    h, t, near, f_near, far, f_far = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0  # the piece to −h; a look at −t; what brackets a zero, and f there
+    h, t, near, f_near, far, f_far = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0  # a piece reaches to −h, a look to −t; a zero in a bracket, f at its ends
     while True:
         for c in range(n):
             local[c, 0] = point[0, c]
@@ -127,7 +127,7 @@ def integrate(program, parameters, start, tolerance, limits, nodes, pieces, radi
                 else:
                     f_near *= 0.5
                 far, f_far, tries = t, stop, tries + 1
-            elif np.isnan(stop):  # beyond a limit: as near to it as a shorter piece comes
+            elif np.isnan(stop):  # the solution passed a limit: stop as near to it as a shorter piece comes
                 h, near, f_near = 0.5 * t, 0.0, at_node
                 if not h > LEAST_RADIUS * max(first, radii[k]):
                     return k + 1, False
