@@ -98,32 +98,10 @@ equations = ["(sigma + i*a*U)*u + v*d(U) + i*a*p = 0", "(sigma + i*a*U)*v + d(p)
 left = "infinity"
 right = "infinity"
 """
-POTENTIAL = """
-[problem]
-unknowns = ["y"]
-parameters = { nu = 0.2 }
-eigenvalue = "s"
-variable = "x"
-equations = ["d(y,2) + nu*(nu+1)*sech(x)**2*y = s*y"]
-left = "infinity"
-right = "infinity"
-"""
-DAVIES = """
-[problem]
-unknowns = ["u"]
-eigenvalue = "s"
-variable = "x"
-equations = ["-d(u,2) + i*x**2*u = s*u"]
-left = { infinity = true, start = 10 }
-right = { infinity = true, start = 10 }
-"""
-HALF = "3.535533905932737622004"
 WRITTEN = (
     Written("plane Poiseuille, u v p", noted(4, POISEUILLE, 20, "Orszag 1971, re-computed", PLANE)),
     Written("Bénard, u w p T, free", noted(6, ("2.973306944007455851022", "0"), 20, "exact: see models/gallery/benard.py", FREE)),
     Written("shear layer, u v p", noted(2, ("0.1897", "0"), 4, "Michalke 1964", LAYER)),
-    Written("Pöschl–Teller, ν = 0.2", noted(2, ("0.04", "0"), 20, "exact", POTENTIAL)),
-    Written("Davies, n = 2", noted(2, (HALF, HALF), 20, "exact", DAVIES)),
     *(Written(name, file.read_text(encoding="utf-8")) for name, file in sorted((file.stem, file) for file in SCENES.glob("*.toml"))),
 )
 

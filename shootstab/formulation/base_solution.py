@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cache
 from typing import Any
@@ -50,9 +50,17 @@ class FlowTable:
     coefficients: NDArray[np.float64]
     limits: NDArray[np.float64]
     drifts: NDArray[np.float64]
+    _last: dict[bytes, NDArray[Any]] = field(default_factory=dict, repr=False)  # what was asked for last, every derivative asks anew
 
     def states(self, z: NDArray[Any]) -> NDArray[Any]:
-        """(n, m) at points z (m,), real or complex."""
+        """The states (n, m) at points z (m,), real or complex."""
+        key = z.dtype.char.encode() + z.tobytes()
+        if key not in self._last:
+            self._last.clear()
+            self._last[key] = self._at(z)
+        return self._last[key]
+
+    def _at(self, z: NDArray[Any]) -> NDArray[Any]:
         x = np.real(z)
         cell = np.clip(np.searchsorted(self.edges, x, side="right") - 1, 0, len(self.centres) - 1)
         offset = z - self.centres[cell]
@@ -89,7 +97,8 @@ class FlowTable:
     def off(self, factor: float) -> FlowTable:
         """Each coefficient off by so many roundings."""
         off = BASE_ROUNDING * factor
-        return replace(self, coefficients=off_by(self.coefficients, off), limits=off_by(self.limits, off), drifts=off_by(self.drifts, off))
+        coefficients, limits, drifts = (off_by(numbers, off) for numbers in (self.coefficients, self.limits, self.drifts))
+        return replace(self, coefficients=coefficients, limits=limits, drifts=drifts, _last={})
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,7 @@ from shootstab.formulation.names import Names
 from shootstab.models.catalogue.scene_files import scene_files
 from shootstab.models.gallery.blasius import blasius
 from shootstab.models.gallery.blasius import flow as toepfers_flow
+from shootstab.models.gallery.plate import malik_3
 
 INFINITE: dict[str, Any] = {"infinity": True, "conditions": []}
 TANH: dict[str, Any] = {
@@ -101,6 +102,14 @@ def test_the_mode_on_a_flow_that_is_integrated_is_that_of_the_built_in_problem()
     assert ours.error < 1e-14
     assert abs(ours.sigma - theirs.sigma) <= ours.error + theirs.error
     assert scene.with_base_flow_error(4.0) is not scene
+
+
+@pytest.mark.slow
+def test_macks_plate_from_the_compressible_equations_is_the_built_in_one() -> None:
+    """The system derived by hand in gallery/plate_system.py, on a flow by Chebyshev polynomials, against equations as they are printed."""
+    ours, theirs = (st.refine(p, 0.000584 - 0.036734j) for p in (scene_files()["mack"].problem(), malik_3()))
+    assert ours.converged and theirs.converged
+    assert abs(ours.sigma - theirs.sigma) <= ours.error + theirs.error < 1e-12
 
 
 def test_many_digits_on_a_flow_are_those_on_its_formula() -> None:

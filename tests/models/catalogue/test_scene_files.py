@@ -65,6 +65,18 @@ def maxwell(s: Any) -> Any:
     return mp.det(M)
 
 
+def two_layers(s: Any) -> Any:
+    """The determinant of cubics in each layer, φ = φ′ = 0 at y = ∓1, with Yih's conditions at y = 0, a → 0, times c − 1."""
+    c, m = 1j * s / mpf("1e-5"), mpf(3)
+    cubics = [[(1, 2, 2, 0), (1, 3, 6, 6)], [(1, -2, 2, 0), (-1, 3, -6, 6)]]  # φ, φ′, φ″, φ‴ of (y ± 1)² and (y ± 1)³
+    M = mp.matrix(4, 4)
+    for j, (below, above) in enumerate(zip(*cubics, strict=True)):
+        slip = mpf(2) / 3 / (c - 1)  # U′ above less U′ below, over c − U
+        M[0, j], M[1, j], M[2, j], M[3, j] = below[0], below[1] - slip * below[0], below[2], below[3]
+        M[0, j + 2], M[1, j + 2], M[2, j + 2], M[3, j + 2] = -above[0], -above[1], -m * above[2], -m * above[3]
+    return (c - 1) * mp.det(M)
+
+
 def internal_wave(s: Any) -> Any:
     """y = k(c − z): √y times modified Bessel functions of the order ν = (1/4 − J)^{1/2}."""
     c, nu = 1j * s, mp.sqrt(mpf(1) / 4 - 5)
@@ -73,6 +85,7 @@ def internal_wave(s: Any) -> Any:
 
 
 CLOSED_FORMS: dict[str, Callable[[Any], Any]] = {
+    "davies": lambda s: s**4 + 625,
     "bistable-front": lambda s: s * (s + mpf(3) / 8),
     "double-diffusion": doubly_diffusive,
     "eady": eady,
@@ -82,7 +95,10 @@ CLOSED_FORMS: dict[str, Callable[[Any], Any]] = {
     "legendre": lambda s: s - 4 * 5,
     "maxwell-couette": maxwell,
     "mri": lambda s: s - mpf(3) / 4,
+    "poschl-teller": lambda s: s - mpf("0.2") ** 2,
+    "resistive-slab": lambda s: s**2 + mpf("0.05") * (1 + mp.pi**2) * s + 1,
     "taylor-goldstein": internal_wave,
+    "two-layers": two_layers,
     "water-waves": lambda s: s**2 + mp.tanh(1),
 }
 MANY = (
