@@ -1,0 +1,212 @@
+"""A discrete mode brought to the continuous spectrum, rung by rung, by moving k_x: what QZ, shooting and many digits say of it.
+
+On the mid flow one mode crosses σ_c(z) between k_x = 0.011 and 0.1. With σ_c(z) = σ at a complex z, Im z is its signed offset; it is
+zero at k_x*, to which the ladder goes down. The eigenvalues that QZ has next to the mode are those of the same matrices by shift and
+invert: a QZ of M = 400 would find the same numbers in many minutes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import mpmath
+import numpy as np
+from claims import Case
+from random_chutes import Tally, limited
+from scenes import problem
+
+import shootstab as st
+from paper.rows import FIGURES, Item, Reproduction, Row, digits, write_csv
+from shootstab.models.chute import chute_collocation as chute
+from shootstab.models.chute.chute_problem import ChuteProblem
+
+SCENE, BEGIN, GUESS = "mid", 0.05, -1.22 - 0.277j  # chosen: k_x from which the mode is followed, and a mode there to two digits
+RUNGS = tuple(10.0**-n for n in range(2, 11))  # chosen: distances to the curve, relative to |σ|
+RUNGS_QUICK = (1e-2, 1e-6)
+TRUNCATIONS, TRUNCATIONS_QUICK = (100, 200, 400), (40, 80)  # the issue's and, in the quick form, chosen
+NEIGHBOURS, NEAR = 8, 1e-2  # chosen: eigenvalues of the matrices looked at, and the part of |σ| within which they are counted
+RTOL = 1e-11  # chosen: the accuracy asked of shooting
+DIGITS, TIME = 25, 15.0  # chosen: the digits of the truth, and seconds of processor for it: along the real axis it slows down
+POINTS = 4001  # chosen: heights among which the nearest point of the curve is first looked for
+TURNS, ASIDE = 8, 1e-4  # chosen: steps of Newton to it, and of z for the slope of the curve
+
+
+@dataclass(frozen=True)
+class Rung:
+    """k_x, the mode by shooting with its bound, its distance to the curve over |σ|, and Im z."""
+
+    kx: float
+    sigma: complex
+    bound: float
+    distance: float
+    offset: float
+
+
+def near(kx: float, guess: complex) -> Rung:
+    """The mode next to the guess. Raises ConvergenceError where shooting does not settle."""
+    at = ChuteProblem(problem(SCENE).flow, kx, 0.0)
+    mode = st.refine(at, guess=guess, rtol=RTOL)
+    if not mode.converged:
+        raise st.ConvergenceError(f"kx = {kx!r}: {mode.status}")
+    sigma = complex(mode.sigma)
+
+    def curve(z: Any) -> Any:
+        return at.continuum(np.atleast_1d(np.asarray(z, dtype=np.complex128)))
+
+    heights = at.continuum.heights(POINTS)
+    z = complex(heights[np.abs(curve(heights) - sigma).argmin()])
+    for _ in range(TURNS):
+        slope = complex(curve(z + ASIDE)[0] - curve(z - ASIDE)[0]) / (2 * ASIDE)
+        z -= complex(curve(z)[0] - sigma) / slope
+    return Rung(kx, sigma, float(mode.error), abs(slope * z.imag) / abs(sigma), z.imag)
+
+
+@cache
+def crossing() -> tuple[float, Rung]:
+    """k_x* by the secant rule on the offset, and the last rung on the way there, no nearer than 1e-5."""
+    a = near(BEGIN, GUESS)
+    b = near(BEGIN * 1.01, a.sigma * 1.01)
+    for _ in range(20):
+        if b.distance < 1e-4:
+            break
+        kx = b.kx - 0.9 * b.offset * (b.kx - a.kx) / (b.offset - a.offset)  # the step stops short: on the curve nothing is told apart
+        a, b = b, near(kx, b.sigma + (b.sigma - a.sigma) * (kx - b.kx) / (b.kx - a.kx))
+    c = near(b.kx + 0.5 * (b.kx - a.kx) * b.distance / max(a.distance, 1e-3), b.sigma)
+    rate = (c.offset - b.offset) / (c.kx - b.kx)
+    return b.kx - b.offset / rate, b
+
+
+def ladder(rungs: Sequence[float]) -> list[Rung]:
+    """One rung a distance, on the side from which the mode comes; k_x by the secant rule on the distance."""
+    star, known = crossing()
+    out = []
+    for wanted in rungs:
+        kx = star + (known.kx - star) * wanted / known.distance
+        found = near(kx, known.sigma)
+        out.append(found)
+        if found.distance < 0.5 * known.distance:
+            known = found
+    return out
+
+
+def matrices(kx: float, M: int) -> tuple[Any, Any]:
+    """The pencil of QZ without v̂, which separates."""
+    A, B = chute.assemble(problem(SCENE).flow, kx, 0.0, M)
+    keep = np.concatenate([np.arange(M + 1) + f * (M + 1) for f in (0, 1, 3, 4)])
+    return A[np.ix_(keep, keep)], B[np.ix_(keep, keep)]
+
+
+def eigenvalues(kx: float, M: int, sigma: complex) -> np.ndarray:
+    """The NEIGHBOURS eigenvalues of the pencil that lie nearest to σ, the nearest first."""
+    from scipy.linalg import lu_factor, lu_solve
+    from scipy.sparse.linalg import LinearOperator, eigs
+
+    A, B = matrices(kx, M)
+    lu = lu_factor(A - sigma * B)
+    n = len(A)
+    start = np.random.default_rng(n).standard_normal(n) + 0j
+    inverse = LinearOperator((n, n), matvec=lambda x: lu_solve(lu, B @ x), dtype=np.complex128)
+    values = sigma + 1 / eigs(inverse, k=NEIGHBOURS, v0=start, return_eigenvectors=False)
+    return np.asarray(values[np.argsort(np.abs(values - sigma))])
+
+
+def truth(rung: Rung) -> tuple[Any, str]:
+    """The mode to DIGITS digits, or None and why not."""
+    tally, found = Tally("", 0), None
+    with limited(tally, f"{DIGITS} digits", TIME):
+        found = st.refine(ChuteProblem(problem(SCENE).flow, rung.kx, 0.0), guess=rung.sigma, digits=DIGITS)
+    if found is None:
+        return None, "; ".join(f"{kind}" for kind, _ in tally.faults)
+    return (found.sigma, "") if found.converged else (None, found.status)
+
+
+def row(quick: bool) -> Row:
+    """All rungs."""
+    rungs = ladder(RUNGS_QUICK if quick else RUNGS)
+    truncations = TRUNCATIONS_QUICK if quick else TRUNCATIONS
+    cases: list[Case] = []
+    agreed: dict[int, list[float]] = {M: [] for M in truncations}
+    crowd: dict[int, list[int]] = {M: [] for M in truncations}
+    shooting, sources = [], []
+    for rung in rungs:
+        exact, why = (None, "left out of the quick form") if quick else truth(rung)
+        name = f"distance {rung.distance:.1e} |σ|, kx = {rung.kx:.12g}"
+        if exact is None:  # two other methods stand in for it
+            others = [
+                st.refine(ChuteProblem(problem(SCENE).flow, rung.kx, 0.0), guess=rung.sigma, rtol=RTOL, method=make(rtol=0.1 * RTOL))
+                for make in (st.Compound, st.Riccati)
+            ]
+            error = max(abs(complex(o.sigma) - rung.sigma) if o.converged else math.inf for o in others)
+            allowed = rung.bound + max(float(o.error) if o.converged else 0.0 for o in others)
+            sources.append("compound and Riccati")
+        else:
+            with mpmath.workdps(DIGITS + 15):
+                error = float(abs(mpmath.mpmathify(rung.sigma) - exact))
+            allowed = rung.bound
+            sources.append(f"{DIGITS} digits")
+        shooting.append(min(16.0, -math.log10(max(error, 1e-17) / abs(rung.sigma))))
+        note = f"σ = {rung.sigma:.12g}, bound {rung.bound:.0e}, against {sources[-1]}" + (f" ({why[:80]})" if why else "")
+        cases.append(Case(f"{name}: within the bound", "yes", "yes" if error <= allowed else "no", 0.0, note))
+        for M in truncations:
+            values = eigenvalues(rung.kx, M, rung.sigma)
+            case = Case(f"{name}: QZ, M = {M}", rung.sigma, complex(values[0]), None, "")
+            near_it = int((np.abs(values[1:] - rung.sigma) < NEAR * abs(rung.sigma)).sum())
+            agreed[M].append(digits(case))
+            crowd[M].append(near_it)
+            cases.append(Case(case.name, case.expected, case.obtained, None, f"{near_it} others within {NEAR:.0%} of |σ|"))
+    if not quick:
+        draw(rungs, agreed, crowd, shooting, sources)
+    said = "; ".join(f"QZ, M = {M}: {', '.join(f'{d:.1f}' for d in agreed[M])}" for M in truncations)
+    told = f"shooting: {', '.join(f'{d:.1f}' for d in shooting)}; {said}"
+    return Row(
+        "a mode next to the continuous spectrum can be lost within the balloon unless M is large",
+        "3.1, 4.1, figure 2",
+        "high truncation is needed",
+        f"digits at distances {', '.join(f'{r.distance:.0e}' for r in rungs)} of |σ|: {told}",
+        tuple(cases),
+        figures=() if quick else ("ladder.png", "ladder.csv"),
+    )
+
+
+def draw(
+    rungs: Sequence[Rung], agreed: dict[int, list[float]], crowd: dict[int, list[int]], shooting: Sequence[float], sources: Sequence[str]
+) -> None:
+    """Digits over distance, for shooting and QZ of each M."""
+    from matplotlib.figure import Figure
+
+    write_csv(
+        "ladder.csv",
+        {
+            "kx": [repr(r.kx) for r in rungs],
+            "distance": [r.distance for r in rungs],
+            "sigma_re": [r.sigma.real for r in rungs],
+            "sigma_im": [r.sigma.imag for r in rungs],
+            "bound": [r.bound for r in rungs],
+            "digits_of_shooting": list(shooting),
+            "against": list(sources),
+            **{f"digits_of_qz_{M}": v for M, v in agreed.items()},
+            **{f"others_near_{M}": v for M, v in crowd.items()},
+        },
+    )
+    figure = Figure(figsize=(6.4, 4.2), layout="constrained")
+    panel = figure.subplots()
+    distances = [r.distance for r in rungs]
+    panel.plot(distances, shooting, "o-", color="#0072B2", label="shooting")
+    for (M, values), colour in zip(agreed.items(), ("#D55E00", "#E69F00", "#CC79A7"), strict=False):
+        panel.plot(distances, values, "s--", color=colour, markersize=4, label=f"the nearest eigenvalue of QZ, M = {M}")
+    panel.set_xscale("log")
+    panel.invert_xaxis()
+    panel.set_ylim(0, 16.5)
+    panel.set_xlabel("distance of the mode to the continuous spectrum, over |σ|")
+    panel.set_ylabel("digits right")
+    panel.set_title(f"{SCENE} flow, one mode moved onto σ$_c$ by $k_x$ → {crossing()[0]:.6g}", fontsize="medium")
+    panel.grid(linewidth=0.4, alpha=0.5)
+    panel.legend(fontsize="small", frameon=False)
+    figure.savefig(FIGURES / "ladder.png", dpi=160)
+
+
+REPRODUCTION = Reproduction("ladder", "A discrete mode next to the continuous spectrum", (Item("ladder", row),))
