@@ -1,4 +1,5 @@
-"""Problems as their sources print them, in scene files: what the reduction finds, and the published digits; `--table` prints a table."""
+"""Problems as their sources print them, in scene files: what the reduction finds, and the published digits; `--table` prints a table,
+`--mistakes` those of users and what they are told."""
 
 from __future__ import annotations
 
@@ -106,6 +107,39 @@ WRITTEN = (
 )
 
 
+# what is changed in PLANE: the mistake, the text, and what stands in its place
+MISTAKES = (
+    ("a condition is forgotten", 'right = { at = 1, conditions = ["u", "v"] }', 'right = { at = 1, conditions = ["u"] }'),
+    ("a condition too many", 'conditions = ["u", "v"] }\nright', 'conditions = ["u", "v", "p"] }\nright'),
+    (
+        "all conditions at one end",
+        'left = { at = -1, conditions = ["u", "v"] }\nright = { at = 1, conditions = ["u", "v"] }',
+        'left = { at = -1, conditions = ["u", "v", "d(u)", "p"] }\nright = { at = 1, conditions = [] }',
+    ),
+    ("a condition that the equations make true", 'conditions = ["u", "v"] }\nright', 'conditions = ["u", "i*a*u + d(v)"] }\nright'),
+    ("the ends are exchanged", "at = -1", "at = 2"),
+    ("a name that is not known", "v*d(U)", "v*d(W)"),
+    ("a term that is not linear", "v*d(U)", "v*d(u)"),
+    ("a term without an unknown", "i*a*p = (d(u,2)", "i*a*p + 1 = (d(u,2)"),
+    ("an equation is missing", '  "i*a*u + d(v) = 0",\n', ""),
+    ("an equation stands twice", "i*a*u + d(v) = 0", "2*(sigma*u + i*a*U*u + v*d(U) + i*a*p) = 2*(d(u,2) - a**2*u)/R"),
+    ("no eigenvalue", "sigma*", "0*"),
+    ("a coefficient without a limit", 'right = { at = 1, conditions = ["u", "v"] }', 'right = "infinity"'),
+    ("a coefficient that is singular at an end", '"1 - z**2"', '"1/(1 - z)"'),
+    ("a parenthesis is not closed", "(d(v,2) - a**2*v)/R", "(d(v,2) - a**2*v/R"),
+)
+
+
+def told(old: str, new: str) -> str | None:
+    """What is said of PLANE with a mistake in it; None where nothing is."""
+    assert old in PLANE, old
+    try:
+        Written("mistake", PLANE.replace(old, new)).problem()
+    except InputError as error:
+        return str(error)
+    return None
+
+
 @dataclass(frozen=True)
 class SceneFound:
     """What came of a scene, each with its processor seconds in ms; many is the mode in many digits where they are offered."""
@@ -153,8 +187,17 @@ def inside(problem: EquationProblem) -> str:
     return "none" if text.startswith("none") else text.split(",")[0]
 
 
+def at_ends(problem: EquationProblem) -> str:
+    """The essential spectrum of the ends at infinity in words, each once."""
+    told = [text for heading, text in problem.explanation if heading.startswith("essential spectrum")]
+    return "; ".join(dict.fromkeys(told)) or "none"
+
+
 def cases(quick: bool) -> Iterator[Case]:
-    """Order and eigenvalue of each; quick: without many digits."""
+    """Order and eigenvalue of each; quick: without many digits. And mistakes, each of which is refused in words."""
+    for what, old, new in MISTAKES:
+        said = told(old, new)
+        yield Case(what, "refused", "taken" if said is None else "refused", 0.0, said or "")
     for case in WRITTEN:
         got, said = found(case, quick), case.published
         size = max(abs(said.double.real), abs(said.double.imag))
@@ -167,15 +210,23 @@ def cases(quick: bool) -> Iterator[Case]:
             yield Case(f"{case.name}, {MANY} digits", "converged", got.many.status, 0.0, f"{1e-3 * got.whole:.1f} s")
 
 
+def mistakes() -> None:
+    """For validation/README.md: mistakes of users, and what they are told."""
+    print("| mistake | told |\n|---|---|")
+    for what, old, new in MISTAKES:
+        print(f"| {what} | {told(old, new)} |")
+
+
 def table() -> None:
     """The table for validation/README.md; times are processor times."""
-    print(f"| problem | lines | order | σ_c inside | published: digits | agreed | reduction | one mode | {MANY} digits |")
-    print("|---|---|---|---|---|---|---|---|---|")
-    for case in WRITTEN:
+    print(f"| problem | lines | order | σ_c inside | essential, ends | published: digits | agreed | reduction | one mode | {MANY} digits |")
+    print("|---|---|---|---|---|---|---|---|---|---|")
+    chosen = [case for case in WRITTEN if not sys.argv[2:] or case.name in sys.argv[2:]]
+    for case in chosen:
         got = found(case)
         digits = f"{1e-3 * got.whole:.1f} s" if got.many is not None else "refused"
         shared = agreed(got.mode.sigma if got.many is None else got.many.sigma, case.published)
-        said = f"{inside(got.problem)} | {case.published.source}: {case.published.digits} | {shared:.1f}"
+        said = f"{inside(got.problem)} | {at_ends(got.problem)} | {case.published.source}: {case.published.digits} | {shared:.1f}"
         times = f"{got.reduced:.0f} ms | {got.one:.0f} ms | {digits}"
         print(f"| {case.name} | {case.lines} | {got.problem.first_order.order} | {said} | {times} |", flush=True)
 
@@ -189,5 +240,7 @@ CLAIM = Claim(
 if __name__ == "__main__":
     if "--table" in sys.argv:
         table()
+    elif "--mistakes" in sys.argv:
+        mistakes()
     else:
         main(CLAIM)

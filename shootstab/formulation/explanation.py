@@ -16,7 +16,7 @@ from shootstab.formulation.expression import VARIABLE, Expression, number
 from shootstab.formulation.joint_conditions import rows_over_states
 from shootstab.formulation.names import Names
 from shootstab.formulation.reduced_layers import ReducedLayer
-from shootstab.formulation.state_pencil import Condition, StatePencil
+from shootstab.formulation.state_pencil import Condition, StatePencil, independent_states
 from shootstab.formulation.statement import Statement
 from shootstab.formulation.system import EquationRow, coefficients, degree, shown
 from shootstab.problems.ends import INFINITIES
@@ -51,6 +51,10 @@ def explanation(
         ("order", f"{first.order}: as many conditions, or solutions that decay, are needed in all"),
         ("states", ", ".join(map(shown, first.states))),
     ]
+    apart = [] if statement.joints else independent_states(system)
+    if len(apart) > 1:
+        told = "; ".join(", ".join(shown(first.states[j]) for j in part) for part in apart)
+        lines.append(("subsystems", f"{len(apart)}, which no equation or condition connects: {told}"))
     if statement.base is not None:
         lines += [("base flow", f"{shown(top)} = {text(slope)}") for top, slope in highest_derivatives(statement.base)]
         lines += [("base flow", told) for told in found_values(statement.base, names.variable)]

@@ -47,6 +47,20 @@ def in_states(rows: list[tuple[str, EquationRow]], first: FirstOrder) -> list[Co
     return out
 
 
+def independent_states(system: StatePencil) -> list[list[int]]:
+    """The states by their places, those together that an equation or a condition connects, directly or over others."""
+    rows: dict[tuple[str, int], set[int]] = {}
+    for name, powers in (("equation", (*system.C, *system.D)), ("left", system.left), ("right", system.right)):
+        for part in powers:
+            for i, j in part:
+                rows.setdefault((name, i), set()).add(j)
+    parts = [{j} for j in range(system.size)]
+    for row in rows.values():
+        connected = [part for part in parts if part & row]
+        parts = [part for part in parts if not part & row] + [set().union(*connected)]
+    return sorted(map(sorted, parts))
+
+
 def by_powers(entries: ExpressionEntries) -> Powers:
     """Entries by powers of σ, up to the highest that occurs."""
     return _powers(entries, max(map(degree, entries.values()), default=0))

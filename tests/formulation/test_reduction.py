@@ -11,6 +11,7 @@ import pytest
 from equations_written import WRITTEN
 from put_back import residual
 
+import shootstab as st
 from shootstab.core.errors import InputError
 from shootstab.formulation.domain import Domain
 from shootstab.formulation.first_order import FirstOrder, first_order
@@ -105,3 +106,13 @@ def test_dependent_equations_are_named() -> None:
 
 def test_equations_without_a_derivative_that_remains_are_refused() -> None:
     check_refusal(["u + d(v)", "v"], ["u", "v"], "no derivative that remains")
+
+
+def test_what_no_equation_connects_is_told_apart() -> None:
+    """A wave along the stream: the spanwise velocity is driven by nothing else."""
+    along = ["sigma*u + d(u)*0 + p = d(u,2)", "sigma*v + d(p) = d(v,2)", "u + d(v) = 0", "sigma*w = d(w,2)"]
+    ends = st.Conditions(0, ["u", "v", "w"]), st.Conditions(1, ["u", "v", "w"])
+    told = dict(st.equations(["u", "v", "p", "w"], along, *ends).explanation)
+    assert told["subsystems"] == "2, which no equation or condition connects: u, d(u), v, p; w, d(w)"
+    driven = [*along[:3], "sigma*w + v = d(w,2)"]
+    assert "subsystems" not in dict(st.equations(["u", "v", "p", "w"], driven, *ends).explanation)
