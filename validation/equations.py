@@ -211,7 +211,7 @@ def cases(quick: bool) -> Iterator[Case]:
 
 
 def mistakes() -> None:
-    """For validation/README.md: mistakes of users, and what they are told."""
+    """The table for validation/README.md: mistakes of users, and what they are told."""
     print("| mistake | told |\n|---|---|")
     for what, old, new in MISTAKES:
         print(f"| {what} | {told(old, new)} |")
