@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shootstab.core.errors import InputError
-from shootstab.discriminants.named import METHODS
+from shootstab.discriminants.named import METHODS, make
 from shootstab.presented import PresentedReport
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def method_of(named: Any) -> Any:
         from shootstab.io.notation import nearest
 
         raise InputError(f"method = {named!r}{nearest(named, METHODS)}: allowed is {', '.join(METHODS)} or st.Frame(...)")
-    return METHODS[named]()
+    return make(named)
 
 
 def by_name(analysis: Callable[..., Any]) -> Callable[..., Any]:

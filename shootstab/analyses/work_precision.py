@@ -13,6 +13,7 @@ import tracemalloc
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, is_dataclass, replace
+from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -24,7 +25,7 @@ from shootstab.analyses.refine_double import find_near
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.progress import Progress
 from shootstab.discriminants.method import Method
-from shootstab.discriminants.named import METHODS
+from shootstab.discriminants.named import METHODS, make
 from shootstab.problems.capabilities import PSEUDOSPECTRAL, Pseudospectral
 from shootstab.problems.protocol import Problem
 
@@ -154,18 +155,18 @@ def spectral_curves(problem: Problem) -> Iterator[MethodCurve]:
 def _shooting() -> Iterator[MethodCurve]:
     """Every method by name, from the first mesh to the zero, without the error bound."""
 
-    def shoot(make: Callable[..., Method]) -> Callable[[float], Run]:
+    def shoot(made: Callable[..., Method]) -> Callable[[float], Run]:
         def at(rtol: float) -> Run:
             def run(fresh: Problem, guess: complex) -> tuple[Any, int]:
-                discriminant = make(rtol=rtol).on(fresh)
+                discriminant = made(rtol=rtol).on(fresh)
                 return find_near(discriminant, guess, max(0.1 * rtol, 1e-14)).sigma, discriminant.evaluations
 
             return run
 
         return at
 
-    for name, make in METHODS.items():
-        yield MethodCurve(name, "rtol", TOLERANCES, shoot(make))
+    for name in METHODS:
+        yield MethodCurve(name, "rtol", TOLERANCES, shoot(partial(make, name)))
 
 
 def measured(curve: MethodCurve, problem: Problem, guess: complex, truth: Any) -> list[Measurement]:

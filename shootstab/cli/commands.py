@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
 DONE, BAD_NEWS = 0, 1  # defined by the contract: exit statuses of a command that did its work
 
-METHOD_NAMES = ("frame", "compound", "riccati")  # the names of discriminants.named, which would load the kernels
-
 
 def refine(options: Namespace) -> int:
     """One mode, with its error bar."""

@@ -39,6 +39,7 @@ from shootstab.cli.terminal import Announcement
 from shootstab.core import compilation
 from shootstab.core.errors import InputError, OutputError, ShootstabError
 from shootstab.core.threads import one_thread_from_here
+from shootstab.discriminants.named import METHODS
 
 # defined by the contract: exit statuses of a command that did not; the last two are 128 plus the signal
 BAD_INPUT, INTERNAL, NOT_WRITTEN, INTERRUPTED, BROKEN_PIPE = 2, 3, 4, 130, 141
@@ -149,7 +150,7 @@ def parser() -> argparse.ArgumentParser:
     accuracy = refine.add_mutually_exclusive_group()
     accuracy.add_argument("--rtol", type=values.tolerance, default=1e-10, metavar="X", help="relative accuracy asked for (default 1e-10)")
     accuracy.add_argument("--digits", type=values.integer(1, 100_000), metavar="N", help="the same in digits")
-    refine.add_argument("--method", choices=commands.METHOD_NAMES, help="how the determinant is formed (default: as the program chooses)")
+    refine.add_argument("--method", choices=METHODS, help="how the determinant is formed (default: as the program chooses)")
 
     mode = _command(subparsers, mode_command.mode, "the eigenfunction of one mode")
     _convention(mode)

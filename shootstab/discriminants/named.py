@@ -1,16 +1,22 @@
-"""The methods by name, for the command line and for whoever has no tolerance in mind."""
+"""The methods by name, for the command line and for whoever has no tolerance in mind. A method loads its kernels when it is made."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from shootstab.core.errors import InputError
-from shootstab.discriminants.compound import Compound
-from shootstab.discriminants.frame import Frame
-from shootstab.discriminants.method import Method
-from shootstab.discriminants.riccati import Riccati
 
-METHODS: dict[str, Callable[..., Method]] = {"frame": Frame, "compound": Compound, "riccati": Riccati}
+if TYPE_CHECKING:
+    from shootstab.discriminants.method import Method
+
+METHODS = {"frame": "Frame", "compound": "Compound", "riccati": "Riccati"}  # the class of each in the module of its name
+
+
+def make(name: str, **settings: Any) -> Method:
+    """The method of a name in METHODS, with these settings."""
+    method: Method = getattr(import_module(f"shootstab.discriminants.{name}"), METHODS[name])(**settings)
+    return method
 
 
 def method_named(method: Method | str | None, rtol: float) -> Method | None:
@@ -18,7 +24,7 @@ def method_named(method: Method | str | None, rtol: float) -> Method | None:
     if isinstance(method, str):
         if method not in METHODS:
             raise InputError(f"method = {method!r}: allowed is {', '.join(METHODS)}, or a method such as st.Frame(rtol=1e-11)")
-        return METHODS[method](rtol=rtol)
+        return make(method, rtol=rtol)
     if method is not None and not (callable(getattr(method, "on", None)) and hasattr(method, "rtol")):
         raise InputError(f"method = {method!r}: allowed is {', '.join(METHODS)}, or a method such as st.Frame(rtol=1e-11)")
     return method
