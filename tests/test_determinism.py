@@ -40,6 +40,22 @@ def test_claims_in_any_order() -> None:
     assert [said[0][complex(c)][0] for c in CLAIMS] == ["confirmed", "inaccurate", "confirmed", "spurious"]
 
 
+def test_claims_split_and_one_at_a_time() -> None:
+    """Whoever asks in parts is told the same of each claim, and of the same mode to its bound."""
+
+    def told(*lists: list[complex]) -> list[Any]:
+        problem = layer.layer()
+        return [v for claims in lists for v in st.verify(problem, claims, missing="none").verdicts]
+
+    together = told(CLAIMS)
+    for parts in ([CLAIMS[:2], CLAIMS[2:]], [[claim] for claim in CLAIMS]):
+        apart = told(*parts)
+        assert [(v.claimed, v.verdict) for v in apart] == [(v.claimed, v.verdict) for v in together]
+        for one, other in zip(together, apart, strict=True):
+            assert (one.sigma is None) == (other.sigma is None)
+            assert one.sigma is None or abs(one.sigma - other.sigma) <= one.error + other.error
+
+
 @pytest.mark.parametrize("words", [["spectrum", "poiseuille", "-M", "90"], ["refine", "high", "--guess", "0.004"]])
 def test_any_number_of_threads(words: list[str]) -> None:
     answers = []
