@@ -105,7 +105,7 @@ def interval(degree: int, first: float = 1.0, last: float = -1.0) -> ChebyshevGr
 
 
 def malik(degree: int, z_max: float, z_half: float, focus: float = 0.0) -> ChebyshevGrid:
-    """Malik's grid (2.18)–(2.19) on [0, z_m]: z = 0 at x = 1, z_h at x = 0, z_m at x = −1.
+    """Malik's grid, (2.18)–(2.19) of Woodhouse & Hogg (2010), on [0, z_m]: z = 0 at x = 1, z_h at x = 0, z_m at x = −1.
 
     With s = (1 − y)/2 = 1 − ζ1 the inverse of (2.18) is z = z_m z_h s/(z_m − z_h + (2z_h − z_m)s), which is regular at
     z_h = z_m/2 too, where a and b of (2.19) are not. The paper has y = x, the points of `extrema`. With focus β > 0 comes
