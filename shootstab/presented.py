@@ -19,7 +19,7 @@ class PresentedReport(Report):
 
     @classmethod
     def of(cls, report: Report, scene: Scene) -> PresentedReport:
-        """The report, of this scene."""
+        """The report with its scene."""
         return cls(**{field.name: getattr(report, field.name) for field in fields(Report)}, scene=scene)
 
     def __str__(self) -> str:

@@ -13,6 +13,6 @@ def tell(listener: Callable[[str], None]) -> None:
 
 
 def begins(name: str) -> None:
-    """A kernel is compiled."""
+    """Tell the listeners that the compilation of a kernel begins."""
     for listener in _told:
         listener(name)

@@ -38,7 +38,7 @@ class NamedScene(Protocol):
 
     @property
     def description(self) -> str:
-        """The line."""
+        """The line that describes the scene."""
         ...
 
     @property

@@ -77,7 +77,7 @@ class FlowSeries:
         return fields_of(self.flow, dict(zip(self.flow.states, limit, strict=True)))
 
     def at(self, z: Any) -> BaseFields:
-        """The functions at one place."""
+        """The values of the functions at one place."""
         state = state_on(self._arithmetic, self._way(z, 0), z)
         return fields_of(self.flow, dict(zip(self.flow.states, state, strict=True)))
 

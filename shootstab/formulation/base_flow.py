@@ -39,7 +39,7 @@ class BaseFlow:
 
     @property
     def unknowns(self) -> tuple[str, ...]:
-        """Their names."""
+        """The names of the base flow's functions."""
         return tuple(dict.fromkeys(name for name, _ in self.states))
 
     def higher(self, name: str, order: int) -> Expression:

@@ -53,7 +53,7 @@ class FlowShooting:
         self.places = [i for i in range(len(flow.states)) if i not in fixed]
 
     def state(self, free: tuple[Any, ...]) -> FlowState:
-        """That at the origin."""
+        """The state at the origin."""
         values = dict(self._fixed) | dict(zip(self.places, map(self.arithmetic.number, free), strict=True))
         return [values[i] for i in range(len(self.flow.states))]
 

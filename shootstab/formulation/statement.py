@@ -46,7 +46,7 @@ class Statement:
 
     @property
     def names(self) -> Names:
-        """Those of the first layer."""
+        """The names of the first layer."""
         return self.layers[0].names
 
     @property

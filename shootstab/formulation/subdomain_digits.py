@@ -34,7 +34,7 @@ class Beginning(Protocol):
 
     @property
     def place(self) -> Fraction:
-        """z where it does."""
+        """The z at which the subdomain begins."""
         ...
 
     def begin(self, sigma: Any) -> None:
@@ -139,7 +139,7 @@ class DigitSubdomain:
 
     @property
     def size(self) -> int:
-        """Components."""
+        """The number of components, starting values among them."""
         return self.system.size * (1 + isinstance(self.begin, AugmentedBeginning))
 
 

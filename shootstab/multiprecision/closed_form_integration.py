@@ -36,7 +36,7 @@ class ClosedFormDigits:
 
 
 class ClosedFormIntegration:
-    """See protocol.Integration."""
+    """One way through a problem in closed form: see multiprecision.integration.Integration."""
 
     def __init__(self, arithmetic: Arithmetic, problem: ClosedForm, settings: Settings) -> None:
         self._arithmetic, self._problem, self._settings = arithmetic, problem, settings

@@ -72,7 +72,7 @@ class Integration(Protocol):
         ...
 
     def corrected_base(self) -> BaseFlowNumbers:
-        """The base flow that should have been taken, going by what this integration found at the wall."""
+        """The numbers of the base flow, corrected by what this integration found at the wall."""
         ...
 
 

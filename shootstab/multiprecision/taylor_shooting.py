@@ -47,11 +47,11 @@ class TaylorShooting:
 
     @property
     def steps(self) -> int:
-        """How many there are."""
+        """The number of steps."""
         return len(self._steps)
 
     def corrected_base(self) -> BaseFlowNumbers:
-        """See protocol.Integration."""
+        """The corrected numbers of the base flow: see multiprecision.integration.Integration."""
         return self.integration.corrected_base()
 
     def __call__(self, sigma: Any) -> Any:

@@ -60,7 +60,7 @@ class InfiniteBeginning:
 
     @property
     def z(self) -> float:
-        """Where it is cut."""
+        """The z at which an infinite end is cut."""
         return self.origin + self.limit.direction * self.distance
 
     def beyond(self, places: list[float]) -> InfiniteBeginning:

@@ -23,7 +23,7 @@ class StartingSpace(Protocol):
 
     @property
     def columns(self) -> int:
-        """Its dimension."""
+        """The dimension of the space."""
         ...
 
     def frame(self, sigma: complex) -> FarFrame:
@@ -96,7 +96,7 @@ class DecayingSpace:
         return FarFrame(frame, tangent, log_scale, error)
 
     def at(self, sigma: complex) -> AsymptoticRates:
-        """How solutions behave there."""
+        """The rates of solutions at this end for one σ."""
         k, rates = self.columns, self.kato_frame.limit.rates(sigma)
         margins = [*(-rates[k - 1 : k].real if k > 0 else ()), *rates[k : k + 1].real]
         return AsymptoticRates(self.where, rates, k, gap(rates, k), float(min(margins)))

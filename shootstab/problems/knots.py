@@ -66,7 +66,7 @@ class _Pieces:
     ancestor: NDArray[np.int64]
 
     def where(self, chosen: NDArray[np.bool_]) -> _Pieces:
-        """Those of a mask (m,)."""
+        """The intervals that a mask (m,) names."""
         return replace(self, **{field.name: getattr(self, field.name)[chosen] for field in fields(self)})
 
     def each(self) -> Iterator[tuple[float, float, Reals]]:

@@ -148,7 +148,7 @@ class SpectralSplitting:
 
     @property
     def trace_slope(self) -> complex:
-        """Its derivative, tr(ℓ A′ X)."""
+        """The σ-derivative of the trace, tr(ℓ A′ X)."""
         return complex(np.trace(self.left @ self.A_slope @ self.X))
 
     def projected(self, R: ComplexArray) -> tuple[ComplexArray, ComplexArray]:

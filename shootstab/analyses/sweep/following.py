@@ -29,7 +29,7 @@ class FollowedMode:
     sigmas: list[complex] = field(default_factory=list)
 
     def add(self, place: complex, sigma: complex) -> None:
-        """One more place."""
+        """Add one more place."""
         self.places.append(place)
         self.sigmas.append(sigma)
 

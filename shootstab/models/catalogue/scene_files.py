@@ -25,18 +25,18 @@ class SceneFile:
 
     @cached_property
     def tables(self) -> Tables:
-        """All of them."""
+        """All tables of the file."""
         import tomllib
 
         return tomllib.loads(FOLDER.joinpath(f"{self.name}.toml").read_text(encoding="utf-8"))
 
     @property
     def description(self) -> str:
-        """One line."""
+        """The description, one line."""
         return str(about(self.tables)["description"])
 
     def problem(self) -> Problem:
-        """Read and reduced."""
+        """The problem, read and reduced."""
         from shootstab.formulation.equation_scene import from_table
 
         return from_table(self.tables["problem"])

@@ -158,7 +158,7 @@ class _Series(NamedTuple):
         return P, dP
 
     def in_real_numbers(self) -> _Series | None:
-        """None if it is not real."""
+        """The same in float64; None if it is not real."""
         numbers, vectors = (self.system.values, self.system.slopes), self[2:]
         if any(a.imag.any() for a in (*numbers, *vectors)):
             return None

@@ -18,7 +18,7 @@ from shootstab.problems.protocol import ComplexArray
 
 
 def poeschl_teller(nu: float = 0.2) -> LinearProblem:
-    """The eigenvalue is λ."""
+    """The Pöschl–Teller well, with λ as eigenvalue."""
     require_positive(nu=nu)
     D1 = np.array([[0, 0], [1, 0]])
 
