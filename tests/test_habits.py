@@ -262,3 +262,9 @@ def test_a_file_name_stands_for_one_thing() -> None:
     others = {path.stem for path in SOURCES if path.parent.name != "catalogue"} - {"__init__"}
     problems = {path.stem for path in (ROOT / "shootstab/models/gallery").glob("*.py")}
     assert entries & others <= problems | {"__init__"}
+
+
+def test_no_answer_depends_on_the_time_of_day() -> None:
+    """A clock may be turned while a program runs: it reads none but those that only go on, and those for seconds alone."""
+    reads = re.compile(r"\btime\.(time|localtime|gmtime|ctime)\b|\bfrom time import .*\btime\b|\bdatetime\b|\bst_mtime\b|\bgetmtime\b")
+    assert [path.name for path in sorted((ROOT / "shootstab").rglob("*.py")) if reads.search(path.read_text())] == []

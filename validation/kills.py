@@ -1,4 +1,4 @@
-"""Sweeps, `find` and `refine` that are killed: parent and workers, by SIGKILL, SIGTERM, SIGINT, SIGHUP, SIGSEGV, at random moments.
+"""Sweeps, `find`, `verify` and `prove` that are killed: parent and workers, by SIGKILL, SIGTERM, SIGINT, SIGHUP, SIGSEGV, at random moments.
 
 `python validation/kills.py --kills 300` goes on until so many processes have been killed, `--quick` kills a dozen. After every death of a
 parent no process of its session may be left, and nothing but one line on standard error; the file of results may only have grown, by
@@ -37,6 +37,8 @@ LINES = 10  # lines of two points each
 SWEEP = ["sweep", "layer:scene", "--kx", "0:3:2", "--far-temperature", f"50:60:{LINES}", "--workers", "2"]
 FIND = ["find", "layer:scene", "--corners=1,-5,60,5"]
 VERIFY = ["verify", "layer:scene", "claims.csv"]
+PROVE = ["prove", "benard", "--disc=2.1463,0,0.01"]
+PROGRESS = tuple(f"shootstab: {doing}" for doing in ("sweeping", "verifying", "finding", "proving"))  # lines that say how far it is
 GONE = 10.0  # seconds within which a session must be empty after its parent
 ROUNDS = 60  # the most runs of one sweep until it ends
 
@@ -112,7 +114,7 @@ class KilledRun:
     def said(self) -> list[str]:
         """Lines on standard error, without those that say how far it is."""
         lines = self.log.read_text(errors="replace").splitlines()
-        return [line for line in lines if not line.startswith(("shootstab: sweeping", "shootstab: verifying"))]
+        return [line for line in lines if not line.startswith(PROGRESS)]
 
 
 def ended(run: KilledRun, by: signal.Signals | None, found: Findings) -> int:
@@ -329,7 +331,7 @@ def main() -> int:
             print(f"{made} kills of sweeps, {len(found.wrong)} wrong, {time.monotonic() - began:.0f} s", flush=True)
         (folder / "claims.csv").write_text(f"{A - math.pi**2!r},0\n")
         for i in range(kills // 3):
-            killed_command(rng, FIND if i % 2 else VERIFY, folder, seconds / 2, found)
+            killed_command(rng, (VERIFY, FIND, PROVE)[i % 3], folder, seconds / 2, found)
         for title, (fault, times) in FAULTS.items():
             for _ in range(1 if options.quick else times):
                 fault(rng, folder, calm, found)
