@@ -1,4 +1,4 @@
-"""Sweeps, `find`, `verify` and `prove` that are killed: parent and workers, by SIGKILL, SIGTERM, SIGINT, SIGHUP, SIGSEGV, at random moments.
+"""Sweeps, `find`, `verify` and `prove` that are killed: parent and workers, by SIGKILL, SIGTERM, SIGINT, SIGHUP, SIGSEGV, at random times.
 
 `python validation/kills.py --kills 300` goes on until so many processes have been killed, `--quick` kills a dozen. After every death of a
 parent no process of its session may be left, and nothing but one line on standard error; the file of results may only have grown, by

@@ -22,6 +22,7 @@ TENFOLD = 10.0  # chosen: the next distance over one where the zeros near a poin
 MISSES = 8  # chosen: distances in all at which it is none, before nothing more is to be seen
 BEYOND = 1e3  # chosen: times the distance to the nearest zero, how far others are looked for that would make it a near one
 MOST_TOGETHER = 64  # chosen: |h D′/D| above which D is steep and no number of zeros near a point: as many as a problem may have states
+LARGEST_LOOK = 1e50  # chosen: the largest |σ| that is looked at: its powers up to the sixth, with which conditions may go, are doubles
 FALLS = 2  # chosen: distances in turn at which |h D′/D| falls though no zero is near: one may be an accident, and beyond them D is constant
 WHOLE_NUMBER = 0.1  # chosen: how near (σ − c) D′/D must come to a whole number to be one
 
@@ -52,10 +53,11 @@ def surroundings(discriminant: Discriminant, centre: complex) -> Surroundings:
     That is a whole number above 0 at two distances in turn where m zeros lie near c and no others by a factor of 1000; the larger of them
     tells the scale, as there neither rounding nor the places of the m zeros matter. Otherwise m is 0 and the scale |D/D′|, about the
     distance to the nearest zero. It suggests, and proves nothing. Farther zeros make h D′/D grow with h: where it falls there are none.
+    Where m stands out to LARGEST_LOOK, as for D = σ² + 1, there are no others to be nearer than, and m is 0.
     """
     distance, before = max(TENFOLD * abs(centre), SMALLEST_DISTANCE), -1
     empty, found, misses, falls, last = 0.0, Surroundings(0, 0.0), 0, 0, 0.0
-    while misses < MISSES and falls < FALLS and cmath.isfinite(centre + distance):
+    while misses < MISSES and falls < FALLS and abs(centre) + distance < LARGEST_LOOK:
         try:
             turns = distance * discriminant.with_derivative(centre + distance).logarithmic_derivative
         except ConvergenceError:
@@ -75,4 +77,5 @@ def surroundings(discriminant: Discriminant, centre: complex) -> Surroundings:
         elif whole == before:
             found = Surroundings(whole, distance / max(off, SEEN))
         before, distance = whole, TENFOLD * distance
-    return found if found.multiplicity > 0 else Surroundings(0, empty)
+    seen = found.multiplicity > 0 and abs(centre) + distance < LARGEST_LOOK
+    return found if seen else Surroundings(0, empty)

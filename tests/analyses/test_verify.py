@@ -241,3 +241,9 @@ def test_where_nothing_is_searched_is_said(scenes: dict[str, ChuteProblem]) -> N
     assert [v.verdict for v in far.verdicts] == ["confirmed", "spurious", "unresolved"]
     assert far.undecided[0].startswith("the part of the plane that 1 more of the claims add")
     assert "where 2 of the 3 claims lie" in far.searched
+
+
+def test_a_claim_of_zero_where_no_zero_of_D_is_farther_than_another() -> None:
+    """Waves on water have σ = ±0.87269362i and no other eigenvalue: D is quadratic, and 0 no double zero of it as seen from afar."""
+    report = st.verify("water-waves", [0.0, 1e-9, 0.8726936208978296j], missing="none")
+    assert [v.verdict for v in report.verdicts] == ["spurious", "spurious", "confirmed"]
