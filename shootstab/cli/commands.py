@@ -117,7 +117,7 @@ def find(options: Namespace) -> int:
     if options.plot is not None:
         from shootstab.cli import plots
 
-        figures.save(lambda: plots.draw_found(found, region, scene), options.plot, look)
+        figures.save(lambda: plots.draw_found(found, region, scene, look.size), options.plot, look)
 
     def tables() -> list[RenderableType]:
         from shootstab.cli import tables
@@ -164,7 +164,7 @@ def spectrum(options: Namespace) -> int:
     if options.plot is not None:
         from shootstab.cli import plots
 
-        figures.save(lambda: plots.draw_spectrum(found, scene, options.raw), options.plot, look)
+        figures.save(lambda: plots.draw_spectrum(found, scene, options.raw, look.size), options.plot, look)
 
     def tables() -> list[RenderableType]:
         from shootstab.cli import tables

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import math
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,13 +18,17 @@ DOTS = 160  # chosen: dots per inch of a png
 # a pdf holds TrueType fonts, in which text can be found and edited, an svg text in place of outlines
 LETTERS: dict[Any, Any] = {"pdf.fonttype": 42, "ps.fonttype": 42, "svg.fonttype": "none"}
 
+NARROWEST = 1.6  # chosen: inches of a panel whose numbers and name stay apart from those of its neighbours
+LEGEND_ENTRY = 1.8  # chosen: inches of a mark with its name
+Size = tuple[float, float]  # width and height in inches
+
 
 @dataclass(frozen=True)
 class Look:
     """style: a style of matplotlib's, or a file of one; size: width and height in inches, None for that of the picture."""
 
     style: str | None = None
-    size: tuple[float, float] | None = None
+    size: Size | None = None
 
     @classmethod
     def of(cls, options: Namespace) -> Look:
@@ -39,6 +44,17 @@ def options(command: ArgumentParser, says: str) -> None:
     command.add_argument("--plot", type=values.plot_path, metavar="FILE", help=f"{says} into a png, pdf or svg file")
     command.add_argument("--style", metavar="NAME", help="of the picture: a style of matplotlib, or a file of one")
     command.add_argument("--size", type=values.numbers(2), metavar="W,H", help="of the picture, in inches")
+
+
+def columns(panels: int, width: float, narrowest: float = NARROWEST) -> int:
+    """How many panels stand side by side in a picture of so many inches, in rows that are as equal as they can be."""
+    fitting = max(1, min(panels, int(width / narrowest)))
+    return math.ceil(panels / math.ceil(panels / fitting))
+
+
+def entries(width: float, most: int) -> int:
+    """How many entries of a legend stand side by side."""
+    return max(1, min(most, int(width / LEGEND_ENTRY)))
 
 
 def require(path: Path, look: Look = PLAIN) -> None:
@@ -69,9 +85,15 @@ def drawn(draw: Callable[[], Any], look: Look = PLAIN) -> Any:
 
 
 def save(draw: Callable[[], Any], path: Path, look: Look = PLAIN) -> None:
-    """The picture as a file, of the kind that its suffix tells. Raises OutputError."""
-    import matplotlib
+    """The picture as a file, of the kind that its suffix tells. Raises OutputError.
 
-    figure = drawn(draw, look)
-    with matplotlib.rc_context(LETTERS):
-        write_whole(path, lambda file: figure.savefig(file, dpi=DOTS))
+    The first one on a machine takes long: matplotlib lists the fonts that there are.
+    """
+    from shootstab.cli.terminal import progress
+
+    with progress(f"drawing {path.name}"):
+        import matplotlib
+
+        figure = drawn(draw, look)
+        with matplotlib.rc_context(LETTERS):
+            write_whole(path, lambda file: figure.savefig(file, dpi=DOTS))

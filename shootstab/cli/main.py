@@ -181,10 +181,10 @@ def parser() -> argparse.ArgumentParser:
     spectrum.add_argument("--raw", action="store_true", help="all eigenvalues of the pencil, unfiltered")
 
     sweep = _command(subparsers, sweeping.sweep, "growth rates over wavenumbers or flows, in parallel, resumable")
-    sweeping.options(sweep, values.integer, values.plot_path)
+    sweeping.options(sweep, values.integer)
 
     trade = _command(subparsers, trading.trade, "work against accuracy of every method")
-    trading.options(trade, values.guess, values.plot_path)
+    trading.options(trade, values.guess)
 
     prove = _command(subparsers, prove_command.prove, "a theorem: exactly so many eigenvalues in a disc, a rectangle, or growing")
     prove_command.options(prove, values.guess, values.numbers, values.integer)

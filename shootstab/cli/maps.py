@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shootstab.analyses.sweep.outcomes import NO_FLOW
-from shootstab.cli import plots
+from shootstab.cli import figures
+from shootstab.cli.figures import PLAIN, Look
 from shootstab.core.errors import InputError
 from shootstab.core.records import UNRESOLVED
-from shootstab.io.files import write_whole
 from shootstab.models.chute.registry import BY_NAME
 
 if TYPE_CHECKING:
@@ -25,18 +25,17 @@ BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "0.55"
 MARKS_ON_A_MAP = 400  # chosen: proved points that are marked on a map; more would hide it
 
 
-def require(path: Path, axes: Mapping[str, Sequence[float]]) -> None:
+def require(path: Path, axes: Mapping[str, Sequence[float]], look: Look = PLAIN) -> None:
     """Raise InputError if no picture can be drawn here, or none of so many parameters."""
-    plots.require(path)
+    figures.require(path, look)
     varied = [name for name, values in axes.items() if len(values) > 1]
     if not 1 <= len(varied) <= 2:
         raise InputError(f"--plot: {len(varied)} parameters vary: allowed are 1 or 2")
 
 
-def save(found: Swept, scene: Scene, path: Path) -> None:
+def save(found: Swept, scene: Scene, path: Path, look: Look = PLAIN) -> None:
     """Draw the sweep into a png, pdf or svg file, told by its suffix."""
-    figure = draw(found, scene)
-    write_whole(path, lambda file: figure.savefig(file, dpi=160))
+    figures.save(lambda: draw(found, scene), path, look)
 
 
 def draw(found: Swept, scene: Scene) -> Any:
@@ -90,7 +89,7 @@ def _curves(figure: Any, found: Swept, varied: Sequence[ParameterAxis], unit: st
     below.set_xlabel(BY_NAME[axis.name].label)
     for panel in (above, below):
         panel.grid(True, linewidth=0.4, alpha=0.4)
-        panel.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3))
+        panel.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3), useMathText=True)
     above.legend(frameon=False, fontsize="small")
 
 
@@ -124,6 +123,6 @@ def _map(figure: Any, found: Swept, varied: Sequence[ParameterAxis], unit: str) 
         panel.plot(place[across.name], place[up.name], "*", color="white", markeredgecolor="black", markersize=12, clip_on=False, zorder=4)
     panel.set_xlabel(BY_NAME[across.name].label)
     panel.set_ylabel(BY_NAME[up.name].label)
-    panel.ticklabel_format(style="sci", scilimits=(-2, 3))
+    panel.ticklabel_format(style="sci", scilimits=(-2, 3), useMathText=True)
     if panel.get_legend_handles_labels()[0]:
         panel.legend(loc="upper right", frameon=True, framealpha=0.85, fontsize="small")

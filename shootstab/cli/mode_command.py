@@ -79,7 +79,7 @@ def mode(options: Namespace) -> int:
         if options.plot is not None:
             from shootstab.cli import mode_plot
 
-            figures.save(lambda: mode_plot.draw(found, scene, low, high), options.plot, look)
+            figures.save(lambda: mode_plot.draw(found, scene, low, high, look.size), options.plot, look)
         slopes = sensitivities(found, options.sensitivity.split(",")) if options.sensitivity else []
     if slopes:
         document["sensitivity"] = [

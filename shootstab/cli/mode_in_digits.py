@@ -47,7 +47,7 @@ def answer(options: Namespace) -> int:
     if options.plot is not None:
         from shootstab.cli import mode_plot
 
-        figures.save(lambda: mode_plot.draw(found.rough, scene, low, high), options.plot, look)
+        figures.save(lambda: mode_plot.draw(found.rough, scene, low, high, look.size), options.plot, look)
     document = {
         "mode": documents.mode(found.mode),
         "normalization": found.normalization,

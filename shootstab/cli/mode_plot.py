@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from shootstab.cli.figures import Size, columns
 
 if TYPE_CHECKING:
     from shootstab.analyses.eigenfunction_double import Eigenfunction
@@ -21,10 +24,10 @@ SMALL_PART = 0.05  # chosen: a layer thinner than this part of the heights is no
 TICKS = 3  # chosen: numbers on the axis of a narrow panel
 
 
-def draw(found: Eigenfunction, scene: Scene, low: float | None = None, high: float | None = None) -> Any:
+def draw(found: Eigenfunction, scene: Scene, low: float | None = None, high: float | None = None, inches: Size | None = None) -> Any:
     """The picture, as a matplotlib Figure, over the extent of the eigenfunction or between low and high.
 
-    Where an unknown does what it does in a small part of that, a second row magnifies the part.
+    Where an unknown does what it does in a small part of that, a second row magnifies the part. A narrow picture breaks the rows.
     """
     from matplotlib.figure import Figure
 
@@ -35,11 +38,17 @@ def draw(found: Eigenfunction, scene: Scene, low: float | None = None, high: flo
     values: Mapping[str, Any] = found(z)
     small = layer(z, values)
     heights = [z] if small is None else [z, np.linspace(*small, MODE_HEIGHTS)]
-    size = PANEL_MARGIN + PANEL_WIDTH * max(len(values), 2), PANEL_HEIGHT * (0.4 + 0.6 * len(heights))
+    size = inches or (PANEL_MARGIN + PANEL_WIDTH * max(len(values), 2), PANEL_HEIGHT * (0.4 + 0.6 * len(heights)))
+    across = columns(len(values), size[0])
+    lines = math.ceil(len(values) / across)
     figure = Figure(figsize=size, layout="constrained")
-    rows = figure.subplots(len(heights), len(values), sharey="row", squeeze=False)
+    rows = figure.subplots(lines * len(heights), across, sharey="row", squeeze=False).reshape(len(heights), -1)
     for panels, at in zip(rows, heights, strict=True):
-        _fill(panels, at, found(at))
+        _fill(panels[: len(values)], at, found(at))
+        for panel in panels[: len(values) : across]:
+            panel.set_ylabel("$z$")
+        for panel in panels[len(values) :]:
+            panel.set_axis_off()
     panels = rows[0]
     sigma = complex(found.mode.sigma)
     imaginary = f" {'-' if sigma.imag < 0 else '+'} {abs(sigma.imag):.6g}i" if sigma.imag else ""
@@ -84,7 +93,6 @@ def _fill(panels: Any, z: NDArray[np.float64], values: Mapping[str, Any]) -> Non
             panel.xaxis.set_major_locator(MaxNLocator(TICKS))
             panel.ticklabel_format(axis="x", style="sci", scilimits=(-2, 3), useMathText=True)
         panel.margins(y=0.0)
-    panels[0].set_ylabel("$z$")
 
 
 def label(name: str) -> str:

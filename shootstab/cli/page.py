@@ -149,6 +149,8 @@ def _plane(page: Page) -> dict[str, Any]:
             }
             if symbol in THIN:
                 marker["line"] = {"width": 2, "color": colour}
+            elif "markeredgecolor" in group.settings and not hollow:
+                marker["line"] = {"width": 1.5, "color": GREY_LINE}  # yellow alone is not seen on white
             text = [
                 f"{z.real:.12g} {'-' if z.imag < 0 else '+'} {abs(z.imag):.12g}i<br>{reasons.get(z, '')}" for z in group.points.tolist()
             ]
@@ -156,12 +158,11 @@ def _plane(page: Page) -> dict[str, Any]:
             traces.append({"type": "scatter", "mode": "markers", "name": group.label, "marker": marker, **points})
     drawn = [np.empty(0, dtype=np.complex128), *(group.points for group in groups), *([] if rim is None else [rim])]
     _, (centre, width, height) = plane.in_view(np.concatenate(drawn), near)
-    symbol = page.scene.symbol
     return {
         "data": traces,
         "layout": {
-            "xaxis": {"title": {"text": f"Re {symbol}"}, "range": [centre.real - width, centre.real + width]},
-            "yaxis": {"title": {"text": f"Im {symbol}"}, "range": [centre.imag - height, centre.imag + height]},
+            "xaxis": {"title": {"text": plane.label("Re", page.scene)}, "range": [centre.real - width, centre.real + width]},
+            "yaxis": {"title": {"text": plane.label("Im", page.scene)}, "range": [centre.imag - height, centre.imag + height]},
             "legend": LEGEND,
         },
     }

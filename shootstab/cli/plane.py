@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from shootstab.cli.figures import Size, columns, entries
 from shootstab.problems.capabilities import INTERIOR, UNSCALED, Continuum
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ SECOND_PANEL = 5.0  # chosen: what reaches this many times further than the magn
 LEAST_MAGNIFIED = 2  # chosen: the number of modes nearest to the tip that the magnified panel always shows
 LINEAR_UP_TO = 2.0  # chosen: times the linear part, what reaches no further needs no decades
 ROOM = 0.08  # chosen: the part of an axis that is left free at its ends
+NARROWEST_PLANE = 3.4  # chosen: inches of one of two panels side by side
 LETTERS_PER_INCH = 12  # chosen: letters of a title in a font of medium size
 BALLOON = 10.0  # chosen: claims that the continuous spectrum blurs are shown up to this many times the distance of the nearest mode
 
@@ -42,8 +44,11 @@ class Group:
     settings: Mapping[str, Any] = field(default_factory=dict)
 
 
-def picture(scene: Scene, groups: Sequence[Group], near: Box, title: str, outline: Points | None = None) -> Any:
-    """A matplotlib Figure with the continuous spectrum, the groups and, if there is one, the outline (m,) of a region."""
+def picture(scene: Scene, groups: Sequence[Group], near: Box, title: str, outline: Points | None = None, inches: Size | None = None) -> Any:
+    """A matplotlib Figure with the continuous spectrum, the groups and, if there is one, the outline (m,) of a region.
+
+    Two panels stand side by side, or one below the other where they would be too narrow.
+    """
     from matplotlib.figure import Figure
 
     line = continuum(scene)
@@ -55,21 +60,22 @@ def picture(scene: Scene, groups: Sequence[Group], near: Box, title: str, outlin
         centre, width, height = near
         if line is not None and not ((np.abs(line.real - centre.real) < width) & (np.abs(line.imag - centre.imag) < height)).any():
             line = None  # out of sight, and nothing for a legend
-    size = (11, 5.2) if two else (6.4, 5.4)
+    size = inches or ((11, 5.2) if two else (6.4, 5.4))
+    across = columns(1 + two, size[0], NARROWEST_PLANE)
     figure = Figure(figsize=size, layout="constrained")
-    panels = figure.subplots(1, 2 if two else 1, squeeze=False)[0]
+    panels = figure.subplots((1 + two) // across, across, squeeze=False).ravel()
     for panel in panels:
         fill(panel, scene, groups, line, outline)
     look_at(panels[-1], near)
     if two:
         panels[0].set_title("all", fontsize="medium")
         panels[1].set_title("magnified", fontsize="medium")
-        _decades(panels[0], everything, near)
+        _decades(panels[0], everything, near, size[0] / across)
     lines = [textwrap.fill(part, round(LETTERS_PER_INCH * size[0])) for part in title.splitlines()]
     figure.suptitle("\n".join(lines), fontsize="medium")
     handles, labels = panels[0].get_legend_handles_labels()
     if labels:
-        figure.legend(handles, labels, loc="outside lower center", ncols=6 if two else 4, frameon=False, fontsize="small")
+        figure.legend(handles, labels, loc="outside lower center", ncols=entries(size[0], 6 if two else 4), frameon=False, fontsize="small")
     return figure
 
 
@@ -91,8 +97,8 @@ def fill(panel: Any, scene: Scene, groups: Sequence[Group], line: Points | None,
     for group in groups:
         if group.points.size:
             panel.plot(group.points.real, group.points.imag, group.marker, label=group.label, **group.settings)
-    panel.set_xlabel(_label("Re", scene))
-    panel.set_ylabel(_label("Im", scene))
+    panel.set_xlabel(label("Re", scene))
+    panel.set_ylabel(label("Im", scene))
     panel.grid(True, linewidth=0.4, alpha=0.4)
     neutral = {"color": "0.6", "linewidth": 0.8, "zorder": 0}
     if unit(scene).imag == 0.0:
@@ -169,7 +175,7 @@ def _spreads(points: Points, near: Box) -> bool:
     return bool((np.maximum(*off) > SECOND_PANEL).any())
 
 
-def _decades(panel: Any, points: Points, near: Box) -> None:
+def _decades(panel: Any, points: Points, near: Box, width_of_panel: float) -> None:
     """Axes that are linear in the magnified square, which is framed, and logarithmic beyond."""
     from matplotlib.patches import Rectangle
     from matplotlib.ticker import FixedLocator, MaxNLocator
@@ -184,22 +190,22 @@ def _decades(panel: Any, points: Points, near: Box) -> None:
         if max(-low, high) > LINEAR_UP_TO * linear:
             scale("symlog", linthresh=linear, linscale=1.0)
             low, high = _beyond(low, linear), _beyond(high, linear, upwards=True)
-            axis.set_major_locator(FixedLocator(_powers(low, high, linear)))
+            axis.set_major_locator(FixedLocator(_powers(low, high, linear, min(4, max(1, int(width_of_panel - 1.0))))))
         else:
             low, high = low - ROOM * (high - low), high + ROOM * (high - low)
-            axis.set_major_locator(MaxNLocator(5))
+            axis.set_major_locator(MaxNLocator(min(5, max(2, int(width_of_panel)))))
         limits(low, high)
     corner = (centre.real - width, centre.imag - height)
     panel.add_patch(Rectangle(corner, 2 * width, 2 * height, fill=False, edgecolor="0.4", linestyle="--", linewidth=0.9, zorder=2))
 
 
-def _powers(low: float, high: float, linear: float) -> list[float]:
-    """0 and the powers of ten beyond the linear part, at most four on each side."""
+def _powers(low: float, high: float, linear: float, most: int) -> list[float]:
+    """0 and the powers of ten beyond the linear part, at most so many on each side."""
     first = round(math.log10(linear))
     ticks = [0.0]
     for sign, limit in ((-1.0, -low), (1.0, high)):
         last = math.floor(math.log10(limit)) if limit > linear else first - 1
-        step = max(1, math.ceil((last - first + 1) / 4))
+        step = max(1, math.ceil((last - first + 1) / most))
         ticks += [sign * 10.0**k for k in range(first, last + 1, step)]
     return sorted(ticks)
 
@@ -212,6 +218,7 @@ def _beyond(limit: float, linear: float, upwards: bool = False) -> float:
     return limit * (1.6 if outwards else 1 / 1.6)
 
 
-def _label(part: str, scene: Scene) -> str:
+def label(part: str, scene: Scene) -> str:
+    """What an axis says: a part of the eigenvalue, in the scene's symbol and unit."""
     named = f"{part} {scene.symbol}"
     return f"{named} / {scene.unit}" if scene.unit else named

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shootstab.cli import figures, plane
-from shootstab.cli.figures import PLAIN, Look
+from shootstab.cli.figures import PLAIN, Look, Size
 from shootstab.cli.plane import Box, Group, Points
 from shootstab.cli.verdict_looks import MISSING_LOOK, VERDICT_LOOKS
 from shootstab.core.records import CONTINUUM, Report
@@ -29,13 +29,13 @@ require = figures.require
 
 def save(report: Report, scene: Scene, path: Path, look: Look = PLAIN) -> None:
     """Draw the report into a png, pdf or svg file, told by its suffix."""
-    figures.save(lambda: draw(report, scene), path, look)
+    figures.save(lambda: draw(report, scene, look.size), path, look)
 
 
-def draw(report: Report, scene: Scene) -> Any:
+def draw(report: Report, scene: Scene, size: Size | None = None) -> Any:
     """The claims by verdict, the modes they mean and the missing ones, as a matplotlib Figure."""
     groups, near = of_report(report, scene)
-    return plane.picture(scene, groups, near, f"{scene.name}: {_counts(report)}\n{scene.description}", rim(report.region))
+    return plane.picture(scene, groups, near, f"{scene.name}: {_counts(report)}\n{scene.description}", rim(report.region), size)
 
 
 def draw_on(axes: Any, report: Report, scene: Scene) -> None:
@@ -59,7 +59,7 @@ def of_report(report: Report, scene: Scene) -> tuple[list[Group], Box]:
     return groups, near
 
 
-def draw_spectrum(found: Spectrum, scene: Scene, raw: bool) -> Any:
+def draw_spectrum(found: Spectrum, scene: Scene, raw: bool, size: Size | None = None) -> Any:
     """The reference's eigenvalues: those that pass its filters, and with raw all others too."""
     passing = _points(found.eigenvalues)
     others = _points(found.raw) if raw else passing[:0]
@@ -70,10 +70,10 @@ def draw_spectrum(found: Spectrum, scene: Scene, raw: bool) -> Any:
     ]
     near = plane.magnified(scene, passing, passing if passing.size else others, others[:0])
     title = f"{scene.name}: pseudospectral reference at truncation {found.truncation}\n{scene.description}"
-    return plane.picture(scene, groups, near, title)
+    return plane.picture(scene, groups, near, title, None, size)
 
 
-def draw_found(answer: Found, region: Region, scene: Scene) -> Any:
+def draw_found(answer: Found, region: Region, scene: Scene, size: Size | None = None) -> Any:
     """The modes of a region, and the resonances where they were asked for."""
     modes = _points([m.sigma for m in answer.modes])
     resonances = _points(answer.resonances or ())
@@ -85,7 +85,7 @@ def draw_found(answer: Found, region: Region, scene: Scene) -> Any:
     assert outline is not None
     near = plane.around(np.concatenate([outline, modes]), 0.0)
     title = f"{scene.name}: {answer.counted.count} mode{'s' * (answer.counted.count != 1)} inside the region\n{scene.description}"
-    return plane.picture(scene, groups, near, title, outline)
+    return plane.picture(scene, groups, near, title, outline, size)
 
 
 def rim(region: Region | None) -> Points | None:

@@ -14,11 +14,13 @@ if TYPE_CHECKING:
 
 PROFILE_HEIGHTS = 101  # chosen: heights of the profiles in a file
 # chosen: what is drawn, the field and the label of its axis
+FLOW_SIZE = (9.6, 4.2)  # chosen: inches
+NARROWEST_PROFILE = 2.2  # chosen: inches of a panel under which its name with its unit finds room
 FLOW_PANELS = (
     ("nu", r"volume fraction $\nu_0$"),
     ("u", r"velocity $u_0$ / $\sqrt{d\,g\cosθ}$"),
     ("T", r"temperature $T_0$ / $(d\,g\cosθ)$"),
-    ("q", r"energy flux $q_0$"),
+    ("q", r"energy flux $q_0$ / $\rho_p (d\,g\cosθ)^{3/2}$"),
 )
 
 
@@ -51,7 +53,7 @@ def steady(options: Namespace) -> int:
         z, profiles = documents.profiles(flow, options.points)
         fields.save(z, profiles, options.export, {"scene": scene.name})
     if options.plot is not None:
-        figures.save(lambda: draw(flow, scene), options.plot, look)
+        figures.save(lambda: draw(flow, scene, look.size), options.plot, look)
 
     def tables() -> list[RenderableType]:
         from shootstab.cli import tables
@@ -62,23 +64,27 @@ def steady(options: Namespace) -> int:
     return commands.DONE
 
 
-def draw(flow: Any, scene: scene_files.Scene) -> Any:
-    """The fields over z, which goes upwards, as a matplotlib Figure."""
+def draw(flow: Any, scene: scene_files.Scene, size: figures.Size | None = None) -> Any:
+    """The fields over z, which goes upwards, as a matplotlib Figure; a narrow one has them in several rows."""
     from matplotlib.figure import Figure
     from matplotlib.ticker import MaxNLocator
 
     from shootstab.io import documents
 
     z, fields = documents.profiles(flow, 4 * PROFILE_HEIGHTS)
-    figure = Figure(figsize=(9.6, 4.2), layout="constrained")
-    for panel, (name, label) in zip(figure.subplots(1, len(FLOW_PANELS), sharey=True), FLOW_PANELS, strict=True):
+    size = size or FLOW_SIZE
+    across = figures.columns(len(FLOW_PANELS), size[0], NARROWEST_PROFILE)
+    figure = Figure(figsize=size, layout="constrained")
+    panels = figure.subplots(len(FLOW_PANELS) // across, across, sharey=True, squeeze=False)
+    for panel, (name, label) in zip(panels.flat, FLOW_PANELS, strict=True):
         panel.plot(fields[name], z, color="#0072B2", linewidth=1.6)
         panel.axhline(flow.centre_of_mass, color="0.6", linewidth=0.8, linestyle=":", zorder=0)
         panel.set_xlabel(label)
         panel.xaxis.set_major_locator(MaxNLocator(3))
         panel.margins(y=0.0)
-        if name == "nu":
-            panel.set_ylabel("$z$ / $d$ (dotted: centre of mass)")
+    for panel in panels[:, 0]:
+        panel.set_ylabel("$z$ / $d$")
     numbers = rf"$T_\infty$ = {flow.far_temperature:.5g}, $Q_0$ = {flow.mass_flux:.5g}, $M_0$ = {flow.hold_up:.5g}"
-    figure.suptitle(f"{scene.name}: {numbers}, $h_0$ = {flow.centre_of_mass:.5g}", fontsize="medium")
+    gap = ", " if across == len(FLOW_PANELS) else "\n"
+    figure.suptitle(f"{scene.name}: {numbers}{gap}$h_0$ = {flow.centre_of_mass:.5g} (dotted)", fontsize="medium")
     return figure

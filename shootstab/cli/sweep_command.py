@@ -15,6 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from shootstab.cli import figures
 from shootstab.cli.commands import BAD_NEWS, DONE, answer
 from shootstab.cli.lines import numbered
 from shootstab.core.errors import InputError
@@ -34,7 +35,7 @@ MOST_LISTED = 70  # chosen: points that the table lists; more are summed up
 MOST_VALUES = 1_000_000  # chosen: values along one axis of a sweep; more are a slip of the pen
 
 
-def options(parser: argparse.ArgumentParser, integer: Callable[[int, int], Any], plot_path: Callable[[str], Path]) -> None:
+def options(parser: argparse.ArgumentParser, integer: Callable[[int, int], Any]) -> None:
     """Add what `sweep` takes."""
     for p in SWEPT:
         parser.add_argument(p.option, dest=p.name, type=_values, metavar="A:B:N", help=f"{p.meaning}: N values from A to B, or one value")
@@ -48,7 +49,7 @@ def options(parser: argparse.ArgumentParser, integer: Callable[[int, int], Any],
     where.add_argument("--dask", metavar="ADDRESS", help="the scheduler of a Dask cluster that does the work")
     parser.add_argument("--out", type=Path, metavar="FILE", help="SQLite file for the results; one that exists is completed")
     parser.add_argument("--export", type=_export_path, metavar="FILE", help="write the results as csv or npz")
-    parser.add_argument("--plot", type=plot_path, metavar="FILE", help="draw growth rates over one or two parameters: png, pdf or svg")
+    figures.options(parser, "draw growth rates over one or two parameters")
 
 
 def sweep(options: Namespace) -> int:
@@ -64,7 +65,7 @@ def sweep(options: Namespace) -> int:
     if options.plot is not None:
         from shootstab.cli import maps
 
-        maps.require(options.plot, axes)
+        maps.require(options.plot, axes, figures.Look.of(options))
     scene = scene_files.load(options.scene)
     from shootstab.analyses.sweep import sweep as question
     from shootstab.cli.terminal import progress
@@ -86,7 +87,7 @@ def sweep(options: Namespace) -> int:
     if options.plot is not None:
         from shootstab.cli import maps
 
-        maps.save(found, scene, options.plot)
+        maps.save(found, scene, options.plot, figures.Look.of(options))
     answer(options, document(found), lambda: tables(found, scene), scene)
     return BAD_NEWS if found.bad_news else DONE
 

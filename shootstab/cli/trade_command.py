@@ -9,12 +9,11 @@ from __future__ import annotations
 import argparse
 from argparse import Namespace
 from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from shootstab.cli import figures
 from shootstab.cli.commands import DONE, answer
 from shootstab.io import scenes as scene_files
-from shootstab.io.files import write_whole
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -33,21 +32,22 @@ STYLES = {
     "riccati": ("#56B4E9", "v", "-"),
     "taylor series": ("#CC79A7", "*", "-"),
 }
+TRADE_SIZE = (11, 5.4)  # chosen: inches
+NARROWEST_DIAGRAM = 3.4  # chosen: inches of one of two diagrams side by side
 OTHER_STYLE = ("#000000", "x", "--")  # the style of a method that is not named here
 
 
-def options(parser: argparse.ArgumentParser, guess: Callable[[str], complex], plot_path: Callable[[str], Path]) -> None:
+def options(parser: argparse.ArgumentParser, guess: Callable[[str], complex]) -> None:
     """Add what `trade` takes."""
     parser.add_argument("--guess", type=guess, metavar="RE[,IM]", help="the mode (default: the fastest-growing one of the reference)")
-    parser.add_argument("--plot", type=plot_path, metavar="FILE", help="draw time and memory against error: png, pdf or svg")
+    figures.options(parser, "draw time and memory against error")
 
 
 def trade(options: Namespace) -> int:
     """Work against accuracy, for every method."""
+    look = figures.Look.of(options)
     if options.plot is not None:
-        from shootstab.cli import plots
-
-        plots.require(options.plot)
+        figures.require(options.plot, look)
     scene = scene_files.load(options.scene)
     from shootstab.analyses.work_precision import trade as question
     from shootstab.cli.terminal import progress
@@ -55,8 +55,7 @@ def trade(options: Namespace) -> int:
     with progress(f"measuring {scene.name}") as told:
         found = question(scene.problem, options.guess, told)
     if options.plot is not None:
-        figure = draw(found, scene)
-        write_whole(options.plot, lambda file: figure.savefig(file, dpi=160))
+        figures.save(lambda: draw(found, scene, look.size), options.plot, look)
     answer(options, document(found), lambda: tables(found, scene), scene)
     return DONE
 
@@ -117,12 +116,14 @@ def resolution(measurement: Measurement) -> str:
     return f"{measurement.resolution:.0f} digits" if measurement.parameter == "digits" else f"rtol {measurement.resolution:.0e}"
 
 
-def draw(found: WorkPrecision, scene: Scene) -> Any:
+def draw(found: WorkPrecision, scene: Scene, size: figures.Size | None = None) -> Any:
     """Time and memory against the relative error, as a matplotlib Figure; better is to the right and down."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(11, 5.4), layout="constrained")
-    left, right = figure.subplots(1, 2)
+    size = size or TRADE_SIZE
+    across = figures.columns(2, size[0], NARROWEST_DIAGRAM)
+    figure = Figure(figsize=size, layout="constrained")
+    left, right = figure.subplots(2 // across, across, squeeze=False).ravel()
     for method in dict.fromkeys(r.method for r in found.measurements):
         measurements = [r for r in found.measurements if r.method == method]
         colour, marker, dashes = STYLES.get(method, OTHER_STYLE)
@@ -139,6 +140,6 @@ def draw(found: WorkPrecision, scene: Scene) -> Any:
         panel.grid(True, which="major", linewidth=0.4, alpha=0.5)
         panel.invert_xaxis()
     handles, labels = left.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False, fontsize="small")
+    figure.legend(handles, labels, loc="outside lower center", ncols=figures.entries(size[0], 4), frameon=False, fontsize="small")
     figure.suptitle(f"{scene.name}: one mode from a guess of three digits\n{scene.description}", fontsize="medium")
     return figure

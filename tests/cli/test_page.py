@@ -33,6 +33,8 @@ search.value = "confirmed"; search.dispatchEvent(new Event("input", { bubbles: t
 seen.says = document.querySelector("output").textContent;
 Plotly.relayout("plane", { "xaxis.range": [0, 1] });
 seen.range = document.getElementById("plane").layout.xaxis.range;
+const wide = () => [document.getElementById("plane").layout.width ?? null, document.getElementById("plane").layout.xaxis.range];
+dispatchEvent(new Event("beforeprint")); seen.printed = wide(); dispatchEvent(new Event("afterprint")); seen.after = wide();
 seen.resources = performance.getEntriesByType("resource").map((r) => r.name).filter((name) => !name.startsWith("data:"));
 document.body.insertAdjacentHTML("beforeend", `<pre id=seen>${JSON.stringify(seen)}</pre>`);
 </script></body></html>"""
@@ -95,4 +97,6 @@ def test_in_a_browser_it_opens_without_an_error_sorts_filters_and_zooms(made: st
     assert seen["confirmed"]
     assert seen["says"] == f"{len(seen['confirmed'])} of 4 rows"
     assert seen["range"] == [0, 1]
+    assert seen["printed"] == [640, [0, 1]]  # fits on paper, and shows what was looked at
+    assert seen["after"] == [None, [0, 1]]
     assert seen["resources"] == []
