@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pages
 import pytest
 
+import shootstab as st
 from shootstab.cli import main as cli
 
 GUIDE = Path(__file__).parent.parent / "shootstab" / "guide"
@@ -29,6 +32,31 @@ def test_the_guide_is_shown_whole_and_a_topic_that_is_not_there_is_refused(capsy
         assert capsys.readouterr().out == (GUIDE / f"{topic}.md").read_text()
     assert cli.main(["guide", "verdict"]) == 2
     assert "did you mean verdicts?" in capsys.readouterr().err
+
+
+def test_the_reference_has_every_public_name_with_its_docstring(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["guide", "reference"]) == 0
+    page = capsys.readouterr().out
+    for name in (n for n in dir(st) if not n.startswith("_")):
+        assert f"## st.{name}" in page
+    assert "## st.chute.steady\n" in page
+    assert "### st.LinearProblem.ends\n" in page
+    assert (st.verify.__doc__ or "?").splitlines()[0] in page
+    assert "\n\n\n## " not in page  # each has something to say
+
+
+def test_a_site_is_made_by_one_command_without_a_warning(tmp_path: Path) -> None:
+    pytest.importorskip("mkdocs", reason="mkdocs is not installed: a site needs the extra `docs`")
+    made = subprocess.run(
+        [sys.executable, "-m", "shootstab", "guide", "--site", str(tmp_path / "site")], capture_output=True, text=True, timeout=100
+    )
+    assert made.returncode == 0, made.stderr
+    assert "WARNING" not in made.stderr
+    for topic in [*TOPICS, "reference", "index"]:
+        html = (tmp_path / "site" / f"{topic}.html").read_text()
+        assert "```" not in html, topic
+        assert f'href="{topic}.html"' in (tmp_path / "site" / "index.html").read_text() or topic == "index"
+    assert cli.main(["guide", "--site", str(tmp_path / "site")]) == 2  # what is there is not written over
 
 
 def test_no_file_cites_a_page_that_is_not_shipped() -> None:

@@ -206,6 +206,7 @@ def parser() -> argparse.ArgumentParser:
     guide = subparsers.add_parser("guide", help="the manual", description="A page of the manual, or a list of all.", epilog=epilog("guide"))
     guide.set_defaults(run=guide_command.guide, json=None, quiet=False)
     guide.add_argument("topic", nargs="?", metavar="TOPIC", help="the page")
+    guide.add_argument("--site", type=Path, metavar="FOLDER", help="make a site of all pages")
     return top
 
 

@@ -81,10 +81,20 @@ def spectrum_in(arrays: Mapping[str, StoredArray], wanted: Wanted, there: Sequen
     return as_complex(arrays[choose(arrays, wanted.dataset, there)].load(), wanted.row)
 
 
+def _diagonal(array: StoredArray) -> bool:
+    """Whether it is a square matrix, of two rows at least, with zeros beside its diagonal."""
+    import numpy as np
+
+    if len(array.shape) != 2 or array.shape[0] != array.shape[1] or array.shape[0] < 2:
+        return False
+    matrix = np.asarray(array.load())
+    return bool(np.all(matrix == np.diag(matrix.diagonal())) and np.any(matrix))
+
+
 def choose(arrays: Mapping[str, StoredArray], dataset: str | None, there: Sequence[str]) -> str:
     """The name of the array (a, b, …) that is meant.
 
-    It is the one asked for; else eigenvalues or sigma; else the only one; else the only complex vector.
+    It is the one asked for; else eigenvalues or sigma; else the only one; else the only complex vector; else the only diagonal matrix.
 
     Raises ValueError that lists what is there.
     """
@@ -99,6 +109,9 @@ def choose(arrays: Mapping[str, StoredArray], dataset: str | None, there: Sequen
     vectors = [name for name, array in arrays.items() if array.kind == "c" and array.vector]
     if len(vectors) == 1:
         return vectors[0]
+    diagonals = [name for name, array in arrays.items() if _diagonal(array)]
+    if len(diagonals) == 1:  # MATLAB's D of [V, D] = eig(A)
+        return diagonals[0]
     called = " or ".join(EIGENVALUE_NAMES)
     raise ValueError(f"arrays in it: {listed}: allowed is one array, or one of them called {called}, or --dataset NAME")
 

@@ -11,6 +11,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
+import scipy.io
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
@@ -373,3 +374,13 @@ def test_json_strings_of_many_digits() -> None:
         assert len(strings["re"]) < 60
         assert held(sigma.real, 1e-50) == "0." + 50 * "3"
     assert as_strings(mpmath.mpc(2), None)["im"] == "0.0"
+
+
+def test_eigenvectors_beside_a_diagonal_matrix_are_told_from_it(tmp_path: Path) -> None:
+    values = np.array([0.1 - 0.2j, -0.3 + 0.4j, 0.5 + 0j])
+    vectors = np.arange(9.0).reshape(3, 3) + 1j
+    scipy.io.savemat(tmp_path / "eig.mat", {"V": vectors, "D": np.diag(values)})
+    assert readers.read(tmp_path / "eig.mat").values.tolist() == values.tolist()
+    scipy.io.savemat(tmp_path / "two.mat", {"A": np.diag(values), "D": np.diag(values)})
+    with pytest.raises(InputError, match="--dataset NAME"):
+        readers.read(tmp_path / "two.mat")
