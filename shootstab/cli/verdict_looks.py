@@ -35,4 +35,4 @@ def css() -> str:
     looks = {**VERDICT_LOOKS, "missing": MISSING_LOOK}
     day = " ".join(f"b.{word} {{ color: {look.by_day}; }}" for word, look in looks.items())
     night = " ".join(f"b.{word} {{ color: {look.by_night}; }}" for word, look in looks.items())
-    return f"{day}\n@media (prefers-color-scheme: dark) {{ {night} }}\n"
+    return f"{day}\n@media screen and (prefers-color-scheme: dark) {{ {night} }}\n"
