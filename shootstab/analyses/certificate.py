@@ -16,12 +16,13 @@ from typing import Any
 
 from shootstab.analyses import checker_settings
 from shootstab.analyses.contour_proof import CONTOUR_BITS, RIM
+from shootstab.analyses.disc_proof import disc
 from shootstab.analyses.proof import Proof
 from shootstab.analyses.prove import whole
-from shootstab.core.balls import acb
+from shootstab.core.balls import acb, arb
 from shootstab.core.errors import ConvergenceError, InputError, shortened
 from shootstab.core.reading import bytes_of, json_of, text_of
-from shootstab.multiprecision.enclosure import Enclosure, at_bits, decimal
+from shootstab.multiprecision.enclosure import at_bits, decimal
 from shootstab.problems.capabilities import CERTIFIED, FACTORS
 from shootstab.problems.protocol import Problem
 from shootstab.roots.pellet import TAIL_NATS
@@ -61,7 +62,6 @@ def certify(problem: Problem, proof: Proof, spare_bits: int = CONTOUR_BITS) -> d
 def _certified(problem: Any, proof: Proof, count: int, spare_bits: int) -> dict[str, Any]:
     named: dict[str, Any] = CERTIFIED.required(problem)
     checker, choose = import_module(CHECKERS[named["name"]].module), CHECKERS[named["name"]].settings
-    enclosure = Enclosure(whole(problem), proof.bits)
     if proof.floor is not None:
         region: dict[str, str] = {"floor": repr(proof.floor)}
         low, high = (complex(float(at["re"]), float(at["im"])) for at in proof.region["corners"])
@@ -78,6 +78,7 @@ def _certified(problem: Any, proof: Proof, count: int, spare_bits: int) -> dict[
     else:
         raise InputError("a proof on a rectangle: allowed is one on a disc, or on all eigenvalues that grow")
     with at_bits(proof.bits):
+        enclosure = whole(problem).enclosure(proof.bits, disc(acb(centre), arb(radius)))
         least = min(float(abs(enclosure(acb(sigma))).log().mid()) for sigma in sampled)
     settings = choose(named, centre, radius, least, nats)
     for attempt in range(CERTIFICATE_ATTEMPTS):

@@ -9,13 +9,13 @@ from time import perf_counter
 from typing import Any
 
 from shootstab.analyses.disc_proof import MORE_BITS, disc
-from shootstab.analyses.proof import Proof, lemmas, named
+from shootstab.analyses.proof import Proof, lemmas, named, premise
 from shootstab.core.balls import acb, arb
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.progress import Progress
 from shootstab.core.regions import Rectangle
 from shootstab.multiprecision.enclosable import Enclosable
-from shootstab.multiprecision.enclosure import Enclosure, at_bits, decimal
+from shootstab.multiprecision.enclosure import at_bits, decimal
 from shootstab.roots.pellet import PolynomialModel, polynomial_model
 
 CONTOUR_SAMPLES_BITS = 192  # chosen: bits of the values of D that tell how many bits and points a contour needs
@@ -64,6 +64,7 @@ def along(forms: tuple[Enclosable, ...], region: Rectangle, spare: int, progress
         sum(part.evaluations for part in found),
         perf_counter() - began,
         lemmas(forms),
+        premise=premise(forms),
     )
 
 
@@ -74,7 +75,7 @@ def _followed(form: Enclosable, region: Rectangle, spare: int, progress: Progres
     spent = 0
     for attempt in range(CONTOUR_ATTEMPTS):
         with at_bits(bits):
-            model = _polynomial(Enclosure(form, bits), middle, half * RECTANGLE_SLACK, wider, points, progress)
+            model = _polynomial(form, bits, middle, half * RECTANGLE_SLACK, wider, points, progress)
             spent += points
             try:
                 count, margin = model.count([acb(decimal(repr(v.real)), decimal(repr(v.imag))) for v in region.vertices])
@@ -88,10 +89,12 @@ def _followed(form: Enclosable, region: Rectangle, spare: int, progress: Progres
 
 
 def _polynomial(
-    enclosure: Enclosure, middle: complex, radius: float, wider: float, points: int, progress: Progress | None
+    form: Enclosable, bits: int, middle: complex, radius: float, wider: float, points: int, progress: Progress | None
 ) -> PolynomialModel:
     centre, R = acb(middle.real, middle.imag), arb(radius)
-    return polynomial_model(enclosure, enclosure.growth(disc(centre, wider * R)), centre, R, wider * R, points, progress)
+    region = disc(centre, wider * R)
+    enclosure = form.enclosure(bits, region)
+    return polynomial_model(enclosure, enclosure.growth(region), centre, R, wider * R, points, progress)
 
 
 def settings(form: Enclosable, corners: Sequence[complex], middle: complex, radius: float, spare: int) -> ContourSettings:
@@ -99,7 +102,8 @@ def settings(form: Enclosable, corners: Sequence[complex], middle: complex, radi
     bits = CONTOUR_SAMPLES_BITS
     while True:
         with at_bits(bits):
-            enclosure, centre, R = Enclosure(form, bits), acb(middle.real, middle.imag), arb(radius)
+            centre, R = acb(middle.real, middle.imag), arb(radius)
+            enclosure = form.enclosure(bits, disc(centre, OUTER_CIRCLES[0] * R))
             rim = [enclosure(centre + R * (acb(2 * j) / RIM).exp_pi_i()) for j in range(RIM)]
             sides = zip(corners, [*corners[1:], corners[0]], strict=True)
             edge = [enclosure(acb(s.real, s.imag)) for a, b in sides for s in (a + (b - a) * x / RIM for x in range(RIM))]

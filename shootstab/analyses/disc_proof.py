@@ -9,19 +9,18 @@ from typing import Any
 
 import mpmath
 
-from shootstab.analyses.proof import Decimals, Proof, lemmas, named, rounded
+from shootstab.analyses.proof import Decimals, Proof, lemmas, named, premise, rounded
 from shootstab.core.balls import acb, arb
 from shootstab.core.errors import ConvergenceError
-from shootstab.multiprecision.enclosable import Enclosable
-from shootstab.multiprecision.enclosure import Enclosure, at_bits, decimal
+from shootstab.multiprecision.enclosable import BoundedDiscriminant, Enclosable
+from shootstab.multiprecision.enclosure import at_bits, decimal
 from shootstab.roots.pellet import SPARE_POINTS, TaylorModel, nats_for, points_for, taylor_model
 
-SPARE_BITS = 96  # chosen: bits beyond the digits asked for; more are taken where the enclosure of D is too wide
+SPARE_BITS = 100  # chosen: bits beyond the digits asked for; more are taken where the enclosure of D is too wide
 MORE_BITS, MOST_BITS = 1.6, 4096  # chosen: the factor of bits from one attempt to the next, and a budget of some minutes
 KNOWN_BITS = 40  # chosen: bits of D on the circle: an inequality that fails with so many fails for another reason than too few bits
 TOLD, MOST_PROBES = 4, 12  # chosen: bits of D from which on it is told from 0, and how often more are tried
-MOST_POINTS = 96  # chosen: values of D on a circle
-OUTER = 0.5  # chosen: the circle on which |D| is bounded, in |σ|; nearer circles need more points, wider ones more bits
+WIDEST_CIRCLE = 4.0  # chosen: the circle on which |D| is bounded is at least so many times that of the values
 # chosen: the first disc, in |σ|, in the search for the largest in which a mode is alone, and the factor to the next
 WIDEST, NARROWER = 0.125, 1.25
 SECANTS = 80  # chosen: steps towards a zero, which for a simple one are six or so
@@ -56,20 +55,21 @@ def around(forms: tuple[Enclosable, ...], centre: Decimals, radius: str, alone: 
         perf_counter() - began,
         lemmas(forms),
         alone=min(part.alone for part in found) if alone else None,
+        premise=premise(forms),
     )
 
 
-def polished(form: Enclosable, seed: complex, places: int) -> Decimals:
+def polished(form: Enclosable, seed: complex, places: int, radius: str) -> Decimals:
     """The zero of D next to the seed to so many decimals, by secants through the midpoints of enclosures; proved by whoever asks for it.
 
-    Raises ConvergenceError where they go elsewhere.
+    radius is that of the disc it is wanted for. Raises ConvergenceError where the secants go elsewhere.
     """
     start = repr(seed.real), repr(seed.imag)
     near = 10.0 ** (math.floor(math.log10(abs(seed))) - SEED)
-    bits, _ = _enough_bits(form, start, repr(near), 64)
-    bits += math.ceil(math.log2(10) * max(0.0, places + math.log10(near)))
+    extra = math.ceil(math.log2(10) * max(0.0, places + math.log10(near)))
+    bits, _ = _enough_bits(form, start, repr(near), max(SPARE_BITS + extra, _first_bits(abs(seed), radius)), TOLD + extra)
     with at_bits(bits), mpmath.workprec(bits):
-        enclosure = Enclosure(form, bits)
+        enclosure = form.enclosure(bits, disc(_number(start), arb(form.outer * abs(seed))))
         x = [_number(start), _number(start) + arb(near)]
         D = [enclosure(s).mid() for s in x]
         for _ in range(SECANTS):
@@ -87,11 +87,11 @@ def polished(form: Enclosable, seed: complex, places: int) -> Decimals:
 
 def _counted(form: Enclosable, centre: Decimals, radius: str, alone: bool) -> _Counted:
     size = max(abs(complex(float(centre[0]), float(centre[1]))), float(radius))
-    outer = max(OUTER * size, 4.0 * float(radius))
-    bits, spent = _enough_bits(form, centre, radius, SPARE_BITS + max(0, math.ceil(math.log2(size / float(radius)))))
+    bits, spent = _enough_bits(form, centre, radius, _first_bits(size, radius), KNOWN_BITS)
     with at_bits(bits):
-        enclosure, at, r = Enclosure(form, bits), _number(centre), decimal(radius)
-        model = _model(enclosure, at, r, outer)
+        at, r = _number(centre), decimal(radius)
+        surrounded = _surrounded(form, bits, at, size, float(radius))
+        model = _model(surrounded, r)
         count = model.proved()
         if count is None:
             raise ConvergenceError(
@@ -100,42 +100,70 @@ def _counted(form: Enclosable, centre: Decimals, radius: str, alone: bool) -> _C
         spent += len(model.sizes) + 1
         widest = float(radius)
         if alone:
-            wider = _wide_model(enclosure, at, float(radius), size)
+            wider = _wide_model(surrounded, float(radius), size)
             widest = max(_alone(wider, count, float(radius)), float(radius))
             spent += len(wider.sizes) + 2
     return _Counted(count, model.margin(count), bits, len(model.sizes), spent, widest)
 
 
-def _enough_bits(form: Enclosable, centre: Decimals, radius: str, bits: int) -> tuple[int, int]:
-    """Bits with which D on the circle is known to KNOWN_BITS, and how many values it took to find out."""
+def _first_bits(size: float, radius: str) -> int:
+    """Bits to begin with, for a disc of that radius about a σ of that size."""
+    return SPARE_BITS + max(0, math.ceil(math.log2(size / float(radius))))
+
+
+def _enough_bits(form: Enclosable, centre: Decimals, radius: str, bits: int, wanted: int) -> tuple[int, int]:
+    """Bits with which D on the circle is known to so many as are wanted, and how many values it took to find out."""
+    size = abs(complex(float(centre[0]), float(centre[1])))
     for spent in range(1, MOST_PROBES):
         with at_bits(bits):
-            known = int(Enclosure(form, bits)(_number(centre) + decimal(radius)).rel_accuracy_bits())
-        if known >= KNOWN_BITS:
+            enclosure = form.enclosure(bits, disc(_number(centre), arb(_outer(form, size, float(radius)))))
+            known = int(enclosure(_number(centre) + decimal(radius)).rel_accuracy_bits())
+        if known >= wanted:
             return bits, spent
-        bits = bits + KNOWN_BITS - known if known >= TOLD else math.ceil(MORE_BITS * bits)
+        bits = bits + wanted - known + TOLD if known >= TOLD else math.ceil(MORE_BITS * bits)
         if bits > MOST_BITS:
             break
     raise ConvergenceError(f"{MOST_BITS} bits do not enclose D well enough on the circle of radius {radius}")
 
 
-def _model(enclosure: Enclosure, centre: Any, radius: Any, outer: float) -> TaylorModel:
+@dataclass(frozen=True)
+class _Surrounded:
+    """D about a centre, ln |D| ≤ bound within outer of it, and how many values of it a circle may take."""
+
+    D: BoundedDiscriminant
+    centre: Any
+    outer: float
+    bound: Any
+    most: int
+
+
+def _outer(form: Enclosable, size: float, radius: float) -> float:
+    return max(form.outer * size, WIDEST_CIRCLE * radius)
+
+
+def _surrounded(form: Enclosable, bits: int, centre: Any, size: float, radius: float) -> _Surrounded:
+    outer = _outer(form, size, radius)
+    region = disc(centre, arb(outer))
+    D = form.enclosure(bits, region)
+    return _Surrounded(D, centre, outer, D.growth(region), form.most_points)
+
+
+def _model(about: _Surrounded, radius: Any) -> TaylorModel:
     """The Taylor model on a circle; it takes a value of D more than it has points."""
-    log_bound, log_size = enclosure.growth(disc(centre, arb(outer))), _log_size(enclosure, centre + radius)
-    points = points_for(log_bound, log_size, radius, arb(outer), MOST_POINTS)
-    return taylor_model(enclosure, log_bound, centre, radius, arb(outer), points)
+    points = points_for(about.bound, _log_size(about.D, about.centre + radius), radius, arb(about.outer), about.most)
+    return taylor_model(about.D, about.bound, about.centre, radius, arb(about.outer), points, about.D.real)
 
 
-def _wide_model(enclosure: Enclosure, centre: Any, radius: float, size: float) -> TaylorModel:
-    """The same on a circle of WIDEST·|σ|, or a smaller one for which MOST_POINTS do."""
-    outer = max(OUTER * size, 8.0 * radius)
-    log_bound, log_size = enclosure.growth(disc(centre, arb(outer))), _log_size(enclosure, centre + arb(radius))
-    log_size += math.log(WIDEST * size / radius) if radius < WIDEST * size else 0.0  # D grows about so much, being linear
-    far = outer * math.exp(-nats_for(log_bound, log_size) / (MOST_POINTS - SPARE_POINTS))
-    return _model(enclosure, centre, arb(max(min(WIDEST * size, far), radius)), outer)
+def _wide_model(about: _Surrounded, radius: float, size: float) -> TaylorModel:
+    """The same on a circle of WIDEST·|σ|, or a smaller one for which the points that may be taken do."""
+    wide = min(WIDEST * size, about.outer / WIDEST_CIRCLE)
+    log_size = _log_size(about.D, about.centre + arb(radius))
+    log_size += math.log(wide / radius) if radius < wide else 0.0  # D grows about so much, being linear
+    far = about.outer * math.exp(-nats_for(about.bound, log_size) / (about.most - SPARE_POINTS))
+    return _model(about, arb(max(min(wide, far), radius)))
 
 
-def _log_size(enclosure: Enclosure, sigma: Any) -> Any:
+def _log_size(enclosure: BoundedDiscriminant, sigma: Any) -> Any:
     """ln |D|; where D is not told from 0 some number, which serves to choose points."""
     found = abs(enclosure(sigma)).log()
     return found if found.is_finite() else arb(-200)

@@ -17,7 +17,7 @@ from shootstab.core.errors import ConvergenceError
 from shootstab.core.progress import Progress
 from shootstab.core.regions import Rectangle
 from shootstab.multiprecision.enclosable import Enclosable, ball
-from shootstab.multiprecision.enclosure import Enclosure, at_bits, decimal
+from shootstab.multiprecision.enclosure import at_bits, decimal
 from shootstab.roots.two_variables import two_variable_model
 
 AWAY = (2.0, 4.0, 8.0, 16.0, 32.0)  # chosen: circles about a piece of the interval on which |D| is bounded, over its half length
@@ -93,19 +93,19 @@ def _piece(make: EnclosableAt, low: Fraction, high: Fraction, region: Rectangle,
     with at_bits(bits):
         p, h = acb(ball((low + high) / 2)), ball((high - low) / 2)
         sampled = [a + (b - a) * x / RIM for a, b in zip(vertices, [*vertices[1:], vertices[0]], strict=True) for x in range(RIM)]
-        ends = [Enclosure(make(p + h * t), bits) for t in (-1, 0, 1)]
+        R, thick = arb(radius), disc(acb(centre), wider * arb(radius))
+        ends = [make(p + h * t).enclosure(bits, thick) for t in (-1, 0, 1)]
         for sigma in sampled:
             below, at, above = (D(acb(sigma)) for D in ends)
             if not (abs(below - at) < LARGEST_CHANGE * abs(at) and abs(above - at) < LARGEST_CHANGE * abs(at)):
                 return None
-        R, thick = arb(radius), disc(acb(centre), wider * arb(radius))
-        bounds = {away: Enclosure(make(disc(p, away * h)), bits).growth(thick) for away in AWAY}
+        bounds = {away: make(disc(p, away * h)).enclosure(bits, thick).growth(thick) for away in AWAY}
         needed = {away: (float(bound.mid()) - chosen.least + spare * math.log(2)) for away, bound in bounds.items() if bound.is_finite()}
         if not needed:
             return None
         away = min(needed, key=lambda x: needed[x] / math.log(x) * needed[x] / math.log(wider))
         K, L = math.ceil(needed[away] / math.log(wider)), math.ceil(needed[away] / math.log(away))
-        D = [Enclosure(make(p + h * (2 * acb(i) / L).exp_pi_i()), bits) for i in range(L)]
+        D = [make(p + h * (2 * acb(i) / L).exp_pi_i()).enclosure(bits, thick) for i in range(L)]
         model = two_variable_model(D, bounds[away], acb(centre), R, 1 / arb(wider), 1 / arb(away), K)
         try:
             count, margin = model.count([acb(decimal(repr(v.real)), decimal(repr(v.imag))) for v in vertices])

@@ -22,8 +22,8 @@ class Proof:
     region is {"shape": "disc", "centre", "radius"} or {"shape": "rectangle", "corners"}, its numbers exact decimals. counts are of
     the factors of D, where it has some (parities). margin is the factor by which the decisive inequality holds, the least one of a contour.
     alone is the radius of the largest disc about the same centre in which the count was proved too; floor stands where the count is that
-    of all eigenvalues with Re σ ≥ floor, interval (name, low, high, pieces) where it holds for every value of a parameter. bits, points and
-    evaluations say what it took, lemmas what it relies on.
+    of all eigenvalues with Re σ ≥ floor, interval (name, low, high, pieces) where it holds for every value of a parameter; premise says in
+    words of what base flows it is proved. bits, points and evaluations say what it took, lemmas what it relies on.
     """
 
     counts: tuple[int, ...]
@@ -37,6 +37,7 @@ class Proof:
     alone: float | None = None
     floor: float | None = None
     interval: dict[str, Any] | None = None
+    premise: str = ""
 
     @property
     def count(self) -> int:
@@ -47,7 +48,8 @@ class Proof:
     def statement(self) -> str:
         """The theorem in words."""
         many = f"exactly {self.count} eigenvalues"
-        before = "" if self.interval is None else "for every {name} from {low} to {high} ".format(**self.interval)
+        before = f"{self.premise} " if self.premise else ""
+        before += "" if self.interval is None else "for every {name} from {low} to {high} ".format(**self.interval)
         if self.floor is not None:
             subject = {0: "no eigenvalue has", 1: "exactly one eigenvalue has"}.get(self.count, f"{many} have")
             return f"{before}{subject} Re σ ≥ {self.floor!r}"
@@ -62,6 +64,11 @@ def lemmas(forms: Sequence[Enclosable]) -> tuple[str, ...]:
     """What a proof on these factors of D relies on."""
     own = sorted({name for form in forms for name in form.lemmas})
     return (*COMMON, *own, *(("E9",) if len(forms) > 1 else ()))
+
+
+def premise(forms: Sequence[Enclosable]) -> str:
+    """Of what base flows the enclosures were that these factors of D made last."""
+    return " ".join(dict.fromkeys(form.premise for form in forms if form.premise))
 
 
 def named(at: Decimals) -> dict[str, str]:

@@ -21,7 +21,9 @@ from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.progress import Progress
 from shootstab.core.regions import Rectangle
 from shootstab.multiprecision.arithmetic import exact
-from shootstab.multiprecision.enclosable import ClosedFormEnclosable, Enclosable
+from shootstab.multiprecision.closed_form_enclosure import ClosedFormEnclosable
+from shootstab.multiprecision.enclosable import Enclosable
+from shootstab.multiprecision.enclosure import BetweenEnds
 from shootstab.problems.capabilities import CLOSED_FORM, ENCLOSABLE, FACTORS, GROWING_REGION, VARIED
 from shootstab.problems.protocol import Problem
 
@@ -43,8 +45,9 @@ def prove(problem: Problem, guess: complex, digits: int = 12) -> Proof:
     if abs(sigma) <= mode.error:
         raise ConvergenceError("no mode to prove: it may be at 0, which has no digits: ask for a disc about 0")
     places = digits - math.floor(math.log10(abs(sigma)))
-    centre = _centre(forms, sigma, places + SPARE_DIGITS)
-    proof = around(forms, centre, f"1e-{places}" if places >= 0 else f"1e{-places}", True)
+    radius = f"1e-{places}" if places >= 0 else f"1e{-places}"
+    centre = _centre(forms, sigma, places + SPARE_DIGITS, radius)
+    proof = around(forms, centre, radius, True)
     if proof.count == 0:
         raise ConvergenceError(f"no eigenvalue lies within {proof.region['radius']} of {sigma:.12g}, which double precision took for one")
     return replace(proof, seconds=perf_counter() - began)
@@ -108,22 +111,22 @@ def prove_growing(problem: Problem, floor: float, progress: Progress | None = No
     return replace(proof, floor=floor, lemmas=(*proof.lemmas, lemma))
 
 
-def _centre(forms: tuple[Enclosable, ...], seed: complex, places: int) -> Decimals:
+def _centre(forms: tuple[Enclosable, ...], seed: complex, places: int, radius: str) -> Decimals:
     """The zero next to the seed of the first factor that has one there."""
     for form in forms[:-1]:
         try:
-            return polished(form, seed, places)
+            return polished(form, seed, places, radius)
         except ConvergenceError:
             continue
-    return polished(forms[-1], seed, places)
+    return polished(forms[-1], seed, places, radius)
 
 
 def whole(problem: Problem) -> Enclosable:
     """The problem in balls: by its own formulation, or by its closed form. Raises InputError where it has neither."""
     form = CLOSED_FORM.of(problem)
-    return ENCLOSABLE.required(problem) if form is None else ClosedFormEnclosable(form)  # type: ignore[no-any-return]
+    return ENCLOSABLE.required(problem) if form is None else BetweenEnds(ClosedFormEnclosable(form))  # type: ignore[no-any-return]
 
 
 def factors(problem: Problem) -> tuple[Enclosable, ...]:
     """The same in factors, as many as it offers: D is their product, up to a constant."""
-    return tuple(map(ClosedFormEnclosable, FACTORS.of(problem))) or (whole(problem),)
+    return tuple(BetweenEnds(ClosedFormEnclosable(form)) for form in FACTORS.of(problem)) or (whole(problem),)

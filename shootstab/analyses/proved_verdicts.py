@@ -43,6 +43,6 @@ def _proved(problem: Problem, verdict: Verdict, digits: int) -> ProvedVerdict:
         return ProvedVerdict(reason=str(error))
     within = float(proof.region["radius"]) if proof.alone is None else proof.alone
     if verdict.verdict == SPURIOUS and proof.count == 0:
-        return ProvedVerdict(f"no eigenvalue lies within {within:.3g} of it", within=within)
+        return ProvedVerdict(f"{proof.premise} no eigenvalue lies within {within:.3g} of it".lstrip(), within=within)
     expected = verdict.multiplicity if verdict.verdict == CONFIRMED else 0
     return ProvedVerdict(proof.statement, contradicts=proof.count != expected, within=within)

@@ -28,7 +28,7 @@ NOWHERE = acb(arb.nan())  # defined: what is computed with it is no number
 
 
 class EquationEnclosable:
-    """See multiprecision.enclosable.Enclosable: a system between two finite ends with conditions, without given functions."""
+    """See multiprecision.enclosable.EnclosableSystem: a system between two finite ends with conditions, without given functions."""
 
     lemmas: tuple[str, ...] = ("E8",)
 

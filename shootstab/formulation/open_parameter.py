@@ -30,9 +30,10 @@ def varied(statement: Statement, name: str) -> Callable[[Any], Enclosable]:
     that is none of a parameter.
     """
     from shootstab.formulation.enclosed import EquationEnclosable
+    from shootstab.multiprecision.enclosure import BetweenEnds
 
     opened = statement.varied(name)
     atom = Atom("parameter", name, 0, number(statement.names.parameters[name]))
     first = first_order(opened.system, opened.domain.vanishing, opened.domain.regular)
     system = state_pencil(first, *(in_states(list(rows), first) for rows in (opened.left_rows, opened.right_rows)))
-    return lambda value: EquationEnclosable(system, *places(statement), {atom: value})
+    return lambda value: BetweenEnds(EquationEnclosable(system, *places(statement), {atom: value}))

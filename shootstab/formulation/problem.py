@@ -120,8 +120,9 @@ class EquationProblem(LinearProblem):
         if told.domain.given or told.joints or told.denominators or not all(told.holding):
             return None
         from shootstab.formulation.enclosed import EquationEnclosable
+        from shootstab.multiprecision.enclosure import BetweenEnds
 
-        return EquationEnclosable(self.states, *places(self.statement))
+        return BetweenEnds(EquationEnclosable(self.states, *places(self.statement)))
 
     @cached_property
     def growing_region(self) -> Callable[..., tuple[Rectangle, str]] | None:

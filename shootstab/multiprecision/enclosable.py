@@ -1,4 +1,4 @@
-"""What D(σ) is enclosed of: a pencil and the minors at both ends, in balls; and closed forms as that."""
+"""What D(σ) is enclosed of: problems that offer an enclosure, and systems between two ends in balls, of which one is made."""
 
 from __future__ import annotations
 
@@ -7,20 +7,65 @@ from fractions import Fraction
 from typing import Any, Protocol
 
 from shootstab.core.balls import acb, arb, fmpq
-from shootstab.multiprecision import small_matrices as matrices
-from shootstab.multiprecision.arithmetic import exact
 from shootstab.multiprecision.minors import MinorEntries, minors
-from shootstab.problems.closed_form import ClosedForm
+
+
+class BoundedDiscriminant(Protocol):
+    """D in balls, to be called at its working precision."""
+
+    @property
+    def real(self) -> bool:
+        """Whether D(σ̄) is known to be the conjugate of D(σ)."""
+        ...
+
+    def __call__(self, sigma: Any) -> Any:
+        """A ball that holds D(σ) for every σ in the ball given, which should be thin. Raises ConvergenceError where there is none."""
+        ...
+
+    def growth(self, sigma: Any) -> Any:
+        """An upper bound of ln |D| over the whole ball σ, on which D is then analytic."""
+        ...
 
 
 class Enclosable(Protocol):
+    """A problem whose D can be enclosed."""
+
+    @property
+    def lemmas(self) -> tuple[str, ...]:
+        """Of the guide's page on proofs, those that this formulation relies on beside the common ones."""
+        ...
+
+    @property
+    def outer(self) -> float:
+        """The circle about σ on which |D| is bounded, over |σ|: nearer circles need more points, wider ones more bits."""
+        ...
+
+    @property
+    def most_points(self) -> int:
+        """A budget: values of D on one circle."""
+        ...
+
+    @property
+    def premise(self) -> str:
+        """Of what base flows the enclosure made last is, as the beginning of a sentence; empty where there is no question."""
+        ...
+
+    def enclosure(self, bits: int, region: Any) -> BoundedDiscriminant:
+        """D at so many bits for σ in a ball; of two regions it may be another multiple of D, by a factor without zeros."""
+        ...
+
+
+class EnclosableSystem(Protocol):
     """A problem between two ends whose every number is a ball at the working precision: D = Σ_I w_I y_I at the second end.
 
     y are the C(n, k) minors of a basis of the solutions that the first end admits, the subsets I of rows in lexicographic order, w those of
     the conditions at the second end; both are analytic in σ, which may be thick.
     """
 
-    lemmas: tuple[str, ...]  # lemmas of the guide's page on proofs that this formulation relies on beside the common ones
+    @property
+    def lemmas(self) -> tuple[str, ...]:
+        """As of an Enclosable."""
+        ...
 
     @property
     def size(self) -> int:
@@ -49,39 +94,6 @@ class Enclosable(Protocol):
         ...
 
 
-class ClosedFormEnclosable:
-    """See Enclosable: a closed form, whose floats stand for their shortest decimals."""
-
-    lemmas: tuple[str, ...] = ()
-
-    def __init__(self, form: ClosedForm) -> None:
-        self._form = form
-
-    @property
-    def size(self) -> int:
-        return self._form.size
-
-    @property
-    def decaying(self) -> int:
-        return self._form.decaying
-
-    def ends(self) -> tuple[Any, Any]:
-        far, wall = (ball(exact(end)) if isinstance(end, float) else ball(end) for end in self._form.exact_ends(_exact))
-        return far, wall
-
-    def pencil(self, z: Any) -> tuple[Sequence[MinorEntries], Sequence[MinorEntries]]:
-        parts = [dict(part) for part in self._form.exact_pencil(z, _exact)]
-        half = len(parts) // 2
-        return parts[:half], parts[half:]
-
-    def start(self, sigma: Any) -> list[Any]:
-        rows = [[acb(x) for x in row] for row in self._form.exact_far(sigma, _exact)]
-        return minors(rows, self.decaying)
-
-    def wall(self, sigma: Any) -> list[Any]:
-        return row_minors(matrices.polynomial([[[acb(x) for x in row] for row in W] for W in self._form.exact_wall(_exact)], sigma))
-
-
 def row_minors(rows: Sequence[Sequence[Any]]) -> list[Any]:
     """The minors of k rows of length n, the subsets of columns in lexicographic order."""
     return minors([list(column) for column in zip(*rows, strict=True)], len(rows))
@@ -90,8 +102,3 @@ def row_minors(rows: Sequence[Sequence[Any]]) -> list[Any]:
 def ball(x: Any) -> Any:
     """A Fraction, or a real number that flint knows, as an arb at the working precision."""
     return arb(fmpq(x.numerator, x.denominator)) if isinstance(x, Fraction) else acb(x).real
-
-
-def _exact(x: float) -> Any:
-    """The decimal that a float stands for."""
-    return acb(ball(exact(x)))

@@ -15,7 +15,6 @@ entrywise. If G w ≤ g w for some w > 0 and g < 1, then X ≤ w max_l (R_l/w_l)
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -24,23 +23,44 @@ import numpy as np
 
 from shootstab.core.balls import acb, acb_mat, arb, ctx
 from shootstab.core.errors import ConvergenceError
-from shootstab.multiprecision.enclosable import Enclosable, ball
+from shootstab.multiprecision.enclosable import EnclosableSystem, ball
+from shootstab.multiprecision.growth import log_bound, weights
 from shootstab.multiprecision.minors import MinorEntries, at_sigma, compound, solved
-from shootstab.multiprecision.tailed_series import NO_TAIL, TailedSeries, variable
+from shootstab.multiprecision.tailed_series import NO_TAIL, TailedSeries, variable, widened
+from shootstab.multiprecision.tails import largest, perron
 
 ENCLOSURE_STEPS = 20_000  # chosen, a budget: some minutes for one D
 SHORTEST_ENCLOSURE = 2.0**-40  # chosen: a step below this part of the whole way means a singular point of the coefficients
-POWER_STEPS = 40  # chosen: steps of the power iteration towards Perron's vector, of which nothing is asked but to be about right
 # chosen: subintervals over which the growth of |y| is bounded; more make the bound tighter, fewer looser, none wrong
 GROWTH_SUBINTERVALS = 96
 
 
 @dataclass(frozen=True, eq=False)
-class Enclosure:
-    """A problem with the arithmetic that encloses its D: bits of working precision, terms of a Taylor step."""
+class BetweenEnds:
+    """See enclosable.Enclosable: a system between two ends."""
 
-    problem: Enclosable
+    system: EnclosableSystem
+    outer: float = 0.5  # chosen
+    most_points: int = 96  # chosen
+    premise: str = ""
+
+    @property
+    def lemmas(self) -> tuple[str, ...]:
+        """Those of the system."""
+        return self.system.lemmas
+
+    def enclosure(self, bits: int, region: Any) -> Enclosure:
+        """The same D for every region."""
+        return Enclosure(self.system, bits)
+
+
+@dataclass(frozen=True, eq=False)
+class Enclosure:
+    """See enclosable.BoundedDiscriminant: a system between two ends, in so many bits."""
+
+    problem: EnclosableSystem
     bits: int
+    real: bool = False
 
     @property
     def terms(self) -> int:
@@ -73,24 +93,11 @@ class Enclosure:
     def growth(self, sigma: Any) -> Any:
         """An upper bound on ln |D| over the whole ball σ: the logarithmic norm of A^(k) integrated along the way (theory, lemma E4)."""
         start, wall = self.problem.ends()
-        weights = self._weights(sigma, start, wall)
-        y = self._start(sigma)
-        total = _largest([abs(y[i, 0]) / arb(w) for i, w in enumerate(weights)]).log()
-        length = (wall - start) / GROWTH_SUBINTERVALS
-        for i in range(GROWTH_SUBINTERVALS):
-            z = (start + length * i).union(start + length * (i + 1))
-            A = compound(self.problem.size, self.problem.decaying, self._system(acb(z), sigma))
-            rates = []
-            for row in range(len(weights)):
-                rate = (A.get((row, row), acb(0)) * length).real
-                for (a, b), entry in A.items():
-                    if a == row and b != row:
-                        rate += abs(entry) * abs(length) * arb(weights[b]) / arb(weights[row])
-                rates.append(rate)
-            total += _largest(rates)
-        w = self.problem.wall(sigma)
-        ends = sum((abs(x) * arb(weight) for x, weight in zip(w, weights, strict=True)), NO_TAIL)
-        return total + ends.upper().log()
+        n, k, length = self.problem.size, self.problem.decaying, (wall - start) / GROWTH_SUBINTERVALS
+        samples = (self._system(acb(start + (wall - start) * part), acb(sigma.mid())) for part in (0.1, 0.5, 0.9))
+        places = (acb((start + length * i).union(start + length * (i + 1))) for i in range(GROWTH_SUBINTERVALS))
+        cells = ((length, self._system(z, sigma)) for z in places)
+        return log_bound(n, k, cells, self.problem.start(sigma), self.problem.wall(sigma), weights(n, k, samples))
 
     def _step(self, sigma: Any, y: Any, here: Any, wall: Any, longest: float) -> tuple[Any, float, bool]:
         """The compound vector after one step, its length and whether it ends at the wall."""
@@ -133,7 +140,7 @@ class Enclosure:
             terms.append(new * (acb(1) / (m + 1)))
             total = total + terms[-1]
         tail = self._tail(entries, terms)
-        return None if tail is None else acb_mat(size, 1, [_widened(total[i, 0], tail[i]) for i in range(size)])
+        return None if tail is None else acb_mat(size, 1, [widened(total[i, 0], tail[i]) for i in range(size)])
 
     def _tail(self, entries: dict[tuple[int, int], TailedSeries], terms: list[Any]) -> list[Any] | None:
         """X of the head of this module."""
@@ -144,7 +151,7 @@ class Enclosure:
         dense = np.zeros((size, size))
         for at, sums in beyond.items():
             dense[at] = float(sums[0].upper())
-        w = _perron(dense)
+        w = perron(dense)
         rows, rest = [NO_TAIL] * size, [NO_TAIL] * size
         for (i, j), sums in beyond.items():
             rows[i] += sums[0] * arb(w[j])
@@ -152,10 +159,10 @@ class Enclosure:
             first = 0 if sums[p] != 0 else N - p  # |B_j| vanishes from j = p on: only the last p terms of y meet it
             for k in range(max(first, 0), N):
                 rest[i] += sums[min(N - 1 - k, p)] * abs(terms[k][j, 0])
-        g = _largest([row / arb(x) for row, x in zip(rows, w, strict=True)]) / N
+        g = largest([row / arb(x) for row, x in zip(rows, w, strict=True)]) / N
         if not g < arb(0.5):
             return None
-        ratio = _largest([r / N / arb(x) for r, x in zip(rest, w, strict=True)]) / (1 - g)
+        ratio = largest([r / N / arb(x) for r, x in zip(rest, w, strict=True)]) / (1 - g)
         return [arb(x) * ratio for x in w]
 
     def _system(self, z: Any, sigma: Any) -> MinorEntries:
@@ -172,16 +179,6 @@ class Enclosure:
 
     def _at_wall(self, sigma: Any, y: Any) -> Any:
         return sum((w * y[i, 0] for i, w in enumerate(self.problem.wall(sigma))), acb(0))
-
-    def _weights(self, sigma: Any, start: Any, wall: Any) -> list[float]:
-        """A scaling of the components in which |A^(k)| grows little: Perron's vector halfway, in doubles. Any positive one would do."""
-        size = math.comb(self.problem.size, self.problem.decaying)
-        dense = np.zeros((size, size))
-        for part in (0.1, 0.5, 0.9):
-            A = compound(self.problem.size, self.problem.decaying, self._system(acb(start + (wall - start) * part), acb(sigma.mid())))
-            for (i, j), entry in A.items():
-                dense[i, j] += float(abs(entry).mid())
-        return _perron(dense)
 
 
 def at_bits(bits: int) -> Any:
@@ -203,32 +200,3 @@ def _matrix(size: int, entries: dict[tuple[int, int], Any]) -> Any:
     for at, e in entries.items():
         out[at] = e
     return out
-
-
-def _widened(x: Any, radius: Any) -> Any:
-    """x with its real and imaginary parts wider by a bound on the modulus of what is left out."""
-    spread = arb(0, radius.upper())
-    return acb(x.real + spread, x.imag + spread)
-
-
-def _largest(numbers: Sequence[Any]) -> Any:
-    found = numbers[0]
-    for x in numbers[1:]:
-        found = found.max(x)
-    return found.upper()
-
-
-def _perron(dense: np.ndarray[Any, Any]) -> list[float]:
-    """A positive vector close to Perron's of a non-negative matrix: a choice, in doubles, as powers of two.
-
-    Of a matrix that is not finite ones, since what it weighs is not finite either.
-    """
-    size = len(dense)
-    if not np.isfinite(dense).all():
-        return [1.0] * size
-    scale = max(float(dense.max(initial=0.0)), 1e-300)
-    w = np.ones(size)
-    for _ in range(POWER_STEPS):
-        w = dense @ w / scale + 1e-3 * w
-        w /= w.max()
-    return [2.0 ** round(math.log2(max(x, 2.0**-300))) for x in w.tolist()]

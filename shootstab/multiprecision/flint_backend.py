@@ -1,4 +1,9 @@
-"""The arithmetic of python-flint: arb and acb. Of the balls only the midpoints count: where radii would pile up they are dropped."""
+"""The arithmetic of python-flint: arb and acb.
+
+Where digits are asked for only the midpoints count, and radii are dropped where they would pile up; where an enclosure is asked for
+(radii=True) none is dropped, and the recurrences give the terms of a series as balls that hold them. A series is then known as far as its
+terms go: what lies behind them has its own bound (tails.py).
+"""
 
 from __future__ import annotations
 
@@ -20,9 +25,12 @@ ZERO = arb(0)
 
 
 class FlintArithmetic:
-    """Arb's numbers and series."""
+    """Arb's numbers and series, as midpoints or, with radii, as balls."""
 
     name = "flint"
+
+    def __init__(self, radii: bool = False) -> None:
+        self._kept: Callable[[Any], Any] = _ball if radii else _midpoint
 
     @contextmanager
     def working(self, digits: int) -> Iterator[None]:
@@ -35,11 +43,11 @@ class FlintArithmetic:
 
     def number(self, x: Any) -> Any:
         if isinstance(x, Fraction):
-            return arb(fmpq(x.numerator, x.denominator)).mid()
-        return arb(x).mid()
+            return self._kept(arb(fmpq(x.numerator, x.denominator)))
+        return self._kept(arb(x))
 
     def complex(self, x: Any) -> Any:
-        return acb(self.number(x)) if isinstance(x, Fraction) else acb(x).mid()
+        return acb(self.number(x)) if isinstance(x, Fraction) else self._kept(acb(x))
 
     def parts(self, x: Any) -> tuple[Any, Any]:
         if isinstance(x, complex):
@@ -49,7 +57,7 @@ class FlintArithmetic:
         return (None if x.real.is_zero() else x.real), (None if x.imag.is_zero() else x.imag)
 
     def rounded(self, x: Any) -> Any:
-        return x.mid()
+        return self._kept(x)
 
     def log2(self, x: Any) -> float:
         size = abs(x.mid())
@@ -65,16 +73,16 @@ class FlintArithmetic:
 
     @property
     def pi(self) -> Any:
-        return arb.pi().mid()
+        return self._kept(arb.pi())
 
     def dot(self, a: Sequence[Any], b: Sequence[Any]) -> Any:
-        return sum(map(mul, a, b), ZERO).mid()
+        return self._kept(sum(map(mul, a, b), ZERO))
 
     def series(self, coefficients: Sequence[Any]) -> Any:
         return arb_series([*coefficients], prec=len(coefficients))
 
     def coefficients(self, series: Any, terms: int) -> list[Any]:
-        found = [c.mid() for c in series.coeffs()]
+        found = [self._kept(c) for c in series.coeffs()]
         return found[:terms] + [arb(0)] * (terms - len(found))
 
     def plus(self, a: Any, b: Any) -> Any:
@@ -99,7 +107,7 @@ class FlintArithmetic:
         return a.sqrt() if exponent == 0.5 else a ** arb(exponent)
 
     def convolution(self, A: Payloads) -> Products:
-        return Products(A)
+        return Products(A, self._kept)
 
     def carried(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> tuple[Matrix, list[Matrix]]:
         products, found = self._packed_terms(A, left, Y, terms)
@@ -114,7 +122,7 @@ class FlintArithmetic:
 
     def _packed_terms(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> tuple[Products, list[Any]]:
         """Nothing is unpacked on the way: the products go from one matrix to the next."""
-        products = Products(A)
+        products = Products(A, self._kept)
         found = [products.packed(Y)]
         products.push_packed(found[0])
         turn = products.turn
@@ -125,7 +133,7 @@ class FlintArithmetic:
             if products.wide:
                 iP = P * turn
                 new = new + iE * iP * (1 / arb(m)) - iF * iP
-            found.append(new.mid())
+            found.append(self._kept(new))
             products.push_packed(found[-1])
         return products, found
 
@@ -133,13 +141,13 @@ class FlintArithmetic:
         left = _matrix(A)
 
         def multiply(B: Matrix) -> Matrix:
-            product: Matrix = (left * _matrix(B)).mid().tolist()
+            product: Matrix = self._kept(left * _matrix(B)).tolist()
             return product
 
         return multiply
 
     def inverse(self, A: Matrix) -> Matrix:
-        inverse: Matrix = _matrix(A).inv().mid().tolist()
+        inverse: Matrix = self._kept(_matrix(A).inv()).tolist()
         return inverse
 
 
@@ -149,7 +157,9 @@ class Products:
     Rows that vanish in every A_j are left out. A Y is real (n, k), or packed as Re Y beside Im Y (n, 2k) if anything is complex.
     """
 
-    def __init__(self, A: Payloads) -> None:
+    def __init__(self, A: Payloads, kept: Callable[[Any], Any]) -> None:
+        """kept: what of a matrix of balls counts, its midpoints or all of it."""
+        self._kept = kept
         self._n, self._places = len(A[0]), []  # where the real and the imaginary part of each row went
         rows: list[list[Any]] = []
         for row in A:
@@ -165,7 +175,7 @@ class Products:
         terms = max((len(c) for row in rows for c in row), default=0)
         nothing = arb(0)
         self._A = [
-            arb_mat([[c[m] if m < len(c) else nothing for m in range(start, start + GROUP) for c in row] for row in rows]).mid()
+            kept(arb_mat([[c[m] if m < len(c) else nothing for m in range(start, start + GROUP) for c in row] for row in rows]))
             for start in range(0, terms, GROUP)
         ]
         self._last: list[Any] = []  # the last GROUP terms of Y, the newest first, row by row
@@ -188,7 +198,7 @@ class Products:
         """The next term of Y."""
         flat = term.entries()
         self._last = flat + self._last[: len(self._last) - len(flat)]
-        self._Y.append(arb_mat(self._n * GROUP, self._k * (1 + self.wide), self._last).mid())
+        self._Y.append(self._kept(arb_mat(self._n * GROUP, self._k * (1 + self.wide), self._last)))
 
     def sums(self) -> Any:
         """The rows of Σ_j A_j Y_{m−j} that do not vanish, the packed columns."""
@@ -199,7 +209,7 @@ class Products:
         total = A[0] * Y[m]
         for i in range(1, min(m // GROUP + 1, len(A))):
             total = total + A[i] * Y[m - GROUP * i]
-        return total.mid()
+        return self._kept(total)
 
     def value(self) -> Matrix:
         k, found = self._k, self.sums().tolist()
@@ -227,8 +237,16 @@ class Products:
 
     def unpacked(self, term: Any) -> Matrix:
         """The numbers (n, m) of a packed term."""
-        k, rows = self._k, term.mid().tolist()
+        k, rows = self._k, self._kept(term).tolist()
         return [[acb(x, y) for x, y in zip(row[:k], row[k:], strict=True)] for row in rows] if self.wide else rows
+
+
+def _midpoint(x: Any) -> Any:
+    return x.mid()
+
+
+def _ball(x: Any) -> Any:
+    return x
 
 
 def _matrix(A: Matrix) -> Any:

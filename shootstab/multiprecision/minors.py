@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from itertools import combinations
 from typing import Any
 
-from shootstab.core.balls import acb, acb_mat
+from shootstab.core.balls import acb, acb_mat, acb_series, arb_series
 from shootstab.core.errors import ConvergenceError
 from shootstab.multiprecision.tailed_series import TailedSeries
 
@@ -50,7 +50,7 @@ def solved(n: int, C: MinorEntries, D: MinorEntries) -> MinorEntries:
 def _size(entry: Any) -> float:
     if entry is None:
         return 0.0
-    first = entry.c[0] if isinstance(entry, TailedSeries) else entry
+    first = entry.c[0] if isinstance(entry, TailedSeries) else entry[0] if isinstance(entry, acb_series | arb_series) else entry
     return float(abs(first).lower())
 
 

@@ -36,15 +36,35 @@ class TailedSeries:
     real says that the coefficients are known to be real, those of the tail included.
     """
 
-    __slots__ = ("c", "real", "tail", "terms")
+    __slots__ = ("_norm", "_polynomial", "c", "real", "tail", "terms")
 
     def __init__(self, c: Sequence[Any], terms: int, tail: Any = NO_TAIL, real: bool = False) -> None:
         self.c, self.terms, self.tail, self.real = list(c) or [ZERO_BALL], terms, tail, real
+        self._norm: Any = None
+        self._polynomial: Any = None
 
     @property
     def norm(self) -> Any:
         """‖f‖, an upper bound."""
-        return _norm(self.c) + self.tail
+        if self._norm is None:
+            self._norm = _norm(self.c) + self.tail
+        return self._norm
+
+    @property
+    def polynomial(self) -> Any:
+        """Σ_{m<N} c_m t^m as FLINT's."""
+        if self._polynomial is None:
+            self._polynomial = acb_poly(self.c)
+        return self._polynomial
+
+    @property
+    def zero(self) -> bool:
+        """Whether it is exactly zero."""
+        return self.tail.is_zero() and all(x.is_zero() for x in self.c)
+
+    def at(self, t: Any) -> Any:
+        """A ball that holds f(t), |t| ≤ 1."""
+        return widened(self.polynomial(acb(t)), self.tail)
 
     def beyond(self) -> list[Any]:
         """Σ_{j≥m} |f_j| for m = 0 … p, upper bounds; for m from p to N the last of them."""
@@ -76,10 +96,10 @@ class TailedSeries:
     def __mul__(self, other: Any) -> TailedSeries:
         if not isinstance(other, TailedSeries):
             return self._like([x * other for x in self.c], self.tail * abs(acb(other)), self.real and _is_real(other))
-        whole = (acb_poly(self.c) * acb_poly(other.c)).coeffs()
+        whole = (self.polynomial * other.polynomial).coeffs()
         tail = _norm(whole[self.terms :])
-        if self.tail != 0 or other.tail != 0:
-            tail += self.tail * other.norm + other.tail * _norm(self.c)
+        if not (self.tail.is_zero() and other.tail.is_zero()):
+            tail += self.tail * other.norm + other.tail * self.norm
         return self._like(whole[: self.terms], tail, self.real and other.real)
 
     __rmul__ = __mul__
@@ -198,6 +218,14 @@ class TailedSeries:
         return acb_series(self.c, self.terms)
 
 
+def widened(x: Any, radius: Any) -> Any:
+    """x with its real and imaginary parts wider by a bound on the modulus of what is left out."""
+    if radius.is_zero():
+        return x
+    spread = arb(0, radius.upper())
+    return acb(x.real + spread, x.imag + spread)
+
+
 def variable(centre: Any, step: Any, terms: int) -> TailedSeries:
     """z = centre + step·t."""
     return TailedSeries([acb(centre), acb(step)], terms, NO_TAIL, _is_real(centre) and _is_real(step))
@@ -207,7 +235,7 @@ def _carried(u: TailedSeries, c: list[Any], tail: Any, size: Any) -> Any:
     """Σ_{m≥N} |c_m| of c_m = g_m + Σ_{j=1}^m w_{jm} u_j c_{m−j}, |w_{jm}| ≤ size and Σ_{m≥N} |g_m| ≤ tail: see the head of this module."""
     n, p = u.terms, len(u.c)
     beyond = u.beyond()
-    rest = sum((abs(x) * beyond[min(n - k, p)] for k, x in enumerate(c)), NO_TAIL)
+    rest = sum((abs(x) * beyond[min(n - k, p)] for k, x in enumerate(c) if n - k <= p or not beyond[p].is_zero()), NO_TAIL)
     room = 1 - size * u.norm
     return (tail + size * rest) / room if room > 0 else UNBOUNDED
 
@@ -227,4 +255,4 @@ def _is_real(x: Any) -> bool:
 
 
 def _norm(coefficients: Sequence[Any]) -> Any:
-    return sum((abs(x) for x in coefficients), NO_TAIL)
+    return sum(map(abs, coefficients), NO_TAIL)

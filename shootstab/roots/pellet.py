@@ -57,11 +57,18 @@ class TaylorModel:
         return None
 
 
-def taylor_model(D: EnclosedDiscriminant, log_bound: Any, centre: Any, radius: Any, outer: Any, points: int) -> TaylorModel:
-    """A Taylor model from `points` values of D on |σ − centre| = radius, and ln |D| ≤ log_bound on |σ − centre| ≤ outer."""
+def taylor_model(
+    D: EnclosedDiscriminant, log_bound: Any, centre: Any, radius: Any, outer: Any, points: int, real: bool = False
+) -> TaylorModel:
+    """A Taylor model from `points` values of D on |σ − centre| = radius, and ln |D| ≤ log_bound on |σ − centre| ≤ outer.
+
+    real says that D(σ̄) is the conjugate of D(σ): about a real centre half of the values do.
+    """
     K = points
     roots = [(2 * acb(j) / K).exp_pi_i() for j in range(K)]
-    values = [D(centre + radius * w) for w in roots]
+    half = K // 2 if real and centre.imag.is_zero() else K - 1
+    values = [D(centre + radius * w) for w in roots[: half + 1]]
+    values += [values[K - j].conjugate() for j in range(half + 1, K)]
     q = radius / outer
     M = log_bound.exp()
     spill = q**K
@@ -81,7 +88,7 @@ def nats_for(log_bound: Any, log_size: Any) -> float:
 
 def points_for(log_bound: Any, log_size: Any, radius: Any, outer: Any, most: int) -> int:
     """K for which the tail is about a thousandth of the size given; a choice, not a bound."""
-    return min(most, max(6, math.ceil(nats_for(log_bound, log_size) / float((outer / radius).log().mid())) + SPARE_POINTS))
+    return min(most, max(2, math.ceil(nats_for(log_bound, log_size) / float((outer / radius).log().mid()))))
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,7 @@ from shootstab.formulation.expression import function, number  # noqa: E402
 from shootstab.formulation.statement import open_parameter  # noqa: E402
 from shootstab.formulation.vanishing import Vanishing  # noqa: E402
 from shootstab.multiprecision import enclosure  # noqa: E402
-from shootstab.multiprecision.enclosable import ClosedFormEnclosable  # noqa: E402
+from shootstab.multiprecision.closed_form_enclosure import ClosedFormEnclosable  # noqa: E402
 from shootstab.multiprecision.enclosure import Enclosure  # noqa: E402
 
 MODE = 0.0037396706229799 - 0.2375264888204701j  # Orszag's, R = 10000, α = 1
@@ -265,7 +265,7 @@ def test_a_root_of_a_parameter_is_enclosed_off_its_cut_only() -> None:
     made = roots.varied("k")  # type: ignore[misc]
     with ctx.workprec(80):
         wide = {radius: acb(arb(1, radius), arb(0, radius)) for radius in (0.5, 1.5)}
-        growths = [Enclosure(made(k), 80).growth(acb(-9, 1)) for k in wide.values()]
+        growths = [made(k).enclosure(80, acb(-9, 1)).growth(acb(-9, 1)) for k in wide.values()]
     assert [bool(growth.is_finite()) for growth in growths] == [True, False]
 
 
@@ -275,9 +275,9 @@ def test_convection_is_stable_over_an_interval() -> None:
     assert proof.statement == "for every rayleigh from 1630 to 1631 no eigenvalue has Re σ ≥ 25.0"
 
 
-def test_what_cannot_be_proved_says_why(scenes: Any) -> None:
+def test_what_cannot_be_proved_says_why() -> None:
     with pytest.raises(st.InputError, match="closed form"):
-        prove(scenes["high"], 0.004)
+        prove(st.scene("blasius").problem, 0.0)
     given = st.equations(
         ["y"], ["d(y,2) - sigma*U*y"], st.Conditions(0, ["y"]), st.Conditions(1, ["y"]), given={"U": lambda z, order: 1.0 + 0 * z}
     )

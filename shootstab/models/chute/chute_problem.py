@@ -9,6 +9,7 @@ from shootstab.models.chute.perturbations import Perturbations
 
 if TYPE_CHECKING:  # what most questions do not need is imported when it is asked for
     from shootstab.models.chute.chute_collocation import ChuteCollocation
+    from shootstab.models.chute.enclosed_problem import ChuteEnclosable
     from shootstab.models.chute.multiprecision_problem import ChuteDigits
     from shootstab.models.chute.parameter_family import ChuteFamily
 
@@ -33,6 +34,13 @@ class ChuteProblem(Perturbations):
         from shootstab.models.chute.multiprecision_problem import ChuteDigits
 
         return ChuteDigits(self)
+
+    @property
+    def enclosable(self) -> ChuteEnclosable:
+        """The same in balls, on a flow that is enclosed too."""
+        from shootstab.models.chute.enclosed_problem import ChuteEnclosable
+
+        return ChuteEnclosable(self)
 
     def family(self, names: tuple[str, ...]) -> ChuteFamily:
         """The chutes that differ from this one in these parameters. Raises InputError for names that cannot vary, or not together."""

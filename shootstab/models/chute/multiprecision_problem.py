@@ -11,9 +11,9 @@ import mpmath
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.progress import Tick
 from shootstab.core.series import Series
-from shootstab.models.chute import constitutive as law
 from shootstab.models.chute import first_order_system as system
 from shootstab.models.chute.background import Background, background, fields
+from shootstab.models.chute.multiprecision_far import SPANWISE, leading, turned, wavenumber
 from shootstab.models.chute.multiprecision_flow import FLOW_NEWTONS, Descent, FlowAtBase, descend, evaluate, far_series, start_of
 from shootstab.models.chute.parameters import Chute
 from shootstab.models.chute.perturbations import PERTURBED, Perturbations
@@ -27,7 +27,6 @@ from shootstab.multiprecision.secant import Secant, Values
 from shootstab.multiprecision.settings import Settings, step_limit
 from shootstab.multiprecision.taylor import Taylor, real_series
 
-SPANWISE = (2, 6)  # exact: v̂ and v̂′, which k_x = 0 makes imaginary
 RESPONSE_DIGITS = 0.72  # chosen: the response of a flow to T_∞ is found first with this part of its digits
 FLOW_WANDER = 1e-6  # chosen: relative change of T_∞ beyond which the double-precision flow was another one
 FLATTEST = 1e-5  # chosen: |d ln Q0/d ln T_∞| below which a flow lies at a fold of the family: doubles cannot tell there which one is meant
@@ -235,7 +234,7 @@ class ChuteIntegration:
 
     @property
     def _wavenumber(self) -> Any:
-        return simplified(self.arithmetic, (self._kx * self._kx + self._ky * self._ky) ** 0.5)
+        return wavenumber(self.arithmetic, self._kx, self._ky)
 
     def _scaled_pencil(self, series: list[list[Any]], unit: Any, terms: int, in_nu: bool = False) -> tuple[Any, ...]:
         """C0, C1, D0, D1 and ν0′/ν0 as series in z/unit, or in ν0/unit."""
@@ -252,8 +251,8 @@ class ChuteIntegration:
 
     def _turned(self, entry: Any, i: int, j: int) -> Any:
         """An entry after v → iv, if k_x = 0."""
-        if self._rotated and (i in SPANWISE) != (j in SPANWISE):
-            entry = (entry if isinstance(entry, Taylor) else self.arithmetic.complex(entry)) * (-1j if i in SPANWISE else 1j)
+        if self._rotated:
+            entry = turned(entry if isinstance(entry, Taylor) else self.arithmetic.complex(entry), i, j)
         return entry if isinstance(entry, Taylor) else simplified(self.arithmetic, entry)
 
     def _decaying(self, sigma: Any) -> list[Matrix]:
@@ -263,29 +262,11 @@ class ChuteIntegration:
             C0, C1, D0, D1, decay = self._far_pencil
             C0, C1 = ({at: e * decay for at, e in part.items()} for part in (C0, C1))
             C, D = at_sigma((C0, C1), sigma), at_sigma((D0, D1), sigma)
-            K = self._wavenumber
-            s = [1j * self._kx, 1j * self._ky, -self.arithmetic.complex(K)]
-            B = [[-s[i] * s[j] / (7 * K) + (K if i == j else 0) for j in range(3)] for i in range(3)]
-            leading, self._exponents = self._leading(sigma, B, K)
-            rate = K * self._far_temperature
-            self._frames = {key: decaying_series(self.arithmetic, C, D, leading, rate, self._exponents, self.settings.far_terms)}
+            far = self._far_temperature, self._far_velocity
+            P0, self._exponents = leading(self.arithmetic, self.chute, (self._kx, self._ky), far, sigma)
+            rate = self._wavenumber * self._far_temperature
+            self._frames = {key: decaying_series(self.arithmetic, C, D, P0, rate, self._exponents, self.settings.far_terms)}
         return self._frames[key]
-
-    def _leading(self, sigma: Any, B: Matrix, K: Any) -> tuple[Matrix, Matrix]:
-        """P_0, with columns û, v̂, ŵ, T̂ at infinity, and N = Λ − K T_∞ I, N² = 0; see problems.chute.far_field."""
-        T, zero, one = self._far_temperature, self.arithmetic.number(0), self.arithmetic.number(1)
-        omega = sigma + 1j * self._kx * self._far_velocity
-        divergence = [-B[2][0] + 1j * self._kx, -B[2][1] + 1j * self._ky, -B[2][2] - 1 / T]
-        P = [[zero] * 4 for _ in range(system.SIZE)]
-        for q in range(3):
-            P[0][q], P[5][q], P[6][q] = -divergence[q] / omega, -B[0][q], -B[1][q]
-        for q in range(4):
-            P[1 + q][q] = one
-        P[7][3] = law.coefficients(zero, self.chute.ep, self.chute.radial_law, self.arithmetic.pi).g3[0] * T**0.5 * K
-        N = [[(B[i][j] - (K if i == j else 0)) * T for j in range(3)] + [zero] for i in range(3)] + [[zero] * 4]
-        turn = (0, 2, 0, 0)  # column 1 of the frame belongs to v̂
-        P = [[self._turned(x, i, turn[q]) for q, x in enumerate(row)] for i, row in enumerate(P)]
-        return P, [[self._turned(x, turn[i], turn[q]) for q, x in enumerate(row)] for i, row in enumerate(N)]
 
 
 def _exponential(arithmetic: Arithmetic, x: Any) -> Any:

@@ -1,0 +1,225 @@
+"""The steady chute flow enclosed: balls for its terms, bounds for what is left out, and a base that is proved to be the first one.
+
+The recurrences are those of many digits (multiprecision_flow.py). With y = Σ y_m t^m on a step, m y_m = h f(y)_{m−1}. For tails
+r = Σ_{m≥N} |y_m| the map y ↦ y(0) + h ∫ f(y) takes {r} into itself where
+
+    (|h|/N) (|f_{N−1}| + τ_f(r)) ≤ r,
+
+τ_f being the tail of f on series with these tails, and has a fixed point there: the solution (theory, lemma C1). In the far field x d/dx
+stands for d/dt, and (1/N) τ_f(r) ≤ r is asked for, with 1/(N + 1) for Q.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from shootstab.core.balls import acb, arb
+from shootstab.core.errors import ConvergenceError
+from shootstab.core.series import Series
+from shootstab.models.chute.balance import slopes
+from shootstab.models.chute.multiprecision_flow import Descent, FlowAtBase, energy_defect, far_series
+from shootstab.models.chute.parameters import Chute
+from shootstab.multiprecision.flint_backend import FlintArithmetic
+from shootstab.multiprecision.settings import Settings
+from shootstab.multiprecision.tailed_series import NO_TAIL, TailedSeries
+
+TAIL_ATTEMPTS, TAIL_ROOM = 12, 1.5  # chosen: guesses of the tails, and by what each exceeds what the inequality asked for
+# chosen: the factor from one attempt at a step, or at a start of the far field, to the next, and where they end
+SHORTER, SHORTEST_PART, SMALLEST_START = 0.75, 2.0**-12, 2.0**-48
+BEYOND = 1.05  # chosen: the last step over the way to the base, which lies inside it
+BASE_NEWTONS = 12  # chosen: at most, each doubles the digits of the base
+BASE_ROOM = 4.0  # chosen: half width of the interval searched for the base over the step of Newton's iteration
+CELLS, CELL_DEPTH = 4, 6  # chosen: cells of a step in which the energy condition is looked at, and how often one is halved
+
+Fields = tuple[TailedSeries, ...]  # ν, T, u, Q and Φ, u without u_∞
+Slopes = Callable[[Any, Any, Any, Any], Sequence[Any]]
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """The flow on a step downwards: fields as series in t, 0 ≤ t ≤ 1, with z = z_0 + h t, h < 0 a ball."""
+
+    h: Any
+    fields: Fields
+
+    def at(self, t: Any) -> list[Any]:
+        """The fields at t, a ball in [0, 1], as balls."""
+        return [y.at(t).real for y in self.fields]
+
+
+@dataclass(frozen=True, eq=False)
+class EnclosedFlow:
+    """A flow for every T_∞ in a ball: far fields as series in ν0/start, pieces from there to the base, and what holds at the base.
+
+    first says whether the base was proved to be the first place on the way down at which the energy condition holds.
+    """
+
+    chute: Chute
+    far_temperature: Any
+    start: Any
+    far: Fields
+    pieces: tuple[Piece, ...]
+    base: FlowAtBase
+    first: bool
+
+
+def tailed(terms: Sequence[Sequence[Any]], scale: Any, needed: Callable[[Fields], Sequence[Any]]) -> Fields | None:
+    """The series of these terms times scale^m with tails r for which needed(r) ≤ r; None where none of the guesses will do."""
+    N = len(terms[0])
+    powers = [arb(1)]
+    for _ in range(N - 1):
+        powers.append(powers[-1] * scale)
+    coefficients = [[acb(c * p) for c, p in zip(y, powers, strict=True)] for y in terms]
+    tails = [(2 * sum((abs(x) for x in c[-2:]), NO_TAIL)).upper() for c in coefficients]
+    for _ in range(TAIL_ATTEMPTS):
+        fields = tuple(TailedSeries(c, N, r, True) for c, r in zip(coefficients, tails, strict=True))
+        asked = needed(fields)
+        if not all(a.is_finite() for a in asked):
+            return None
+        if all(a <= r for a, r in zip(asked, tails, strict=True)):
+            return fields
+        tails = [r if a <= r else (TAIL_ROOM * a).upper() for a, r in zip(asked, tails, strict=True)]
+    return None
+
+
+class EnclosedDescent:
+    """The flow of the chute that decays to T_∞, a ball, on its way down."""
+
+    def __init__(self, chute: Chute, far_temperature: Any, settings: Settings) -> None:
+        """chute: its parameters as balls."""
+        self._arithmetic = FlintArithmetic(radii=True)
+        self._chute, self._far_temperature, self._settings = chute, far_temperature, settings
+
+    def far(self, start: float, admits: Callable[[Fields], bool] = lambda fields: True) -> tuple[Any, Fields]:
+        """The start ν0, or a smaller one at which the series hold and are admitted, and they."""
+        N = self._settings.far_terms
+        terms = far_series(self._arithmetic, self._chute, self._far_temperature, N)
+        nu = arb(start)
+        while nu > SMALLEST_START:
+            found = tailed(terms, nu, self._needed_far)
+            if found is not None and admits(found):
+                return nu, found
+            nu = (nu * SHORTER).mid()
+        raise ConvergenceError("no volume fraction is large enough for an enclosure of the far field")
+
+    def descend(self, nu: Any, far: Fields, length: float, admits: Callable[[Piece], bool] = lambda piece: True) -> EnclosedFlow:
+        """The flow from a volume fraction down to its base, which doubles see so far below that, in pieces that are admitted."""
+        chute, part = self._chute, 1.0
+        pieces: list[Piece] = []
+        state = [y.at(1).real for y in far]
+        left, first = length, True
+        while True:
+            series, natural = Descent(self._arithmetic, chute, self._settings, state, left).expand()
+            part = min(1.0, part / SHORTER)
+            while True:
+                reach = natural * part
+                last = BEYOND * left < reach
+                h = arb(-BEYOND * left if last else -min(reach, 0.75 * left))
+                fields = tailed(series, h, partial(self._needed, h))
+                if fields is not None and admits(Piece(h, fields)):
+                    break
+                part *= SHORTER
+                if part < SHORTEST_PART:
+                    raise ConvergenceError("no step is short enough for an enclosure along the steady flow")
+            piece = Piece(h, fields)
+            if last:
+                t, steady = _base(chute, piece, left / abs(float(h.mid())))
+                end = _up_to(piece, t)
+                state = end.at(1)
+                base = Descent(self._arithmetic, chute, self._settings, state, 0.0).at_base()
+                return EnclosedFlow(chute, self._far_temperature, nu, far, (*pieces, end), base, first and steady)
+            first = first and _not_met(chute, piece.at, arb(0))
+            pieces.append(piece)
+            state = piece.at(1)
+            left += float(h.mid())
+
+    def _slopes(self, nu: Any, T: Any, Q: Any) -> Any:
+        return slopes(nu, T, Q, self._chute.ep, self._chute.tan_theta, self._chute.radial_law, arb.pi())
+
+    def _needed_far(self, fields: Fields) -> list[Any]:
+        nu, T, u, Q, _ = fields
+        N = nu.terms
+        decay, T_x, u_x, Q_x = self._slopes(nu, T, Q)
+        rates = T_x / decay, u_x / decay, Q_x / decay + Q, nu * u / decay  # x d/dx of T, u, Q and, up to its sign, Φ
+        return [NO_TAIL, *(f.tail / (N + (i == 2)) for i, f in enumerate(rates))]
+
+    def _needed(self, h: Any, fields: Fields) -> list[Any]:
+        nu, T, u, Q, _ = fields
+        N = nu.terms
+        decay, T_z, u_z, Q_z = self._slopes(nu, T, Q)
+        return [abs(h) / N * f.beyond()[min(N - 1, len(f.c))] for f in (nu * decay, T_z, u_z, Q_z, -(nu * u))]
+
+
+def _defect(chute: Chute, state: Sequence[Any]) -> Series:
+    """The defect of the energy condition and its derivative along z, at a state."""
+    nu, T, _, Q, *_ = state
+    decay, T_z, _, Q_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.radial_law, arb.pi())
+    found: Series = energy_defect(chute, Series((nu, nu * decay)), Series((T, T_z)), Series((Q, Q_z)), arb.pi())
+    return found
+
+
+def _not_met(chute: Chute, at: Callable[[Any], list[Any]], low: Any) -> bool:
+    """Whether the defect is seen to be negative for all t in (low, 1], cell by cell."""
+    cells = [(low + (1 - low) * arb(i) / CELLS, low + (1 - low) * arb(i + 1) / CELLS, 0) for i in range(CELLS)]
+    while cells:
+        a, b, depth = cells.pop()
+        state = at(a.union(b))
+        # Q/p and the slip have their limits at ν0 = 0, but the wall's shear function does not: 5/(8 ν g0)
+        value = _defect(chute, state)[0] if state[0] > 0 else arb.nan()
+        if value < 0:
+            continue
+        if depth == CELL_DEPTH:
+            return False
+        cells += [(a, (a + b) / 2, depth + 1), ((a + b) / 2, b, depth + 1)]
+    return True
+
+
+def _base(chute: Chute, piece: Piece, near: float) -> tuple[Any, bool]:
+    """t of the base, a ball in which the energy condition is met exactly once, and whether it is met nowhere before on the piece."""
+    t = arb(near)
+    change = arb(1)
+    for _ in range(BASE_NEWTONS):
+        defect = _defect(chute, piece.at(t))
+        change = (defect[0] / _slope(defect, piece)).mid()
+        t = (t - change).mid()
+    value, h = _defect(chute, piece.at(t)), piece.h
+    width = (BASE_ROOM * abs(value[0] / (value[1] * h))).upper()
+    box = t + arb(0, width)
+    rate = _defect(chute, piece.at(box))[1] * h
+    found = t - value[0] / rate
+    if not (box.contains(found) and found < 1 and found > 0):
+        raise ConvergenceError("the base of the flow cannot be enclosed: its energy condition is met by grazing")
+    return found, _rises_to(chute, piece, found)
+
+
+def _slope(defect: Series, piece: Piece) -> Any:
+    return defect[1] * piece.h
+
+
+def _rises_to(chute: Chute, piece: Piece, t: Any) -> bool:
+    """Whether the defect is negative on [0, t) of a piece: cells in which it is seen to be so, then cells in which it rises."""
+    cells = [(t.upper() * i / 2**CELL_DEPTH, t.upper() * (i + 1) / 2**CELL_DEPTH) for i in range(2**CELL_DEPTH)]
+    rising = False
+    for a, b in cells:
+        defect = _defect(chute, piece.at(a.union(b)))
+        if not rising and defect[0] < 0:
+            continue
+        rising = True
+        if not defect[1] * piece.h > 0:
+            return False
+    return True
+
+
+def _up_to(piece: Piece, t: Any) -> Piece:
+    """The part of it from 0 to t ≤ 1, a ball, with t = 1 at its end."""
+    fields = []
+    for y in piece.fields:
+        c, power = [], arb(1)
+        for x in y.c:
+            c.append(x * power)
+            power = power * t
+        fields.append(TailedSeries(c, y.terms, y.tail, True))
+    return Piece(piece.h * t, tuple(fields))

@@ -1,0 +1,199 @@
+"""The chute's perturbations enclosed: the pencil of many digits on series with tails, along an enclosed flow."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import mpmath
+
+from shootstab.core.balls import acb, arb, ctx
+from shootstab.core.errors import ConvergenceError
+from shootstab.models.chute import first_order_system as system
+from shootstab.models.chute.background import background
+from shootstab.models.chute.enclosed_flow import EnclosedDescent, EnclosedFlow, Fields, Piece
+from shootstab.models.chute.multiprecision_far import leading, turned, wavenumber
+from shootstab.models.chute.multiprecision_problem import ChuteDigits
+from shootstab.models.chute.parameters import Chute
+from shootstab.models.chute.perturbations import Perturbations
+from shootstab.models.chute.wall import wall_rows
+from shootstab.multiprecision.arithmetic import Matrix, exact
+from shootstab.multiprecision.flint_backend import FlintArithmetic
+from shootstab.multiprecision.frame_enclosure import FrameEnclosure
+from shootstab.multiprecision.settings import GUARD_DIGITS, Settings
+from shootstab.multiprecision.tailed_pencil import BALLS, TailedPencil
+
+LEMMAS = ("C1", "C2", "C3", "C4", "C5", "E11")  # of the guide's page on proofs
+FIRST_START, FLUX_START = 2.0**-9, 2.0**-9  # chosen: ν0 from which on a start of the far field is looked for
+# derived: of ‖F‖₊ = q/(1 − q) where the terms fall by q = e^−1.5, as the order of a Taylor step supposes
+CONTRACTION = 0.5
+REUSED, ROOM = (
+    1.5,
+    1.25,
+)  # chosen: bits over those asked for with which an enclosure serves again, and the region it holds for over the one asked for
+LEAST_DIGITS = 12.0  # chosen: of a flow
+LEAST_FAR_TERMS = 64  # chosen: the tail of the far field contracts by |A_0|/N at best
+FLUX_ROOM, WIDER, WIDENINGS = 1e3, 1e3, 3  # chosen: half width of the bracket of T_∞ over 10^−digits of it, and how often it is widened
+
+
+class ChutePath:
+    """See multiprecision.frame_enclosure.EnclosedPath: a chute's perturbations on one enclosed flow."""
+
+    size, decaying = system.SIZE, system.DECAYING
+
+    def __init__(self, flow: EnclosedFlow, pencils: Pencils) -> None:
+        self.flow, self._kx, self._ky, velocity = flow, pencils.kx, pencils.ky, flow.base.far_velocity
+        self.steps: Sequence[TailedPencil] = [step_pencil(pencils(piece.fields, velocity), piece.h) for piece in flow.pieces]
+        self._far_pencil = far_pencil(pencils(flow.far, velocity))
+
+    def far(self, sigma: Any) -> Matrix:
+        flow = self.flow
+        P0, nilpotent = leading(BALLS, flow.chute, (self._kx, self._ky), (flow.far_temperature, flow.base.far_velocity), sigma)
+        rate = wavenumber(BALLS, self._kx, self._ky) * flow.far_temperature
+        found = self._far_pencil.decaying(sigma, P0, acb(rate).real, nilpotent)
+        if found is None:
+            raise ConvergenceError(f"the far field starts too low for an enclosure at sigma = {complex(acb(sigma).mid()):.6g}")
+        return found
+
+    def wall(self, sigma: Any) -> Matrix:
+        flow = self.flow
+        nu, T, u, Q, _ = (acb(x) for x in flow.base.state)
+        bg = background(flow.chute, nu, T, u + flow.base.far_velocity, Q, arb.pi())
+        W0, W1 = wall_rows(flow.chute, bg, self._kx, self._ky, arb.pi())
+        rows = [[acb(W0[i, j]) + sigma * acb(W1[i, j]) for j in range(self.size)] for i in range(self.decaying)]
+        return [[turned(x, 2 if i == 2 else 0, j) if self._kx == 0 else x for j, x in enumerate(row)] for i, row in enumerate(rows)]
+
+
+class Pencils:
+    """Pencils on series, each made once as long as u_∞, which k_x alone brings in, does not matter. kx, ky: complex balls."""
+
+    def __init__(self, chute: Chute, kx: Any, ky: Any) -> None:
+        self._chute, self.kx, self.ky = chute, kx, ky
+        self._kept: dict[int, tuple[Fields, tuple[Any, ...]]] = {}  # by identity, which the fields that are kept beside secure
+
+    def __call__(self, fields: Fields, far_velocity: Any) -> tuple[Any, ...]:
+        """C0, C1, D0, D1 and ν0′/ν0 as series in t, without the entries that vanish; after v → iv if k_x = 0."""
+        if self.kx != 0:
+            return self._made(fields, far_velocity)
+        if id(fields) not in self._kept:
+            self._kept[id(fields)] = fields, self._made(fields, far_velocity)
+        return self._kept[id(fields)][1]
+
+    def _made(self, fields: Fields, far_velocity: Any) -> tuple[Any, ...]:
+        nu, T, u, Q = fields[:4]
+        bg = background(self._chute, nu, T, u + far_velocity, Q, arb.pi())
+        nothing = nu * 0
+        out = []
+        for part in system.pencil_entries(bg, self._chute.tan_theta, self.kx, self.ky):
+            entries = {at: nothing + y for at, y in part.items()}
+            out.append({at: turned(y, *at) if self.kx == 0 else y for at, y in entries.items() if not y.zero})
+        return *out, bg.decay[0]
+
+
+def step_pencil(parts: tuple[Any, ...], h: Any) -> TailedPencil:
+    """C dψ/dt = h D ψ."""
+    C0, C1, D0, D1, decay = parts
+    return TailedPencil(system.SIZE, (C0, C1), [{at: y * h for at, y in part.items()} for part in (D0, D1)], decay.terms)
+
+
+def far_pencil(parts: tuple[Any, ...]) -> TailedPencil:
+    """(ν0′/ν0) C t dψ/dt = D ψ, t = ν0 over that at the start."""
+    C0, C1, D0, D1, decay = parts
+    return TailedPencil(system.SIZE, [{at: y * decay for at, y in part.items()} for part in (C0, C1)], (D0, D1), decay.terms)
+
+
+class ChuteEnclosable:
+    """See problems.capabilities.ENCLOSABLE: a chute, its flow enclosed anew for every working precision and region of σ."""
+
+    lemmas: tuple[str, ...] = LEMMAS
+    outer: float = 2.0**-6  # chosen: what is thick in σ loses more the longer the way down is
+    most_points: int = 6  # chosen: a value of D takes seconds
+
+    def __init__(self, problem: Perturbations) -> None:
+        self._digits, self._problem = ChuteDigits(problem), problem
+        self._kept: tuple[int, Any, FrameEnclosure] | None = None
+
+    def enclosure(self, bits: int, region: Any) -> FrameEnclosure:
+        """D at so many bits for σ in a ball, on one flow.
+
+        Raises ConvergenceError where the flow is not enclosed, or the ball comes too near to the continuous spectrum.
+        """
+        if self._kept is not None:
+            known, about, found = self._kept
+            if bits <= known <= REUSED * bits and about.contains(region):
+                return found
+        if (region + 1j * acb(self._problem.kx) * arb(self._problem.flow.far_velocity)).contains(0):
+            raise ConvergenceError(
+                "the disc on which D is bounded holds the end of the continuous spectrum at infinity: take a smaller disc"
+            )
+        with BALLS.working(1), ctx.workprec(bits):
+            room = arb(0, ROOM * abs(region - region.mid()).upper())
+            about = acb(region.real.mid() + room, region.imag.mid() + room)
+            self._kept = bits, about, FrameEnclosure(self._path(bits, about), self._digits.real)
+        return self._kept[2]
+
+    @property
+    def premise(self) -> str:
+        """The flow, as T_∞ and ν0 at the base have it."""
+        if self._kept is None:
+            return ""
+        found, flux = self._kept[2].path.flow, self._problem.flow.asked_flux  # type: ignore[attr-defined]
+        T, nu = (_shown(x) for x in (found.far_temperature, found.base.state[0]))
+        place = f"far_temperature = {T} and a base at nu = {nu}"
+        if not found.first:
+            place += " (not proved to be the first place at which the energy condition holds)"
+        if flux is None:
+            return f"for the steady flow with {place}"
+        return f"a steady flow with mass_flux = {flux!r} exists with {place}, and for every such flow"
+
+    def _path(self, bits: int, region: Any) -> ChutePath:
+        flow, settings = self._problem.flow, Settings.of(max(bits / math.log2(10) - GUARD_DIGITS, LEAST_DIGITS))
+        settings = replace(settings, far_terms=max(settings.far_terms, LEAST_FAR_TERMS))
+        chute = self._digits.chute(BALLS)
+        kx, ky = (acb(BALLS.complex(exact(k))) for k in (self._problem.kx, self._problem.ky))
+        far_temperature = self._far_temperature(chute, settings)
+        descent = EnclosedDescent(chute, far_temperature, settings)
+        rate = acb(wavenumber(BALLS, kx, ky)).real * far_temperature
+        about = arb(flow.far_velocity)  # u_∞ follows from the base: what is admitted with this one is bounded again with the true one
+
+        pencils = Pencils(chute, kx, ky)
+
+        def far_holds(fields: Fields) -> bool:
+            _, nilpotent = leading(BALLS, chute, (kx, ky), (far_temperature, about), region)
+            return far_pencil(pencils(fields, about)).holds(region, CONTRACTION, rate, nilpotent)
+
+        def step_holds(piece: Piece) -> bool:
+            return step_pencil(pencils(piece.fields, about), piece.h).holds(region, CONTRACTION)
+
+        nu, far = descent.far(flow.inside(FIRST_START), far_holds)
+        return ChutePath(descent.descend(nu, far, flow.height(float(nu)), step_holds), pencils)
+
+    def _far_temperature(self, chute: Chute, settings: Settings) -> Any:
+        """T_∞, or a ball that holds that of a flow with exactly the mass flux asked for, and of all flows with it next to this one."""
+        flow = self._problem.flow
+        if flow.asked_flux is None:
+            return BALLS.number(exact(flow.far_temperature))
+        plain, asked = FlintArithmetic(), BALLS.number(exact(flow.asked_flux))
+        with plain.working(settings.digits), mpmath.workdps(settings.digits):
+            T = arb(self._digits.base(plain, settings, lambda: None)[0])
+        room = arb(FLUX_ROOM) * arb(10) ** arb(-settings.tolerance) * T
+        for _ in range(WIDENINGS):
+            ends = [(T - room).mid(), (T + room).mid()]
+            below, above = (self._mass_flux(chute, end, settings) - asked for end in ends)
+            if (below < 0 and above > 0) or (below > 0 and above < 0):
+                return ends[0].union(ends[1])
+            room = room * WIDER
+        raise ConvergenceError("no bracket of the far temperature is proved to hold a flow of this mass flux: take more bits")
+
+    def _mass_flux(self, chute: Chute, far_temperature: Any, settings: Settings) -> Any:
+        flow, descent = self._problem.flow, EnclosedDescent(chute, far_temperature, settings)
+        nu, far = descent.far(flow.inside(FLUX_START))
+        return descent.descend(nu, far, flow.height(float(nu))).base.mass_flux
+
+
+def _shown(ball: Any) -> str:
+    """A real ball in decimals, its radius rounded up."""
+    digits = max(6, math.ceil(math.log10(2) * ball.rel_accuracy_bits()))
+    return str(ball.str(digits)).strip("[]").replace(" +/- ", " ± ")

@@ -1,0 +1,154 @@
+"""D(σ) enclosed on given steps: the decaying space as a graph over k of its rows, carried by the difference of a Möbius map.
+
+On a step Y(1) = Φ Y(0), Φ (n, n) a ball for the terms and another for what they leave out (tails.py). The space is the range of Y = (I; G),
+I in k rows and G (n − k, k) a ball about Ḡ. With M = Φ Y, M̄ = Φ (I; Ḡ), J the k rows of it that are best independent, F̄ = M̄_c M̄_J⁻¹
+and Φ₂ the columns of Φ that belong to G,
+
+    M_c M_J⁻¹ = F̄ + (Φ₂_c − F̄ Φ₂_J) (G − Ḡ) M_J⁻¹
+
+exactly: what is uncertain in G is carried by the derivative of the map, which contracts. D = det[W(σ) Y] times the determinants of all M_J.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from shootstab.core.balls import acb, acb_mat, arb, ctx
+from shootstab.core.errors import ConvergenceError
+from shootstab.multiprecision import small_matrices as matrices
+from shootstab.multiprecision.arithmetic import Matrix
+from shootstab.multiprecision.flint_backend import LONGEST_SERIES
+from shootstab.multiprecision.growth import log_bound, weights
+from shootstab.multiprecision.minors import minors
+from shootstab.multiprecision.tailed_pencil import BALLS, TailedPencil
+
+CELLS_OF_STEP = 4  # chosen: cells over which growth is bounded; more make the bound tighter, fewer looser, none wrong
+
+
+class EnclosedPath(Protocol):
+    """A problem from a decaying end to its wall, in steps, at one working precision."""
+
+    @property
+    def size(self) -> int:
+        """n."""
+        ...
+
+    @property
+    def decaying(self) -> int:
+        """k."""
+        ...
+
+    @property
+    def steps(self) -> Sequence[TailedPencil]:
+        """One after the other."""
+        ...
+
+    def far(self, sigma: Any) -> Matrix:
+        """A basis (n, k) of the decaying space where the steps begin, analytic in σ, as balls."""
+        ...
+
+    def wall(self, sigma: Any) -> Matrix:
+        """The rows W(σ) (k, n)."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class FrameEnclosure:
+    """See multiprecision.enclosable.BoundedDiscriminant: D of a path."""
+
+    path: EnclosedPath
+    real: bool
+    _values: dict[Any, Any] = field(default_factory=dict, repr=False)  # by σ: searches and circles ask for some twice
+
+    def __call__(self, sigma: Any) -> Any:
+        key = tuple(tuple(part.man_exp()) for x in (sigma.real, sigma.imag) for part in (x.mid(), x.rad()))
+        if key not in self._values:
+            self._values[key] = self._enclosed(sigma)
+        return self._values[key]
+
+    def _enclosed(self, sigma: Any) -> Any:
+        path = self.path
+        with _long_series():
+            rows, graph, det = _normalized(_matrix(path.far(sigma)))
+            for step in path.steps:
+                Phi = step.transition(sigma)
+                if Phi is None:
+                    raise ConvergenceError(f"a step is too long for an enclosure at sigma = {complex(acb(sigma).mid()):.6g}")
+                rows, graph, factor = _carried(_matrix(Phi), rows, graph)
+                det = det * factor
+        W = _matrix(path.wall(sigma))
+        return det * (_columns(W, rows) + _columns(W, _others(path.size, rows)) * graph).det()
+
+    def growth(self, sigma: Any) -> Any:
+        """An upper bound of ln |D| for all σ in a ball."""
+        path = self.path
+        n, k, length = path.size, path.decaying, arb(1) / CELLS_OF_STEP
+        with _long_series():
+            start, end = minors(path.far(sigma), k), minors([list(column) for column in zip(*path.wall(sigma), strict=True)], k)
+        middle = acb(sigma).mid()
+        samples = (step.on_cell(middle, arb(0), arb(0)) for step in path.steps)
+        cells = (
+            (length, step.on_cell(sigma, arb(i) / CELLS_OF_STEP, arb(i + 1) / CELLS_OF_STEP))
+            for step in path.steps
+            for i in range(CELLS_OF_STEP)
+        )
+        return log_bound(n, k, cells, start, end, weights(n, k, samples))
+
+
+def _normalized(Y: Any) -> tuple[list[int], Any, Any]:
+    rows = matrices.pivots(BALLS, Y.mid().tolist())
+    top = _rows(Y, rows)
+    return rows, _solved(_rows(Y, _others(Y.nrows(), rows)), top), top.det()
+
+
+def _carried(Phi: Any, rows: list[int], graph: Any) -> tuple[list[int], Any, Any]:
+    """The rows, G and the factor of D after a step."""
+    n = Phi.nrows()
+    first, second = _columns(Phi, rows), _columns(Phi, _others(n, rows))
+    middle = graph.mid()
+    known = first + second * middle
+    chosen = matrices.pivots(BALLS, known.mid().tolist())
+    others = _others(n, chosen)
+    moved = _rows(known, chosen)
+    F = _solved(_rows(known, others), moved)
+    whole = moved + _rows(second, chosen) * (graph - middle)
+    spread = _solved((_rows(second, others) - F * _rows(second, chosen)) * (graph - middle), whole)
+    return chosen, F + spread, whole.det()
+
+
+def _solved(B: Any, A: Any) -> Any:
+    """B A⁻¹."""
+    try:
+        return B * A.inv()
+    except ZeroDivisionError:
+        raise ConvergenceError("the enclosures are too wide to tell the decaying solutions apart: take more bits") from None
+
+
+@contextmanager
+def _long_series() -> Iterator[None]:
+    """FLINT's series keep all their terms."""
+    before, ctx.cap = ctx.cap, LONGEST_SERIES
+    try:
+        yield
+    finally:
+        ctx.cap = before
+
+
+def _matrix(A: Matrix) -> Any:
+    return acb_mat([[acb(x) for x in row] for row in A])
+
+
+def _others(n: int, rows: Sequence[int]) -> list[int]:
+    return [i for i in range(n) if i not in rows]
+
+
+def _rows(A: Any, rows: Sequence[int]) -> Any:
+    table = A.tolist()
+    return acb_mat([table[i] for i in rows])
+
+
+def _columns(A: Any, columns: Sequence[int]) -> Any:
+    return acb_mat([[row[j] for j in columns] for row in A.tolist()])
