@@ -148,9 +148,9 @@ def _surrounded(form: Enclosable, bits: int, centre: Any, size: float, radius: f
     return _Surrounded(D, centre, outer, D.growth(region), form.most_points)
 
 
-def _model(about: _Surrounded, radius: Any) -> TaylorModel:
+def _model(about: _Surrounded, radius: Any, spare: int = 0) -> TaylorModel:
     """The Taylor model on a circle; it takes a value of D more than it has points."""
-    points = points_for(about.bound, _log_size(about.D, about.centre + radius), radius, arb(about.outer), about.most)
+    points = points_for(about.bound, _log_size(about.D, about.centre + radius), radius, arb(about.outer), about.most, spare)
     return taylor_model(about.D, about.bound, about.centre, radius, arb(about.outer), points, about.D.real)
 
 
@@ -160,7 +160,7 @@ def _wide_model(about: _Surrounded, radius: float, size: float) -> TaylorModel:
     log_size = _log_size(about.D, about.centre + arb(radius))
     log_size += math.log(wide / radius) if radius < wide else 0.0  # D grows about so much, being linear
     far = about.outer * math.exp(-nats_for(about.bound, log_size) / (about.most - SPARE_POINTS))
-    return _model(about, arb(max(min(wide, far), radius)))
+    return _model(about, arb(max(min(wide, far), radius)), SPARE_POINTS)
 
 
 def _log_size(enclosure: BoundedDiscriminant, sigma: Any) -> Any:

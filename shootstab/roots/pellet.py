@@ -22,7 +22,8 @@ from shootstab.core.errors import ConvergenceError
 
 NO_RADIUS = arb(0)
 TAIL_NATS = 7.0  # chosen: the rest of a Taylor series on a circle lies below D there by a factor of a thousand
-SPARE_POINTS = 2  # chosen: points beyond those that the tail asks for
+# chosen: fewest values on a circle, and those beyond what the tail asks for where the series is to serve on smaller circles too
+LEAST_POINTS, SPARE_POINTS = 2, 4
 FIRST_LENGTH, SHORTEST_LENGTH = 1 / 64, 2.0**-48  # chosen: parts of a side of a polygon
 EnclosedDiscriminant = Callable[[Any], Any]  # σ ↦ an enclosure of D(σ)
 
@@ -86,9 +87,10 @@ def nats_for(log_bound: Any, log_size: Any) -> float:
     return max(float((log_bound - log_size).mid()) + TAIL_NATS, TAIL_NATS)
 
 
-def points_for(log_bound: Any, log_size: Any, radius: Any, outer: Any, most: int) -> int:
-    """K for which the tail is about a thousandth of the size given; a choice, not a bound."""
-    return min(most, max(2, math.ceil(nats_for(log_bound, log_size) / float((outer / radius).log().mid()))))
+def points_for(log_bound: Any, log_size: Any, radius: Any, outer: Any, most: int, spare: int = 0) -> int:
+    """K for which the tail is about a thousandth of the size given, and some more; a choice, not a bound."""
+    needed = math.ceil(nats_for(log_bound, log_size) / float((outer / radius).log().mid()))
+    return min(most, max(LEAST_POINTS, needed) + spare)
 
 
 @dataclass(frozen=True, eq=False)
