@@ -67,7 +67,7 @@ def lemmas(forms: Sequence[Enclosable]) -> tuple[str, ...]:
 
 
 def premise(forms: Sequence[Enclosable]) -> str:
-    """Of what base flows the enclosures were that these factors of D made last."""
+    """The base flows of the enclosures that these factors of D made last, as the beginning of a sentence."""
     return " ".join(dict.fromkeys(form.premise for form in forms if form.premise))
 
 

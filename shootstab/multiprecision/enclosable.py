@@ -32,7 +32,7 @@ class Enclosable(Protocol):
 
     @property
     def lemmas(self) -> tuple[str, ...]:
-        """Of the guide's page on proofs, those that this formulation relies on beside the common ones."""
+        """Lemmas of the guide's page on proofs that this formulation relies on beside the common ones."""
         ...
 
     @property
@@ -47,7 +47,7 @@ class Enclosable(Protocol):
 
     @property
     def premise(self) -> str:
-        """Of what base flows the enclosure made last is, as the beginning of a sentence; empty where there is no question."""
+        """The base flows of the enclosure made last, as the beginning of a sentence; empty where there is no question."""
         ...
 
     def enclosure(self, bits: int, region: Any) -> BoundedDiscriminant:
@@ -64,7 +64,7 @@ class EnclosableSystem(Protocol):
 
     @property
     def lemmas(self) -> tuple[str, ...]:
-        """As of an Enclosable."""
+        """Lemmas, see Enclosable."""
         ...
 
     @property

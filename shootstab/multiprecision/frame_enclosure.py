@@ -61,7 +61,7 @@ class FrameEnclosure:
 
     path: EnclosedPath
     real: bool
-    _values: dict[Any, Any] = field(default_factory=dict, repr=False)  # by σ: searches and circles ask for some twice
+    _values: dict[Any, Any] = field(default_factory=dict, repr=False)  # values by σ: searches and circles ask for some twice
 
     def __call__(self, sigma: Any) -> Any:
         key = tuple(tuple(part.man_exp()) for x in (sigma.real, sigma.imag) for part in (x.mid(), x.rad()))

@@ -19,7 +19,7 @@ from shootstab.multiprecision.tailed_series import TailedSeries, widened
 from shootstab.multiprecision.tails import Beyond, SingularBounds, StepBounds, TailedEntries, spectral_radius
 from shootstab.multiprecision.taylor import Taylor
 
-BALLS = FlintArithmetic(radii=True)
+BALLS = FlintArithmetic(radii=True)  # exact: the arithmetic of every enclosure
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +70,7 @@ class TailedPencil:
         return None if tail is None else _summed(found, tail)
 
     def decaying(self, sigma: Any, P0: Matrix, rate: Any, nilpotent: Matrix) -> Matrix | None:
-        """P(1) (n, k) of the solutions P(t) t^(rate + nilpotent) at a singular end, as balls; None where they are not bounded."""
+        """P(1) (n, k) of the solutions P(t) t^(rate + nilpotent (k, k)), P(0) = P0, at a singular end, as balls; None where not bounded."""
         bounds = self._singular_bounds(sigma, rate, nilpotent)
         if bounds is None:
             return None
@@ -80,7 +80,7 @@ class TailedPencil:
         return None if tail is None else _summed(found, tail)
 
     def holds(self, sigma: Any, limit: float, rate: Any = None, nilpotent: Matrix | None = None) -> bool:
-        """Whether the tails at σ, a ball, contract by about such a factor at least: on a step, or with a rate at a singular end."""
+        """Whether the tails at σ, a ball, contract by about such a factor: on a step, or at a singular end with nilpotent (k, k)."""
         bounds = self._step_bounds(sigma) if nilpotent is None else self._singular_bounds(sigma, rate, nilpotent)
         return bounds is not None and spectral_radius(bounds.G) < limit
 

@@ -27,9 +27,9 @@ from shootstab.core.balls import arb, ctx
 from shootstab.multiprecision.arithmetic import Matrix
 from shootstab.multiprecision.tailed_series import NO_TAIL, TailedSeries
 
-Sums = Mapping[tuple[int, int], Sequence[Any]]  # by entry, Σ_{j≥m} for m = 0, 1, …
+Sums = Mapping[tuple[int, int], Sequence[Any]]  # sums Σ_{j≥m} of an entry for m = 0, 1, …
 TailedEntries = Mapping[tuple[int, int], TailedSeries]
-BOUND_BITS = 64  # chosen: for bounds, whose radii are always added
+BOUND_BITS = 64  # chosen: bits of bounds, whose radii are always added
 SLACK = 2.0**-20  # chosen: part of the largest R that is added to all, and of w: above the rounding of doubles, without weight in a bound
 
 
@@ -40,7 +40,7 @@ class Beyond:
         self._parts = [{at: y.beyond() for at, y in part.items()} for part in parts]
 
     def at_sigma(self, size: Any) -> dict[tuple[int, int], list[Any]]:
-        """For |σ| = size, an upper bound; of sums that end early the last one holds for all later m."""
+        """An upper bound for |σ| = size; where sums end early the last one holds for all later m."""
         out: dict[tuple[int, int], list[Any]] = {}
         for k, part in enumerate(self._parts):
             factor = size**k
@@ -56,7 +56,7 @@ class Beyond:
 
 @dataclass(frozen=True, eq=False)
 class StepBounds:
-    """What bounds the tail of a step at one σ: |C_0⁻¹|, Σ_{j≥m} |C_j| and |D_j|, and G."""
+    """What bounds the tail of a step at one σ: left = |C_0⁻¹| (n, n), Σ_{j≥m} |C_j| and |D_j|, and G (n, n)."""
 
     left: Matrix
     C: Sums
@@ -65,7 +65,7 @@ class StepBounds:
 
     @staticmethod
     def of(inverse: Matrix, C: Beyond, D: Beyond, size: Any, terms: int) -> StepBounds:
-        """From C_0⁻¹ and the series at |σ| ≤ size."""
+        """Bounds from inverse = C_0⁻¹ (n, n) and the series at |σ| ≤ size, with so many terms."""
         n = len(inverse)
         with ctx.workprec(BOUND_BITS):
             left, c, d = _absolute(inverse), C.at_sigma(size), D.at_sigma(size)
@@ -90,7 +90,7 @@ class StepBounds:
 
 @dataclass(frozen=True, eq=False)
 class SingularBounds:
-    """The same at a regular singular end: first is N + ρ, nilpotent the largest column sum of |Nil|."""
+    """What bounds it at a regular singular end, left and G (n, n) as on a step; rate is ρ, nilpotent the largest column sum of |Nil|."""
 
     left: Matrix
     C: Sums
@@ -101,7 +101,7 @@ class SingularBounds:
 
     @staticmethod
     def of(inverse: Matrix, A0: Matrix, C: Beyond, D: Beyond, size: Any, terms: int, rate: Any, nilpotent: Matrix) -> SingularBounds:
-        """From C_0⁻¹, A_0 = C_0⁻¹ D_0 and the series at |σ| ≤ size."""
+        """Bounds from inverse = C_0⁻¹ (n, n), A0 = C_0⁻¹ D_0 (n, n), nilpotent (k, k) and the series at |σ| ≤ size, with so many terms."""
         n = len(inverse)
         with ctx.workprec(BOUND_BITS):
             left, c, d = _absolute(inverse), C.at_sigma(size), D.at_sigma(size)
@@ -131,7 +131,7 @@ class SingularBounds:
 
 
 def dominated(G: Matrix, R: Sequence[Any]) -> list[Any] | None:
-    """An upper bound (n,) of every X ≥ 0 with X ≤ G X + R; None where none is seen.
+    """An upper bound (n,) of every X ≥ 0 with X ≤ G X + R, G (n, n); None where none is seen.
 
     w ≈ (1 − G)⁻¹ R comes from doubles, in units of the largest of R and with a little added to R, and G w + R ≤ w is checked.
     """
@@ -151,13 +151,13 @@ def dominated(G: Matrix, R: Sequence[Any]) -> list[Any] | None:
 
 
 def spectral_radius(G: Matrix) -> float:
-    """That of G ≥ 0 in doubles, infinite where G is: how fast tails contract, a choice between steps and no bound."""
+    """The spectral radius of G (n, n) ≥ 0 in doubles, infinite where G is: how fast tails contract, a choice between steps and no bound."""
     dense = _upper(G)
     return float(np.abs(np.linalg.eigvals(dense)).max()) if np.isfinite(dense).all() else math.inf
 
 
 def perron(dense: np.ndarray[Any, Any]) -> list[float]:
-    """w > 0 with A w ≤ 1.05 ρ w, about, for a non-negative matrix A of spectral radius ρ: Σ_k (A/1.05 ρ)^k 1, a choice in doubles.
+    """w > 0 with A w ≤ 1.05 ρ w, about, for A = dense (n, n) ≥ 0 of spectral radius ρ: Σ_k (A/1.05 ρ)^k 1, a choice in doubles.
 
     Of a matrix that is not finite ones, since what it weighs is not finite either.
     """

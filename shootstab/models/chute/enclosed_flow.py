@@ -29,12 +29,12 @@ from shootstab.multiprecision.tailed_series import NO_TAIL, TailedSeries
 TAIL_ATTEMPTS, TAIL_ROOM = 12, 1.5  # chosen: guesses of the tails, and by what each exceeds what the inequality asked for
 # chosen: the factor from one attempt at a step, or at a start of the far field, to the next, and where they end
 SHORTER, SHORTEST_PART, SMALLEST_START = 0.75, 2.0**-12, 2.0**-48
-BEYOND = 1.05  # chosen: the last step over the way to the base, which lies inside it
-BASE_NEWTONS = 12  # chosen: at most, each doubles the digits of the base
+LAST_STEP_OVER = 1.05  # chosen: the last step over the way to the base, which lies inside it
+BASE_ITERATIONS = 12  # chosen: Newton steps to the base, each of which doubles its digits
 BASE_ROOM = 4.0  # chosen: half width of the interval searched for the base over the step of Newton's iteration
 CELLS, CELL_DEPTH = 4, 6  # chosen: cells of a step in which the energy condition is looked at, and how often one is halved
 
-Fields = tuple[TailedSeries, ...]  # ν, T, u, Q and Φ, u without u_∞
+TailedFields = tuple[TailedSeries, ...]  # ν, T, u, Q and Φ, u without u_∞
 Slopes = Callable[[Any, Any, Any, Any], Sequence[Any]]
 
 
@@ -43,7 +43,7 @@ class Piece:
     """The flow on a step downwards: fields as series in t, 0 ≤ t ≤ 1, with z = z_0 + h t, h < 0 a ball."""
 
     h: Any
-    fields: Fields
+    fields: TailedFields
 
     def at(self, t: Any) -> list[Any]:
         """The fields at t, a ball in [0, 1], as balls."""
@@ -60,13 +60,13 @@ class EnclosedFlow:
     chute: Chute
     far_temperature: Any
     start: Any
-    far: Fields
+    far: TailedFields
     pieces: tuple[Piece, ...]
     base: FlowAtBase
     first: bool
 
 
-def tailed(terms: Sequence[Sequence[Any]], scale: Any, needed: Callable[[Fields], Sequence[Any]]) -> Fields | None:
+def tailed(terms: Sequence[Sequence[Any]], scale: Any, needed: Callable[[TailedFields], Sequence[Any]]) -> TailedFields | None:
     """The series of these terms times scale^m with tails r for which needed(r) ≤ r; None where none of the guesses will do."""
     N = len(terms[0])
     powers = [arb(1)]
@@ -93,7 +93,7 @@ class EnclosedDescent:
         self._arithmetic = FlintArithmetic(radii=True)
         self._chute, self._far_temperature, self._settings = chute, far_temperature, settings
 
-    def far(self, start: float, admits: Callable[[Fields], bool] = lambda fields: True) -> tuple[Any, Fields]:
+    def far(self, start: float, admits: Callable[[TailedFields], bool] = lambda fields: True) -> tuple[Any, TailedFields]:
         """The start ν0, or a smaller one at which the series hold and are admitted, and they."""
         N = self._settings.far_terms
         terms = far_series(self._arithmetic, self._chute, self._far_temperature, N)
@@ -105,7 +105,7 @@ class EnclosedDescent:
             nu = (nu * SHORTER).mid()
         raise ConvergenceError("no volume fraction is large enough for an enclosure of the far field")
 
-    def descend(self, nu: Any, far: Fields, length: float, admits: Callable[[Piece], bool] = lambda piece: True) -> EnclosedFlow:
+    def descend(self, nu: Any, far: TailedFields, length: float, admits: Callable[[Piece], bool] = lambda piece: True) -> EnclosedFlow:
         """The flow from a volume fraction down to its base, which doubles see so far below that, in pieces that are admitted."""
         chute, part = self._chute, 1.0
         pieces: list[Piece] = []
@@ -116,8 +116,8 @@ class EnclosedDescent:
             part = min(1.0, part / SHORTER)
             while True:
                 reach = natural * part
-                last = BEYOND * left < reach
-                h = arb(-BEYOND * left if last else -min(reach, 0.75 * left))
+                last = LAST_STEP_OVER * left < reach
+                h = arb(-LAST_STEP_OVER * left if last else -min(reach, 0.75 * left))
                 fields = tailed(series, h, partial(self._needed, h))
                 if fields is not None and admits(Piece(h, fields)):
                     break
@@ -139,14 +139,14 @@ class EnclosedDescent:
     def _slopes(self, nu: Any, T: Any, Q: Any) -> Any:
         return slopes(nu, T, Q, self._chute.ep, self._chute.tan_theta, self._chute.radial_law, arb.pi())
 
-    def _needed_far(self, fields: Fields) -> list[Any]:
+    def _needed_far(self, fields: TailedFields) -> list[Any]:
         nu, T, u, Q, _ = fields
         N = nu.terms
         decay, T_x, u_x, Q_x = self._slopes(nu, T, Q)
         rates = T_x / decay, u_x / decay, Q_x / decay + Q, nu * u / decay  # x d/dx of T, u, Q and, up to its sign, Φ
         return [NO_TAIL, *(f.tail / (N + (i == 2)) for i, f in enumerate(rates))]
 
-    def _needed(self, h: Any, fields: Fields) -> list[Any]:
+    def _needed(self, h: Any, fields: TailedFields) -> list[Any]:
         nu, T, u, Q, _ = fields
         N = nu.terms
         decay, T_z, u_z, Q_z = self._slopes(nu, T, Q)
@@ -181,7 +181,7 @@ def _base(chute: Chute, piece: Piece, near: float) -> tuple[Any, bool]:
     """t of the base, a ball in which the energy condition is met exactly once, and whether it is met nowhere before on the piece."""
     t = arb(near)
     change = arb(1)
-    for _ in range(BASE_NEWTONS):
+    for _ in range(BASE_ITERATIONS):
         defect = _defect(chute, piece.at(t))
         change = (defect[0] / _slope(defect, piece)).mid()
         t = (t - change).mid()

@@ -13,7 +13,7 @@ from shootstab.core.balls import acb, arb, ctx
 from shootstab.core.errors import ConvergenceError
 from shootstab.models.chute import first_order_system as system
 from shootstab.models.chute.background import background
-from shootstab.models.chute.enclosed_flow import EnclosedDescent, EnclosedFlow, Fields, Piece
+from shootstab.models.chute.enclosed_flow import EnclosedDescent, EnclosedFlow, Piece, TailedFields
 from shootstab.models.chute.multiprecision_far import leading, turned, wavenumber
 from shootstab.models.chute.multiprecision_problem import ChuteDigits
 from shootstab.models.chute.parameters import Chute
@@ -25,17 +25,20 @@ from shootstab.multiprecision.frame_enclosure import FrameEnclosure
 from shootstab.multiprecision.settings import GUARD_DIGITS, Settings
 from shootstab.multiprecision.tailed_pencil import BALLS, TailedPencil
 
-LEMMAS = ("C1", "C2", "C3", "C4", "C5", "E11")  # of the guide's page on proofs
+LEMMAS = ("C1", "C2", "C3", "C4", "C5", "E11")  # lemmas of the guide's page on proofs
 FIRST_START, FLUX_START = 2.0**-9, 2.0**-9  # chosen: ν0 from which on a start of the far field is looked for
-# derived: of ‖F‖₊ = q/(1 − q) where the terms fall by q = e^−1.5, as the order of a Taylor step supposes
-CONTRACTION = 0.5
-REUSED, ROOM = (
+TAIL_CONTRACTION = 0.5  # chosen: spectral radius with which the bounds of tails contract; longer steps ask for more terms
+REUSED, REGION_ROOM = (
     1.5,
     1.25,
 )  # chosen: bits over those asked for with which an enclosure serves again, and the region it holds for over the one asked for
-LEAST_DIGITS = 12.0  # chosen: of a flow
+LEAST_DIGITS = 12.0  # chosen: fewest digits of a flow
 LEAST_FAR_TERMS = 64  # chosen: the tail of the far field contracts by |A_0|/N at best
-FLUX_ROOM, WIDER, WIDENINGS = 1e3, 1e3, 3  # chosen: half width of the bracket of T_∞ over 10^−digits of it, and how often it is widened
+FLUX_ROOM, BRACKET_WIDER, WIDENINGS = (
+    1e3,
+    1e3,
+    3,
+)  # chosen: half width of the bracket of T_∞ over 10^−digits of it, and how often it is widened
 
 
 class ChutePath:
@@ -71,9 +74,9 @@ class Pencils:
 
     def __init__(self, chute: Chute, kx: Any, ky: Any) -> None:
         self._chute, self.kx, self.ky = chute, kx, ky
-        self._kept: dict[int, tuple[Fields, tuple[Any, ...]]] = {}  # by identity, which the fields that are kept beside secure
+        self._kept: dict[int, tuple[TailedFields, tuple[Any, ...]]] = {}  # pencils by the identity of the fields kept beside them
 
-    def __call__(self, fields: Fields, far_velocity: Any) -> tuple[Any, ...]:
+    def __call__(self, fields: TailedFields, far_velocity: Any) -> tuple[Any, ...]:
         """C0, C1, D0, D1 and ν0′/ν0 as series in t, without the entries that vanish; after v → iv if k_x = 0."""
         if self.kx != 0:
             return self._made(fields, far_velocity)
@@ -81,7 +84,7 @@ class Pencils:
             self._kept[id(fields)] = fields, self._made(fields, far_velocity)
         return self._kept[id(fields)][1]
 
-    def _made(self, fields: Fields, far_velocity: Any) -> tuple[Any, ...]:
+    def _made(self, fields: TailedFields, far_velocity: Any) -> tuple[Any, ...]:
         nu, T, u, Q = fields[:4]
         bg = background(self._chute, nu, T, u + far_velocity, Q, arb.pi())
         nothing = nu * 0
@@ -129,7 +132,7 @@ class ChuteEnclosable:
                 "the disc on which D is bounded holds the end of the continuous spectrum at infinity: take a smaller disc"
             )
         with BALLS.working(1), ctx.workprec(bits):
-            room = arb(0, ROOM * abs(region - region.mid()).upper())
+            room = arb(0, REGION_ROOM * abs(region - region.mid()).upper())
             about = acb(region.real.mid() + room, region.imag.mid() + room)
             self._kept = bits, about, FrameEnclosure(self._path(bits, about), self._digits.real)
         return self._kept[2]
@@ -160,12 +163,12 @@ class ChuteEnclosable:
 
         pencils = Pencils(chute, kx, ky)
 
-        def far_holds(fields: Fields) -> bool:
+        def far_holds(fields: TailedFields) -> bool:
             _, nilpotent = leading(BALLS, chute, (kx, ky), (far_temperature, about), region)
-            return far_pencil(pencils(fields, about)).holds(region, CONTRACTION, rate, nilpotent)
+            return far_pencil(pencils(fields, about)).holds(region, TAIL_CONTRACTION, rate, nilpotent)
 
         def step_holds(piece: Piece) -> bool:
-            return step_pencil(pencils(piece.fields, about), piece.h).holds(region, CONTRACTION)
+            return step_pencil(pencils(piece.fields, about), piece.h).holds(region, TAIL_CONTRACTION)
 
         nu, far = descent.far(flow.inside(FIRST_START), far_holds)
         return ChutePath(descent.descend(nu, far, flow.height(float(nu)), step_holds), pencils)
@@ -184,7 +187,7 @@ class ChuteEnclosable:
             below, above = (self._mass_flux(chute, end, settings) - asked for end in ends)
             if (below < 0 and above > 0) or (below > 0 and above < 0):
                 return ends[0].union(ends[1])
-            room = room * WIDER
+            room = room * BRACKET_WIDER
         raise ConvergenceError("no bracket of the far temperature is proved to hold a flow of this mass flux: take more bits")
 
     def _mass_flux(self, chute: Chute, far_temperature: Any, settings: Settings) -> Any:

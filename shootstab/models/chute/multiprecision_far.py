@@ -23,7 +23,7 @@ def turned(entry: Any, i: int, j: int) -> Any:
 
 
 def leading(arithmetic: Arithmetic, chute: Chute, waves: tuple[Any, Any], far: tuple[Any, Any], sigma: Any) -> tuple[Matrix, Matrix]:
-    """P_0, with columns û, v̂, ŵ, T̂ at infinity, and N = Λ − K T_∞ I, N² = 0; see models.chute.far_field.
+    """P_0 (n, k), with columns û, v̂, ŵ, T̂ at infinity, and N = Λ − K T_∞ I (k, k), N² = 0; see models.chute.far_field.
 
     waves are k_x and k_y, complex, far is T_∞ and u_∞.
     """
