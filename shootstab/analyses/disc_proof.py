@@ -159,8 +159,9 @@ def _wide_model(about: _Surrounded, radius: float, size: float) -> TaylorModel:
     wide = min(WIDEST * size, about.outer / WIDEST_CIRCLE)
     log_size = _log_size(about.D, about.centre + arb(radius))
     log_size += math.log(wide / radius) if radius < wide else 0.0  # D grows about so much, being linear
-    far = about.outer * math.exp(-nats_for(about.bound, log_size) / (about.most - SPARE_POINTS))
-    return _model(about, arb(max(min(wide, far), radius)), SPARE_POINTS)
+    spare = min(SPARE_POINTS, about.most // 8)
+    far = about.outer * math.exp(-nats_for(about.bound, log_size) / (about.most - spare))
+    return _model(about, arb(max(min(wide, far), radius)), spare)
 
 
 def _log_size(enclosure: BoundedDiscriminant, sigma: Any) -> Any:

@@ -27,7 +27,7 @@ from shootstab.multiprecision.tailed_pencil import BALLS, TailedPencil
 
 LEMMAS = ("C1", "C2", "C3", "C4", "C5", "E11")  # lemmas of the guide's page on proofs
 FIRST_START, FLUX_START = 2.0**-9, 2.0**-9  # chosen: ν0 from which on a start of the far field is looked for
-TAIL_CONTRACTION = 0.5  # chosen: spectral radius with which the bounds of tails contract; longer steps ask for more terms
+TAIL_CONTRACTION = 0.38  # chosen: spectral radius with which the bounds of tails contract; longer steps ask for more terms
 REUSED, REGION_ROOM = (
     1.5,
     1.25,
