@@ -159,7 +159,7 @@ def _wide_model(about: _Surrounded, radius: float, size: float) -> TaylorModel:
     wide = min(WIDEST * size, about.outer / WIDEST_CIRCLE)
     log_size = _log_size(about.D, about.centre + arb(radius))
     log_size += math.log(wide / radius) if radius < wide else 0.0  # D grows about so much, being linear
-    spare = min(SPARE_POINTS, about.most // 8)
+    spare = min(SPARE_POINTS, about.most // 3)
     far = about.outer * math.exp(-nats_for(about.bound, log_size) / (about.most - spare))
     return _model(about, arb(max(min(wide, far), radius)), spare)
 
