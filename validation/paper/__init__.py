@@ -3,4 +3,10 @@
 from __future__ import annotations
 
 # the rows in the order of the table
-SCRIPTS = ("errata",)
+SCRIPTS = (
+    "errata",
+    "order_and_continuum",
+    "far_field",
+    "figure3",
+    "figures456",
+)
