@@ -111,13 +111,13 @@ class Reproduction:
 
         again: those too whose stored results are of this version.
         """
-        stored = load(self.name, results)
+        stored, made = load(self.name, results), self._provenance()
         rows, changed = [], []
         for item in self.items:
             if quick and not item.in_quick:
                 continue
             before = stored.get(item.key)
-            if not quick and not again and before is not None and self._stands(before):
+            if not quick and not again and before is not None and self._stands(before, made):
                 rows.append(before.row)
                 continue
             row = self._computed(item, quick)
@@ -125,7 +125,7 @@ class Reproduction:
             if (before is None and quick) or (before is not None and before.row.verdict != row.verdict):
                 changed.append(f"{item.key}: {row.agreement}, stored is {before.row.verdict if before else 'nothing'}")
             if not quick:
-                stored[item.key] = Stored(row, self._provenance())
+                stored[item.key] = Stored(row, made)
                 known = [other.key for other in self.items]
                 save(self.name, {key: stored[key] for key in known if key in stored}, results)
         show(f"{self.title}   (validation/run.py {self.name})", rows)
@@ -139,12 +139,12 @@ class Reproduction:
         row.verdict  # noqa: B018 - raises where there is nothing to judge by
         return Row(**{**_fields(row), "seconds": round(processor_time() - began, 2)})
 
-    def _stands(self, stored: Stored) -> bool:
-        made = stored.provenance
+    def _stands(self, stored: Stored, made: Mapping[str, str]) -> bool:
         present = all((FIGURES / name).exists() for name in stored.row.figures)
-        return present and made["version"] == shootstab.__version__ and made["script"] == fingerprint(self.name)
+        return present and all(stored.provenance[part] == made[part] for part in ("version", "script"))
 
     def _provenance(self) -> dict[str, str]:
+        """What the rows of one run come from, as it is when the run begins."""
         commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=VALIDATION, capture_output=True, text=True, check=True)
         return {
             "version": shootstab.__version__,
