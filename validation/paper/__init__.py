@@ -7,6 +7,7 @@ SCRIPTS = (
     "errata",
     "order_and_continuum",
     "far_field",
+    "figure2",
     "figure3",
     "figures456",
 )
