@@ -160,7 +160,7 @@ def drawn(name: str, kx: np.ndarray, ky: np.ndarray, rates: np.ndarray) -> str:
     k, sigma = maximum(name)
     place = (k, 0.0) if axis == "kx" else (0.0, k)
     axes[0, 0].plot(*place, "*", color="white", markeredgecolor="black", markersize=12, clip_on=False, zorder=4)
-    axes[0, 0].set_title(f"{name}: largest Re σ {sigma.real:.5f} at {axis} = {k:.5g}", fontsize="medium")
+    figure.suptitle(f"Figure 3, {name}: largest Re σ {sigma.real:.5f} at {axis} = {k:.5g}", fontsize="medium")
     return save(figure, f"figure3-{name}.png")
 
 
