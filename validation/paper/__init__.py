@@ -10,4 +10,5 @@ SCRIPTS = (
     "figure2",
     "figure3",
     "figures456",
+    "figure7",
 )
