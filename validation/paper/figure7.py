@@ -26,7 +26,7 @@ TAN = 0.3  # published: figure 7
 GRAINS = {"e": 0.8, "e_w": 0.8, "r": 0.6}
 TEMPERATURES = np.geomspace(0.08, 20.0, 22)  # chosen: T_∞ of the flows; high, mid and low lie between
 QUICK = TEMPERATURES[::7]  # chosen
-PANELS = {15.0: (0.004, 0.012), 4.0: (0.012, 0.03), 0.5: (0.05, 0.1)}  # chosen: T_∞ of panel (b) and k_x, k_y up to which
+PANELS = {15.0: (0.006, 0.015), 4.0: (0.014, 0.034), 0.5: (0.02, 0.04)}  # chosen: T_∞ of panel (b) and k_x, k_y up to which
 INTERVALS = 5  # chosen: along each axis of panel (b)
 
 
