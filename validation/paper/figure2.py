@@ -86,7 +86,7 @@ def distance(sigma: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 
 def inside(sigma: np.ndarray) -> np.ndarray:
-    """Which of σ (n,) lie in the rectangle."""
+    """A mask of σ (n,): what lies in the rectangle."""
     return np.array([HOLDS.contains(complex(s)) for s in sigma])
 
 
