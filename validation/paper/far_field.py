@@ -25,7 +25,7 @@ from shootstab.models.chute.far_field import decay_matrix
 
 WAVES = {"high": (0.0, 0.0100), "mid": (0.0, 0.0125), "low": (0.011, 0.0)}  # published: section 3.2, the most unstable ones
 FACTORS = np.geomspace(0.02, 1.4, 12)  # chosen: multiples of the most unstable wavenumber, over which the mode of each flow is followed
-QUICK_FACTORS = np.array([0.1, 1.0])  # chosen
+QUICK_FACTORS = np.geomspace(0.5, 1.0, 3)  # chosen: steps over which a mode is followed without fail
 HEIGHTS = (3.0, 5.0, 10.0, 20.0)  # chosen: z_m in T_∞; the paper has more than 20
 SHOWS = 1e-3  # chosen: a relative change that shows in the third digit
 ALIKE = 1e-5  # chosen: relative change that the truncation by (2.20)-(2.22) may make
