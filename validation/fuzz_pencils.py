@@ -148,8 +148,9 @@ def _left_factor(kind: str, rng: np.random.Generator, dtype: str) -> DrawnPencil
     """C0, C1 by a factor S(z)(1 + σN), N nilpotent: the determinant of C does not hold σ."""
     m = int(rng.integers(1, 4))
     n = 2 * m
-    base, S = _parabolic(rng, dtype, m), np.eye(n) + 0.3 * rng.standard_normal((n, n))
-    slope = 0.2 * rng.standard_normal((n, n))
+    base, S, slope = _parabolic(rng, dtype, m), np.zeros((n, n)), np.zeros((n, n))
+    while np.ptp(np.linalg.slogdet(S + slope * np.sin(np.linspace(0.0, 1.0, 101))[:, None, None])[0]) or not S.any():  # regular inside
+        S, slope = np.eye(n) + 0.3 * rng.standard_normal((n, n)), 0.2 * rng.standard_normal((n, n))
     N = np.zeros((n, n))
     N[m:, :m] = rng.standard_normal((m, m))  # rows of slopes gain σ N y′, which must be taken back: y = (y, y′), y′ = second half
 

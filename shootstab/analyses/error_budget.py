@@ -95,16 +95,17 @@ def _rounding(
 ) -> float:
     """The share of rounding, seen on other bases of the far frame on the coarse mesh and, where that matters, on the fine one.
 
-    A problem without a flow of its own has its system computed anew at other points. Beside them what a rounding of every entry does all
-    along the path: ε Σ |ψ†| |P| |ψ| h over |⟨ψ†, ∂P/∂σ ψ⟩|, were it added up, is that of the worst signs; two draws of them are taken.
+    A problem without a flow of its own has its system computed anew at other points: its coefficients may round by more than a last bit.
+    Beside them what a rounding of every entry does all along the path: ε Σ |ψ†| |P| |ψ| h over |⟨ψ†, ∂P/∂σ ψ⟩|, were it added up, is that
+    of the worst signs; two draws of them are taken.
     """
-    seen = [displacement(coarse.with_rotated_basis(seed), coarse_value) for seed in (1, 2)]
-    if NOISE * _rms(seen) > NEGLIGIBLE_SHARE * integration:
-        seen += [displacement(fine.with_rotated_basis(seed), fine_value) for seed in (1, 2)]
-        if problem.with_base_flow_error(FLOWS[0]) is problem:
-            seen.append(displacement(coarse.refined(seed=1), fine_value))
+    bases, points = [displacement(coarse.with_rotated_basis(seed), coarse_value) for seed in (1, 2)], [0.0]
+    if NOISE * _rms(bases) > NEGLIGIBLE_SHARE * integration:
+        bases += [displacement(fine.with_rotated_basis(seed), fine_value) for seed in (1, 2)]
+    if problem.with_base_flow_error(FLOWS[0]) is problem:
+        points = [displacement(coarse.at_other_points(seed), coarse_value) for seed in (1, 2)]
     entries = [displacement(coarse.with_perturbed_system(seed, SYSTEM_PROBE), coarse_value) / SYSTEM_PROBE for seed in (1, 2)]
-    return NOISE * _rms(seen) + SYSTEM_NOISE * EPSILON * _rms(entries) + 8 * EPSILON * abs(fine_value.sigma)
+    return NOISE * max(_rms(bases), _rms(points)) + SYSTEM_NOISE * EPSILON * _rms(entries) + 8 * EPSILON * abs(fine_value.sigma)
 
 
 def _rms(samples: list[float]) -> float:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from shootstab.kernels.step_control import factor
 
 OFF_MIDDLE = 0.02  # chosen: the part of a step by which a cut misses its middle: other roundings, and an error of the same size
+MOVED = 1e-9  # chosen: the part of a step by which a node is moved for other roundings: far above them, and the error of the step stays
 LONGER, STEP_CUTS = 4.0, 6  # chosen: the most that a step grows, and the most parts it is cut into, as the law of errors holds near only
 KNOT_STEP = 1e-14  # chosen: the part of the largest |z| that a step over a knot may be long; tens of roundings
 
@@ -61,6 +62,18 @@ def halved(nodes: NDArray[np.complex128], seed: int | None = None) -> NDArray[np
     out[::2] = nodes
     out[1::2] = nodes[:-1] + cuts * (nodes[1:] - nodes[:-1])
     return np.asarray(out[np.append(True, out[1:] != out[:-1])])  # two neighbouring numbers have no middle
+
+
+def moved(nodes: NDArray[np.complex128], seed: int) -> NDArray[np.complex128]:
+    """Nodes (N + 1,) moved along their steps by random parts of these, too small to change more than how everything rounds.
+
+    The ends stay, and nodes on either side of a knot.
+    """
+    h, knots = np.diff(nodes), across_knots(nodes)
+    free = ~(knots[1:] | knots[:-1])
+    out = nodes.copy()
+    out[1:-1] += np.where(free, MOVED * (2 * np.random.default_rng(seed).random(len(free)) - 1) * h[1:], 0.0)
+    return out
 
 
 def across_knots(nodes: NDArray[np.complex128]) -> NDArray[np.bool_]:

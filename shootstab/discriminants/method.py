@@ -82,6 +82,10 @@ class MeshedDiscriminant(Discriminant, Protocol):
         """D on a mesh with every step halved; with a seed, cut a little off the middle, so that only rounding differs."""
         ...
 
+    def at_other_points(self, seed: int) -> MeshedDiscriminant:
+        """D on nodes moved by so little that only mesh and samples round otherwise."""
+        ...
+
     def with_rotated_basis(self, seed: int) -> MeshedDiscriminant:
         """D on the same mesh, from the far frame in another basis of determinant 1: the same D but for rounding."""
         ...

@@ -60,6 +60,9 @@ class Product:
     def refined(self, seed: int | None = None) -> Product:
         return self._each(lambda member: member.refined(seed))
 
+    def at_other_points(self, seed: int) -> Product:
+        return self._each(lambda member: member.at_other_points(seed))
+
     def with_rotated_basis(self, seed: int) -> Product:
         return self._each(lambda member: member.with_rotated_basis(seed))
 

@@ -60,8 +60,9 @@ class Charts(NamedTuple):
     pairs: NDArray[np.int64]
 
     def on(self, nodes: ComplexArray) -> NDArray[np.int64]:
-        """The exchanges (M, 3) as (node, i, j) on a mesh that was cut from the one that they were chosen on: its nodes stay nodes."""
-        return np.column_stack((np.nonzero(self.z[:, None] == nodes)[1], self.pairs))
+        """The exchanges (M, 3) as (node, i, j) on a mesh that has the nodes of the one that they were chosen on, or nodes next to them."""
+        nearest = np.abs(self.z[:, None] - nodes).argmin(axis=1) if len(self.z) else np.zeros(0, dtype=np.int64)
+        return np.column_stack((nearest, self.pairs))
 
 
 @dataclass(frozen=True)

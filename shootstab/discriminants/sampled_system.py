@@ -27,7 +27,7 @@ from shootstab.kernels.reduced_system import ReducedSystem
 from shootstab.kernels.tableau import STAGES
 from shootstab.kernels.tableau import C as ABSCISSAE
 from shootstab.problems.capabilities import RECORDED
-from shootstab.problems.protocol import ComplexArray, Pencil, Problem
+from shootstab.problems.protocol import ComplexArray, Pencil, PencilSource
 from shootstab.problems.recorded_pencil import RecordedPencil, ReducedPencil
 
 STEPS_AT_A_TIME = 1024  # chosen: steps sampled together: what is needed on the way takes ten times the memory of what is kept
@@ -86,7 +86,7 @@ class SampledSystem:
         return SampledSystem(self.nodes, self.made._replace(P=P, V=V, G=G))
 
 
-def sample_system(problem: Problem, nodes: NDArray[np.complexfloating]) -> SampledSystem:
+def sample_system(problem: PencilSource, nodes: NDArray[np.complexfloating]) -> SampledSystem:
     """A problem sampled on a mesh with nodes (N+1,).
 
     Raises InputError where the pencil is of the wrong shape, not finite, or of deficient rank.
@@ -95,7 +95,7 @@ def sample_system(problem: Problem, nodes: NDArray[np.complexfloating]) -> Sampl
     return SampledSystem(at, _sampled(problem, at[:-1], np.diff(at)))
 
 
-def resample(problem: Problem, nodes: NDArray[np.complexfloating], known: SampledSystem) -> SampledSystem:
+def resample(problem: PencilSource, nodes: NDArray[np.complexfloating], known: SampledSystem) -> SampledSystem:
     """The same as `sample_system` on nodes (N + 1,), with the steps copied that another mesh of the same path has too."""
     at: ComplexArray = np.asarray(nodes, dtype=np.complex128)
     places = {step: i for i, step in enumerate(pairwise(known.nodes.tolist()))}
@@ -113,7 +113,7 @@ def resample(problem: Problem, nodes: NDArray[np.complexfloating], known: Sample
     return SampledSystem(at, known.made._replace(P=P, V=V, G=G))
 
 
-def _sampled(problem: Problem, starts: ComplexArray, h: ComplexArray) -> ReducedSystem:
+def _sampled(problem: PencilSource, starts: ComplexArray, h: ComplexArray) -> ReducedSystem:
     """The system on steps of these lengths from these points, in the order of the path, STEPS_AT_A_TIME of them together."""
     recorded = RECORDED.of(problem)
     formula = None if recorded is None else recorded.reduced
@@ -147,7 +147,7 @@ def _abscissae(starts: ComplexArray, h: ComplexArray) -> tuple[ComplexArray, NDA
     return starts[:, None] + h[:, None] * ABSCISSAE[order], np.argsort(order)
 
 
-def _reduced(problem: Problem, starts: ComplexArray, h: ComplexArray) -> tuple[ComplexArray, ComplexArray, ComplexArray, ComplexArray]:
+def _reduced(problem: PencilSource, starts: ComplexArray, h: ComplexArray) -> tuple[ComplexArray, ComplexArray, ComplexArray, ComplexArray]:
     """X, V, G, T of `reduce_pencil` at the abscissae of the steps, each (N, 12, …)."""
     points, back = _abscissae(starts, h)
     X, V, G, T = (a.reshape(len(h), STAGES, *a.shape[1:])[:, back] for a in reduce_pencil(problem.pencil(points.ravel()), problem.size))

@@ -10,10 +10,11 @@ import numpy as np
 
 from shootstab.core.discriminant import Value
 from shootstab.core.scaled import EPSILON, Scaled
-from shootstab.discriminants.mesh import halved
+from shootstab.discriminants.mesh import halved, moved
 from shootstab.discriminants.method import Propagation, Propagator
+from shootstab.discriminants.perturbed_pencil import PerturbedPencil, solved_with
 from shootstab.discriminants.sampled_system import SampledSystem, sample_system
-from shootstab.problems.capabilities import LAYOUT
+from shootstab.problems.capabilities import LAYOUT, RECORDED
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
 
 KEPT = 8  # chosen: evaluations: those of a circle that was asked whether its mesh serves it are asked for again
@@ -88,6 +89,10 @@ class Shooting:
         """
         return self._variant(lambda far: far, self._system(self.problem, True, seed), self.problem)
 
+    def at_other_points(self, seed: int) -> Shooting:
+        """The same with its nodes moved by so little that only mesh and samples round otherwise."""
+        return self._variant(lambda far: far, sample_system(self.problem, moved(self.sampled.nodes, seed)), self.problem)
+
     def with_rotated_basis(self, seed: int) -> Shooting:
         """The same from the far frame with its columns in another order and with other phases, of product 1, at random.
 
@@ -108,10 +113,16 @@ class Shooting:
         return self._variant(lambda far: replace(far, frame=far.frame * noise), self.sampled, self.problem)
 
     def with_perturbed_system(self, seed: int, size: float) -> Shooting:
-        """The same with every entry of the sampled system, and z, changed by random relative amounts of this size."""
-        at = np.abs(self.sampled.nodes[:-1])
+        """The same with every entry of the sampled system, and z, changed by random relative amounts of this size.
+
+        Where C has to be solved with, every entry of C and D is changed besides; a recorded pencil is a formula of its own for C⁻¹D.
+        """
+        nodes, sampled = self.sampled.nodes, self.sampled
+        if RECORDED.of(self.problem) is None and solved_with(self.problem, nodes[[0, len(nodes) // 2]]):
+            sampled = sample_system(PerturbedPencil(self.problem, seed, size), nodes)
+        at = np.abs(nodes[:-1])
         places = [abs(part.offset) + abs(part.scale) * at for part in LAYOUT.of(self.problem)]
-        return self._variant(self._start, self.sampled.perturbed(seed, size, np.max([at, *places], axis=0)), self.problem)
+        return self._variant(self._start, sampled.perturbed(seed, size, np.max([at, *places], axis=0)), self.problem)
 
     def on_same_mesh(self, problem: Problem) -> Shooting:
         """D(σ) of another problem, on the same mesh."""

@@ -32,7 +32,8 @@ from shootstab.formulation.stated_unknowns import unknowns_of
 from shootstab.formulation.statement import Statement, stated
 from shootstab.formulation.walls import require_finite, wall_at
 from shootstab.problems.ends import Infinity
-from shootstab.problems.linear_problem import MOST_STATES, LinearProblem, as_knots
+from shootstab.problems.knots import as_knots
+from shootstab.problems.linear_problem import MOST_STATES, LinearProblem
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.singular_curve import ContinuumOnLine

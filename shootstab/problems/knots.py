@@ -15,7 +15,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from shootstab.core.errors import InputError
 from shootstab.core.scaled import EPSILON
@@ -278,3 +278,15 @@ def _residual_operator() -> Reals:
 PIECE_ABSCISSAE: Reals = -np.cos(np.pi * np.arange(KNOT_POINTS) / (KNOT_POINTS - 1))  # ends included: a jump next to one is seen
 FIT_OPERATOR: Reals = np.asarray(np.linalg.pinv(np.polynomial.chebyshev.chebvander(PIECE_ABSCISSAE, KNOT_DEGREE)), dtype=np.float64)
 RESIDUAL_OPERATOR = _residual_operator()
+
+
+def as_knots(knots: ArrayLike, low: float, high: float) -> tuple[float, ...]:
+    """The knots (k,), points between the ends low and high, rising, each once. Raises InputError for what is none."""
+    try:
+        at = np.unique(np.asarray(knots, dtype=np.float64).ravel())
+    except (ValueError, TypeError) as error:
+        raise InputError(f"knots = {knots!r} are no numbers ({error}): allowed are points of the line") from None
+    outside = at[~(np.isfinite(at) & (at > low) & (at < high))]
+    if len(outside):
+        raise InputError(f"a knot lies at z = {outside[0]:g}: allowed are points between the ends, {low:g} and {high:g}")
+    return tuple(at.tolist())

@@ -17,10 +17,11 @@ from shootstab.problems.capabilities import ENCLOSABLE, MULTIPRECISION, VARIED
 from shootstab.problems.decaying_space import AsymptoticRates, DecayingSpace
 from shootstab.problems.ends import Infinity, Interface, Wall
 from shootstab.problems.first_mesh import resolving
-from shootstab.problems.knots import CoefficientFunction, find_knots, with_pairs
+from shootstab.problems.knots import CoefficientFunction, as_knots, find_knots, with_pairs
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
 from shootstab.problems.singular_curve import CURVE_PROBES, ContinuumOnLine, SingularCurve, singular_curves
+from shootstab.problems.singular_point import require_regular
 from shootstab.problems.splitting import AsymptoticPencil
 from shootstab.problems.subdomains import blocks, frames
 from shootstab.problems.two_point import TwoPointReduction, reduce_to_two_points
@@ -112,22 +113,12 @@ def problem(
     return LinearProblem(function, reduction, curve, fixed, coarser, farther, written, growing_region, shown, given)
 
 
-def as_knots(knots: ArrayLike, low: float, high: float) -> tuple[float, ...]:
-    """The knots (k,), points between the ends low and high, rising, each once. Raises InputError for what is none."""
-    try:
-        at = np.unique(np.asarray(knots, dtype=np.float64).ravel())
-    except (ValueError, TypeError) as error:
-        raise InputError(f"knots = {knots!r} are no numbers ({error}): allowed are points of the line") from None
-    outside = at[~(np.isfinite(at) & (at > low) & (at < high))]
-    if len(outside):
-        raise InputError(f"a knot lies at z = {outside[0]:g}: allowed are points between the ends, {low:g} and {high:g}")
-    return tuple(at.tolist())
-
-
 def _curves(
     function: PencilFunction, reduction: TwoPointReduction, given: Callable[[Any], Any] | Literal[False] | None
 ) -> tuple[Callable[[Any], Any] | None, Crossings]:
     """σ_c as it was given or as the pencil has it, if a path may lead around it; and (z, σ_c(z)) of what no path leads around."""
+    for line in reduction.lines:
+        require_regular(function, line)
     if given is not None:
         return given or None, ()
     curves: list[tuple[NDArray[np.float64], ComplexArray]] = []

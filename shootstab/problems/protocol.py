@@ -56,6 +56,19 @@ class Pencil:
         return Pencil.of(*([unit**k * M if k else M for k, M in enumerate(part)] for part in (self.C, self.D)))
 
 
+class PencilSource(Protocol):
+    """As much of a problem as sampling it asks for."""
+
+    @property
+    def size(self) -> int:
+        """n, the number of components."""
+        ...
+
+    def pencil(self, z: ComplexArray) -> Pencil:
+        """C and D at points z (m,)."""
+        ...
+
+
 @dataclass(frozen=True)
 class FarFrame:
     """A basis of the decaying space at a point, analytic in σ: frame · exp(log_scale/k) per column.

@@ -39,7 +39,7 @@ class Linear:
     log_scale: float = 3.0
     start: float = 0.0
     rotated: dict[int, float] = field(default_factory=dict)
-    recut: complex = 0j
+    elsewhere: dict[int, float] = field(default_factory=dict)
     entries: dict[int, float] = field(default_factory=dict)
 
     def __call__(self, sigma: complex) -> Scaled:
@@ -64,8 +64,8 @@ class Linear:
         assert size == SYSTEM_PROBE
         return self.moved(self.entries.get(seed, 0.0))
 
-    def refined(self, seed: int | None = None) -> Linear:
-        return Linear(self.recut, self.slope * math.exp(-1.5), self.log_scale + 1.5)
+    def at_other_points(self, seed: int) -> Linear:
+        return self.moved(self.elsewhere.get(seed, 0.0))
 
     def on_same_mesh(self, problem: Any) -> Linear:
         return self.moved(problem.move)
@@ -87,14 +87,16 @@ def test_every_part_is_what_the_variants_move_the_zero_by() -> None:
 
 
 def test_rounding_is_sampled_on_the_fine_mesh_where_it_matters() -> None:
-    coarse = Linear(ZERO + 3e-9, rotated={1: 3e-9, 2: 4e-9}, recut=ZERO + 5e-9)
+    coarse = Linear(ZERO + 3e-9, rotated={1: 3e-9, 2: 4e-9}, elsewhere={1: 1e-9, 2: 2e-9})
     fine = Linear(ZERO, rotated={1: 1e-9, 2: 2e-9})
     found = of(RoughFlow({}), coarse, fine, 0.25)
-    samples = (3e-9, 4e-9, 1e-9, 2e-9, 5e-9)
+    samples = (3e-9, 4e-9, 1e-9, 2e-9)
     rms = math.sqrt(sum(x * x for x in samples) / len(samples))
     assert found.rounding == pytest.approx(NOISE * rms + 8 * EPSILON * abs(SIGMA), rel=CLOSE, abs=0.0)
     assert found.steady_flow == 0.0
     assert found.far_field == 0.0
+    rough = of(RoughFlow({}), Linear(ZERO, rotated={1: 0.0, 2: 0.0}, elsewhere={1: 3e-9, 2: 4e-9}), fine, 0.25)
+    assert rough.rounding == pytest.approx(NOISE * math.sqrt(12.5) * 1e-9 + 8 * EPSILON * abs(SIGMA), rel=CLOSE, abs=0.0)
     quiet = of(RoughFlow({4.0: 0.0, 2.0: 0.0}), Linear(ZERO + 3e-9, rotated={1: 3e-13, 2: 4e-13}), fine, 0.25)
     rms = math.sqrt((3e-13**2 + 4e-13**2) / 2)
     assert quiet.rounding == pytest.approx(NOISE * rms + 8 * EPSILON * abs(SIGMA), rel=1e-3, abs=0.0)

@@ -69,3 +69,17 @@ def test_complex_airy_breaks_no_bound() -> None:
     error = float(abs(mpmath.mpmathify(mode.sigma) - truth))
     assert mode.converged
     assert error <= mode.error < 200 * error
+
+
+@pytest.mark.parametrize("method", ["frame", "riccati"])
+def test_a_pencil_whose_c_is_nearly_singular_breaks_no_bound(method: str) -> None:
+    """y″ = σ y times a matrix of condition 1e6 that varies: what elimination makes of a rounding of its entries is in the bound."""
+
+    def multiplied(z: Any) -> tuple[Any, ...]:
+        L = np.array([[1.0, 1.0 + 0.1 * np.sin(9 * z)], [1.0, 1.0 + 0.1 * np.sin(9 * z) + 1e-6]])
+        return L, np.zeros((2, 2)), L @ np.array([[0.0, 1.0], [0.0, 0.0]]), L @ D1
+
+    P = st.problem(2, multiplied, st.Wall(0, [[1, 0]]), st.Wall(1, [[1, 0]]))
+    for n in (1, 2, 3):
+        mode = st.refine(P, guess=-((n * math.pi) ** 2) * 1.001, rtol=1e-7, method=method)
+        assert abs(mode.sigma + (n * math.pi) ** 2) <= mode.error < 1e-7 * n * n

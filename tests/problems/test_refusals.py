@@ -76,3 +76,15 @@ def test_an_end_whose_c_is_singular_lies_on_the_spectrum() -> None:
     limit = AsymptoticPencil(Pencil(*(np.asarray(M, dtype=np.complex128) for M in moving_c(0.0))), 1)
     with pytest.raises(Undecidable, match=r"C is singular at the end at infinity for sigma = 1\b"):
         limit.rates(1.0)
+
+
+def test_a_pencil_whose_c_is_singular_at_a_point_for_every_sigma_is_told_the_point() -> None:
+    """The string, multiplied by a matrix whose determinant is 3/4 − z: its samples next to z = 3/4 are rounding."""
+
+    def multiplied(z: Any) -> tuple[Any, ...]:
+        L, (D0, D1) = np.array([[0.75 - z, 0.3], [0.0, 1.0]]), string(z)
+        return L, np.zeros((2, 2)), L @ D0, L @ D1
+
+    with pytest.raises(InputError, match=r"C is singular at z = 0\.75, whatever sigma is"):
+        st.problem(2, multiplied, st.Wall(0, FIXED), st.Wall(1, FIXED))
+    assert st.refine(st.problem(2, multiplied, st.Wall(0, FIXED), st.Wall(0.5, FIXED)), guess=-39.0).converged
