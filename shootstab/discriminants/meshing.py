@@ -200,10 +200,11 @@ def _noise(before: Shooting, after: Shooting, sigma: complex) -> float:
         return 0.0
     noise = NOISE_SAFETY * float(old[noisy].max())
     if noise > LOUDEST_NOISE:
-        z = before.sampled.nodes[:-1][noisy].real
+        at = before.sampled.nodes[:-1][noisy]
+        z, near = at.real, _nearly_singular(before, at, sigma).any()
         raise ConvergenceError(
             f"between z = {z.min():.6g} and {z.max():.6g} local errors of {noise / NOISE_SAFETY:.1e} do not fall with the step: "
-            "they are rounding, or noise in the coefficients"
+            + (f"C is nearly singular there at sigma = {sigma:.6g}" if near else "they are rounding, or noise in the coefficients")
         )
     return noise
 
@@ -261,9 +262,13 @@ def _trouble(shooting: Shooting, errors: NDArray[np.float64], sigma: complex) ->
     bad = np.flatnonzero(~np.isfinite(errors))
     worst = int(bad[0]) if len(bad) else int(errors.argmax())
     z = shooting.sampled.nodes[worst : worst + 2].mean()
-    pencil = shooting.problem.pencil(np.array([z]))
-    singular = np.linalg.svd(polynomial.value(pencil.C, sigma)[0], compute_uv=False)
     where = f"{z.real:.6g}" if z.imag == 0.0 else f"{z:.6g}"
-    if singular[-1] < SMALL_DETERMINANT * singular[0]:
+    if _nearly_singular(shooting, np.array([z]), sigma)[0]:
         return f"C is singular next to z = {where}"
     return f"solutions or coefficients vary too fast next to z = {where}"
+
+
+def _nearly_singular(shooting: Shooting, z: ComplexArray, sigma: complex) -> NDArray[np.bool_]:
+    """Where of the points z (m,) C(σ) is singular to SMALL_DETERMINANT."""
+    singular = np.linalg.svd(polynomial.value(shooting.problem.pencil(z).C, sigma), compute_uv=False)
+    return np.asarray(singular[:, -1] < SMALL_DETERMINANT * singular[:, 0])

@@ -57,7 +57,7 @@ class Pencil:
 
 
 class PencilSource(Protocol):
-    """As much of a problem as sampling it asks for."""
+    """What sampling asks for: a pencil and its size."""
 
     @property
     def size(self) -> int:

@@ -11,7 +11,7 @@ from shootstab.problems.pencil_function import PencilFunction
 
 POINT_PROBES = 65  # chosen: points of a line at which the sign of det C is looked at
 REAL_SIGMAS = (0.83, -1.17)  # chosen: two real σ of no property, in the scale that the sizes of C0, C1, … give
-HALVINGS_TO_POINT = 30  # chosen: of the step between two probes, to nine digits
+HALVINGS_TO_POINT = 30  # chosen: halvings of the step between two probes, to nine digits
 
 
 def require_regular(function: PencilFunction, line: NDArray[np.complexfloating]) -> None:
