@@ -11,4 +11,5 @@ SCRIPTS = (
     "figure3",
     "figures456",
     "figure7",
+    "two_methods",
 )
