@@ -32,6 +32,8 @@ def sensitivities(found: Eigenfunction, parameters: Sequence[str]) -> list[Sensi
 
     Raises InputError for a problem without a family, a parameter that it has not, and one whose change couples what is apart.
     """
+    if not isinstance(found, Eigenfunction):
+        raise InputError(f"{type(found).__name__} is no eigenfunction: allowed is what st.eigenfunction(problem, guess) gives")
     family_of = FAMILY.required(found.problem)
     out = []
     for name in parameters:

@@ -52,6 +52,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     streams.prepare()
     one_thread_from_here()
     words = _with_values(sys.argv[1:] if argv is None else argv)
+    ended_by: list[signals.Ended] = []
     try:
         if not words:
             print(DOORS)
@@ -59,7 +60,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         options = parser().parse_args(words)
         commands.prepare(options)
         compilation.tell(Announcement())
-        with signals.raised():
+        with signals.raised(ended_by):
             status: int = options.run(options)
             sys.stdout.flush()
         return status
@@ -83,7 +84,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return _say(f"the answer could not be written: {error.strerror}", NOT_WRITTEN)
     except Exception as error:
-        return _internal(error)
+        return _say(ended_by[0], ended_by[0].status) if ended_by else _internal(error)
 
 
 def _internal(error: Exception) -> int:

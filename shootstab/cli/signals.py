@@ -21,15 +21,19 @@ class Ended(KeyboardInterrupt):
         self.status = 128 + number
 
 
-def _end(number: int, _: FrameType | None) -> None:
-    """The second of its kind ends the program at once."""
-    signal.signal(number, signal.SIG_DFL)
-    raise Ended(number)
-
-
 @contextmanager
-def raised() -> Iterator[None]:
-    """While a command runs. A signal that is ignored, as nohup ignores SIGHUP, or that the caller handles himself is left to him."""
+def raised(received: list[Ended]) -> Iterator[None]:
+    """While a command runs. A signal that is ignored, as nohup ignores SIGHUP, or that the caller handles himself is left to him.
+
+    What was raised is put into received too: a library that is interrupted may end in an exception of its own.
+    """
+
+    def _end(number: int, _: FrameType | None) -> None:
+        """The second of its kind ends the program at once."""
+        signal.signal(number, signal.SIG_DFL)
+        received.append(Ended(number))
+        raise received[-1]
+
     numbers = [getattr(signal, name) for name in ENDING_SIGNALS if hasattr(signal, name)]
     mine = [n for n in numbers if signal.getsignal(n) is signal.SIG_DFL] if threading.current_thread() is threading.main_thread() else []
     for number in mine:

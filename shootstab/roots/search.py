@@ -115,7 +115,8 @@ def _search(search: Search, region: Region, counted: Counted, known: list[Zero],
     here = [k for k in known if search.holds(region, k.sigma)]
     lacking = counted.count - sum(k.multiplicity for k in here)
     if lacking < 0:
-        raise ConvergenceError(f"{counted.count} zeros were counted near {region.hull[0]:.6g}, fewer than are known there")
+        many = "1 zero was" if counted.count == 1 else f"{counted.count} zeros were"
+        raise ConvergenceError(f"{many} counted near {region.hull[0]:.6g}, fewer than are known there")
     if lacking == 0:
         return []
     if counted.count <= HANDFUL:

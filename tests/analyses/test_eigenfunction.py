@@ -325,3 +325,8 @@ def test_what_is_no_simple_mode_and_what_is_outside_is_refused() -> None:
     )
     with pytest.raises(InputError, match="stands for 2"):
         eigenfunction(twice, -(math.pi**2))
+
+
+def test_sensitivities_are_those_of_an_eigenfunction(scenes: dict[str, ChuteProblem]) -> None:
+    with pytest.raises(st.InputError, match=r"ChuteProblem is no eigenfunction: allowed is what st\.eigenfunction"):
+        st.sensitivities(scenes["high"], ["ky"])  # type: ignore[arg-type]

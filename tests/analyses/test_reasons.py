@@ -68,7 +68,7 @@ def test_a_search_that_counts_fewer_zeros_than_are_known_refuses() -> None:
     D = Function(lambda s: s - 0.5, lambda s: 1.0)
     search = Search(lambda region: wind(D, region), lambda disc: wind(D, disc), lambda start, length: None)
     known = [Zero(0.5 + 0j), Zero(0.25 + 0j)]
-    with pytest.raises(ConvergenceError, match=r"1 zeros were counted near .*, fewer than are known there"):
+    with pytest.raises(ConvergenceError, match=r"1 zero was counted near .*, fewer than are known there"):
         find(search, st.Disc(0.4 + 0j, 0.3), known)
 
 

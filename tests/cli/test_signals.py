@@ -66,13 +66,34 @@ def test_a_command_that_is_ended_while_it_writes(tmp_path: Path, by: str, status
 def test_handlers_are_put_back_and_those_of_others_left_alone() -> None:
     with at_default():
         signal.signal(signal.SIGHUP, signal.SIG_IGN)  # as nohup does
-        with signals.raised():
+        received: list[signals.Ended] = []
+        with signals.raised(received):
             assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
             with pytest.raises(signals.Ended, match="ended by SIGTERM") as caught:
                 signal.raise_signal(signal.SIGTERM)
             assert caught.value.status == 143
+            assert received == [caught.value]
             assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL  # a second one ends the program at once
         assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+
+
+def test_a_library_that_is_interrupted_may_end_in_its_own_words(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As a compiler does that is left half way."""
+
+    def compiled(options: object) -> int:
+        try:
+            signal.raise_signal(signal.SIGTERM)
+        except KeyboardInterrupt:
+            raise RuntimeError("no compiled object yet") from None
+        return commands.DONE
+
+    monkeypatch.setattr(commands, "scenes", compiled)
+    compiled.__name__ = "scenes"
+    with at_default():
+        assert main.main(["scenes"]) == 143
+    assert capsys.readouterr().err == "shootstab: ended by SIGTERM\n"
 
 
 def test_a_thread_leaves_them_alone() -> None:

@@ -77,9 +77,13 @@ class Flow:
 
         With order='path' the points are followed one after the other, from the first one on: far off the real axis this continues the
         flow analytically along the path they make.
+
+        Raises InputError where z holds what is no finite number, ConvergenceError where the flow cannot be continued to a point.
         """
         z = np.asarray(z)
         flat = np.ravel(z).astype(np.complex128)
+        if not np.isfinite(flat).all():
+            raise InputError("z holds what is no finite number: allowed are heights above the base")
         out = np.empty((flat.size, DESCENT_SIZE), dtype=np.complex128)
         # nodes descend: the last node with nodes[i] ≥ Re z
         places = np.searchsorted(-self.nodes, -flat.real, side="right") - 1

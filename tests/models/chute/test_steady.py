@@ -651,3 +651,8 @@ def test_scouting_with_cruder_flows_finds_the_same_members(monkeypatch: pytest.M
         with monkeypatch.context() as patch:
             patch.setattr(family, "DOUBT", np.inf)
             assert [f.far_temperature for f in flows(PAPER, mass_flux)] == quick
+
+
+def test_a_height_that_is_no_number_is_refused() -> None:
+    with pytest.raises(InputError, match="z holds what is no finite number"):
+        flow_of(PAPER, 7.0).states_at(np.array([1.0, math.nan]))
