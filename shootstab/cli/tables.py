@@ -251,7 +251,7 @@ def ruled(title: str, *headings: str, numbered: bool = True) -> Table:
 def pairs(rows: Iterable[tuple[str, str]]) -> Table:
     """Names and values, without rules; a value that the page does not hold on one line goes on below itself."""
     rows = list(rows)
-    room = PAGE - 1 - max(len(name) for name, _ in rows)
+    room = PAGE - GAP - max(len(name) for name, _ in rows)  # rich pads two columns by one character each
     table = Table(box=None, show_header=False, pad_edge=False)
     table.add_column(no_wrap=True, style="dim")
     table.add_column(no_wrap=True)

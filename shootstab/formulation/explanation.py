@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
 from functools import partial
 
 from shootstab.formulation.base_flow import highest_derivatives
@@ -14,6 +15,7 @@ from shootstab.formulation.continuous_spectrum import InteriorSpectrum
 from shootstab.formulation.dispersion import FlowLimit, dispersion_relation, free_name, zero_in_sigma
 from shootstab.formulation.expression import VARIABLE, Expression, number
 from shootstab.formulation.joint_conditions import rows_over_states
+from shootstab.formulation.mirror import mirror_signs
 from shootstab.formulation.names import Names
 from shootstab.formulation.reduced_layers import ReducedLayer
 from shootstab.formulation.state_pencil import Condition, StatePencil, independent_states
@@ -55,6 +57,9 @@ def explanation(
     if len(apart) > 1:
         told = "; ".join(", ".join(shown(first.states[j]) for j in part) for part in apart)
         lines.append(("subsystems", f"{len(apart)}, which no equation or condition connects: {told}"))
+    mirror = mirror_signs(statement)
+    if mirror is not None:
+        lines.append(("symmetry", _symmetry(*mirror, names)))
     if statement.base is not None:
         lines += [("base flow", f"{shown(top)} = {text(slope)}") for top, slope in highest_derivatives(statement.base)]
         lines += [("base flow", told) for told in found_values(statement.base, names.variable)]
@@ -111,6 +116,13 @@ def _essential(states: StatePencil, direction: int, limit: FlowLimit | None, nam
     alone = zero_in_sigma(relation)
     what = f"{names.eigenvalue} = {text(alone)}" if alone is not None else f"the zeros in {names.eigenvalue} of {text(relation)}"
     return [(f"essential spectrum, {INFINITIES[direction]}", f"{what}, {wavenumber} real")]
+
+
+def _symmetry(middle: Fraction, signs: Mapping[str, int], names: Names) -> str:
+    """What a mirror at z = middle says of modes."""
+    even, odd = (", ".join(name for name, sign in signs.items() if sign == wanted) for wanted in (1, -1))
+    kinds = f"{even} even and {odd} odd" if odd else f"{even} even"
+    return f"about {names.variable} = {float(middle):g}: modes have {kinds}, or the reverse"
 
 
 def _curves(inside: InteriorSpectrum, names: Names, text: Callable[[Expression], str]) -> str:
