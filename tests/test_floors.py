@@ -106,13 +106,15 @@ def test_no_module_is_too_long() -> None:
         assert len(path.read_text().splitlines()) <= LONGEST, name
 
 
-def reachable(start: str) -> set[str]:
+def reachable(start: str, beside: str = "") -> set[str]:
+    """The modules that a module imports, and those import, itself among them; not through those whose names begin with beside."""
     known, seen, todo = modules(), set(), [start]
     while todo:
         name = todo.pop()
         if name not in seen:
             seen.add(name)
-            todo += [n for n in imports(known[name]) if known[n].name != "__init__.py"]
+            found = [n for n in imports(known[name]) if known[n].name != "__init__.py"]
+            todo += [n for n in found if not beside or not n.startswith(beside)]
     return seen
 
 

@@ -17,8 +17,8 @@ def posed(name: str, left: list[str], right: list[str], low: float = -1.0, high:
 
 
 def test_it_shares_nothing_with_the_reduction() -> None:
-    """Formulas, names and conditions as the user stated them are common; what is derived from them is not."""
-    twin = reachable("shootstab.formulation.equation_collocation")
+    """Formulas, names and conditions as the user stated them are common, and the solution of a base flow; what is derived is not."""
+    twin = reachable("shootstab.formulation.equation_collocation", beside="shootstab.formulation.base_")
     derived = ("reduction", "first_order", "linear_algebra", "state_pencil", "continuous_spectrum", "digits", "problem")
     assert not any(name == f"shootstab.formulation.{module}" for name in twin for module in derived)
     assert not any(name.startswith(("shootstab.discriminants", "shootstab.kernels", "shootstab.multiprecision")) for name in twin)
