@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -37,7 +38,7 @@ from shootstab.problems.linear_problem import MOST_STATES, LinearProblem
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.singular_curve import ContinuumOnLine
-from shootstab.problems.two_point import reduce_to_two_points
+from shootstab.problems.two_point import TwoPointReduction, reduce_to_two_points
 
 if TYPE_CHECKING:
     from shootstab.multiprecision.enclosable import Enclosable
@@ -257,7 +258,7 @@ def assembled(
         reduction = reduce_to_two_points(matrices, made[0], made[1], interfaces, fold, reference)
     made_coarser: Callable[[float], LinearProblem] | None = None
     if statement.base is not None and reduced is None:
-        made_coarser = partial(_on_another_flow, statement, fold, reference, layers, knots)
+        made_coarser = partial(_on_another_flow, statement, fold, reference, layers, knots, reduction)
     # layers find unknowns that were removed each in its own way, so only those that are states are shown across layers
     shown_unknowns = [name for name in statement.names.unknowns if not statement.joints or (name, 0) in first.states]
     return EquationProblem(
@@ -281,10 +282,17 @@ def _on_another_flow(
     reference: complex | None,
     layers: tuple[ReducedLayer, ...],
     knots: Sequence[float],
+    own: TwoPointReduction,
     factor: float,
 ) -> LinearProblem:
-    """The problem on a base flow that is off by so many roundings."""
+    """The problem on a base flow that is off by so many roundings.
+
+    An end at infinity keeps the place where it begins: elsewhere the decaying solutions have other sizes, and D another factor.
+    """
     given: Given = {**statement.domain.given, **functions(statement.base, factor)}
     other = replace(statement, domain=replace(statement.domain, given=given))
     changed = tuple(replace(x, domain=replace(x.domain, given=given)) for x in layers)
-    return assembled(other, fold, reference, reduced=changed, knots=knots)
+    made = assembled(other, fold, reference, reduced=changed, knots=knots)
+    if all(map(math.isfinite, (statement.domain.left, statement.domain.right))):
+        return made
+    return replace(made, reduction=replace(made.reduction, subdomains=own.subdomains, start=own.start, end=own.end))

@@ -54,7 +54,7 @@ def test_explain_says_what_was_found(tmp_path: Path, capsys: pytest.CaptureFixtu
 
 
 def test_explain_is_refused_where_nothing_was_written(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["explain", "davies"]) == 2
+    assert main(["explain", "high"]) == 2
     assert "was not written in equations" in capsys.readouterr().err
 
 
