@@ -20,7 +20,7 @@ from shootstab.problems.first_mesh import resolving
 from shootstab.problems.knots import CoefficientFunction, as_knots, find_knots, with_pairs
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
-from shootstab.problems.singular_curve import CURVE_PROBES, ContinuumOnLine, SingularCurve, singular_curves
+from shootstab.problems.singular_curve import CURVE_PROBES, TRACE_NOISE, ContinuumOnLine, SingularCurve, singular_curves
 from shootstab.problems.singular_point import require_regular
 from shootstab.problems.splitting import AsymptoticPencil
 from shootstab.problems.subdomains import blocks, frames
@@ -215,7 +215,17 @@ class LinearProblem:
     @property
     def continuum(self) -> ContinuumOnLine | None:
         """σ_c(z); None where the problem has none, or is not analytic in z: then its curves are crossings."""
-        return self._on_line if len(self.reduction.subdomains) == 1 and (self.curve is None or len(self.knots) == 0) else None
+        alone = len(self.reduction.subdomains) == 1 and (self.curve is None or (len(self.knots) == 0 and self._curve_moves))
+        return self._on_line if alone else None
+
+    @cached_property
+    def _curve_moves(self) -> bool:
+        """Whether σ_c is more than one number: a path in z leads around a curve, and around no point."""
+        line = self._on_line
+        if line is None:
+            return False
+        sigma = line(line.heights(CURVE_PROBES).astype(np.complex128))
+        return bool(np.abs(sigma - sigma[0]).max() > TRACE_NOISE * max(1.0, float(np.abs(sigma).max())))
 
     @property
     def asymptotics(self) -> tuple[tuple[AsymptoticPencil, int], ...]:

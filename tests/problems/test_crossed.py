@@ -112,3 +112,14 @@ def test_the_eigenfunction_jumps_where_interfaces_are_crossed() -> None:
         left, right = (shape.state(np.array([z + side * near]))[0] for side in (-1, 1))
         assert right[0] == pytest.approx(left[0], rel=1e-6)
         assert right[1] == pytest.approx(left[1] * behind / before, rel=1e-6)
+
+
+def test_a_continuous_spectrum_of_one_point_is_crossed_and_not_led_around() -> None:
+    """A curve without extent has no ends around which discs could be left out."""
+    D0, D1 = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0, 0.0], [1.0, 0.0]])
+    problem = st.problem(2, lambda z: (D0, D1), st.Wall(0, [[1, 0]]), st.Wall(1, [[1, 0]]), continuum=lambda z: 0.5)
+    assert problem.continuum is None
+    assert {complex(s) for _, sigma in problem.crossings for s in sigma} == {0.5}
+    assert st.count(problem, st.Rectangle(-11 - 1j, -9 + 1j)) == 1
+    with pytest.raises(st.ConvergenceError):
+        st.count(problem, st.Rectangle(-1 - 1j, 1 + 1j))
