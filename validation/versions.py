@@ -2,7 +2,7 @@
 
     python validation/versions.py                           # both sets, every interpreter python3.11 … on the path
     python validation/versions.py --quick                   # tests that use every dependency, three minutes of processor time a set
-    python validation/versions.py oldest -- -m 'not slow'   # one set; what follows -- goes to pytest
+    python validation/versions.py oldest -- -m slow         # one set; what follows -- goes to pytest, here the longest tests
 
 Each set is installed into a virtual environment of its own in a temporary folder, from wheels alone. `oldest` pins every
 dependency, those of the extras too, to its lower bound, on the first of the interpreters: newer ones have no wheels of these. `newest`
@@ -97,7 +97,7 @@ def main() -> int:
     cut = given.index("--") if "--" in given else len(given)
     parser.add_argument("--quick", action="store_true", help=f"{' '.join(QUICK)}, without what is slow")
     options = parser.parse_args(given[:cut])
-    arguments = [*given[cut + 1 :], *((*QUICK, "-m", "not slow") if options.quick else ())]
+    arguments = [*given[cut + 1 :], *(QUICK if options.quick else ())]
     wrong = [w for w in options.which if w not in ("oldest", "newest")]
     if wrong:
         parser.error(f"{', '.join(wrong)}: allowed is oldest, newest")
