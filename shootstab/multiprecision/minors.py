@@ -35,7 +35,7 @@ def solved(n: int, C: MinorEntries, D: MinorEntries) -> MinorEntries:
         pivot = max(range(column, n), key=lambda r: _size(rows[r].get(column)))
         rows[column], rows[pivot] = rows[pivot], rows[column]
         if not _size(rows[column].get(column)) > 0.0:
-            raise ConvergenceError("C is singular as far as its enclosure tells: sigma lies on the continuous spectrum")
+            raise ConvergenceError("C may be singular, as far as its enclosure tells: sigma lies on the continuous spectrum, or next to it")
         top = rows[column].pop(column)
         rows[column] = {j: e / top for j, e in rows[column].items()}
         for r in range(n):

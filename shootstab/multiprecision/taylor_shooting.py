@@ -105,7 +105,7 @@ class TaylorShooting:
                 self._next = 2.0 ** (here + min(limit, STEP_GROWTH) - 0.02)
                 return step, end
             longest = 2.0 ** (here + limit - 0.02)
-        raise ConvergenceError("no Taylor step is short enough: sigma lies on the continuous spectrum")
+        raise ConvergenceError("no Taylor step is short enough: sigma lies on the continuous spectrum, or next to it")
 
     def _at_wall(self, sigma: Any, Y: Matrix, det: Any) -> Any:
         rows = matrices.polynomial(self._rows, sigma)

@@ -12,6 +12,7 @@ import shootstab as st
 from shootstab.core.errors import InputError, Undecidable
 from shootstab.problems.protocol import Pencil
 from shootstab.problems.splitting import AsymptoticPencil
+from shootstab.problems.unknowns import Unknowns
 
 FIXED = [[1.0, 0.0]]
 
@@ -58,6 +59,19 @@ REFUSALS: dict[str, tuple[Any, tuple[str, ...]]] = {
     "rows times sigma squared of another shape": (
         lambda: st.problem(2, string, st.Wall(0, FIXED, [[[1.0, 0.0]], [[1.0]]]), st.Wall(1, FIXED)),
         ("left wall", "times sigma**2", "(1, 2)"),
+    ),
+    "start before an interface": (
+        lambda: st.problem(2, string, st.Wall(0, FIXED), st.Infinity(start=2.0), interfaces=[st.Interface.jump(3.0, np.eye(2))]),
+        ("at +infinity start = 2", "an interface lies 3 from z = 0", "a start beyond all interfaces"),
+    ),
+    "no unknowns": (lambda: Unknowns.combinations({}, 2), ("unknowns is empty", "a row over the components")),
+    "a row of unknowns too short": (
+        lambda: st.problem(2, string, st.Wall(0, FIXED), st.Wall(1, FIXED), unknowns={"W": [1.0]}),
+        ("unknowns['W']", "a row of 2 finite numbers"),
+    ),
+    "an infinite row of unknowns": (
+        lambda: Unknowns.combinations({"W": [1.0, math.inf]}, 2),
+        ("unknowns['W']", "2 finite numbers"),
     ),
 }
 

@@ -34,7 +34,7 @@ def steady(*, far_temperature: float | None = None, mass_flux: float | None = No
 
     chute = Chute(**parameters)
     if (far_temperature is None) == (mass_flux is None):
-        raise InputError("exactly one of far_temperature and mass_flux must be given")
+        raise InputError("far_temperature and mass_flux: allowed is exactly one of them")
     if far_temperature is not None:
         if branch is not None:
             raise InputError(f"branch = {branch!r}: allowed only with mass_flux")

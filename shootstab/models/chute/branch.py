@@ -32,8 +32,6 @@ def continued(flow: Flow, chute: Chute, mass_flux: float) -> Flow:
     Raises NoFlowError, which says where, if the branch ends on the straight way there.
     """
     x, slope = _settled(flow.chute, flow.mass_flux, math.log(flow.far_temperature)) or _ended(0.0, flow.mass_flux)
-    if slope == 0.0:
-        raise NoFlowError(f"mass_flux = {flow.mass_flux:g}: the flow to begin with lies on a fold of the family")
     place, step, rate = 0.0, 1.0, 0.0
     while place < 1.0:
         step = min(step, 1.0 - place)
@@ -68,9 +66,11 @@ def _settled(chute: Chute, mass_flux: float, x: float) -> tuple[float, float] | 
         for _ in range(BRANCH_NEWTONS):
             here, aside = (math.log(descend(chute, math.exp(at), SCOUTING).mass_flux) for at in (x, x + ASIDE))
             slope = (aside - here) / ASIDE
+            if slope == 0.0:  # a fold, which no step of Newton leaves
+                return None
             if abs(goal - here) <= BRANCH_SETTLED * abs(slope):
                 return x + (goal - here) / slope, slope
-            change = (goal - here) / slope if slope else math.inf
+            change = (goal - here) / slope
             if not abs(change) <= LONGEST_STEP:
                 return None
             x += change

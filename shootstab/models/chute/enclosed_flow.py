@@ -103,7 +103,7 @@ class EnclosedDescent:
             if found is not None and admits(found):
                 return nu, found
             nu = (nu * SHORTER).mid()
-        raise ConvergenceError("no volume fraction is large enough for an enclosure of the far field")
+        raise ConvergenceError(f"no volume fraction above {SMALLEST_START:.1e} is small enough for an enclosure of the far field")
 
     def descend(self, nu: Any, far: TailedFields, length: float, admits: Callable[[Piece], bool] = lambda piece: True) -> EnclosedFlow:
         """The flow from a volume fraction down to its base, which doubles see so far below that, in pieces that are admitted."""
@@ -191,7 +191,7 @@ def _base(chute: Chute, piece: Piece, near: float) -> tuple[Any, bool]:
     rate = _defect(chute, piece.at(box))[1] * h
     found = t - value[0] / rate
     if not (box.contains(found) and found < 1 and found > 0):
-        raise ConvergenceError("the base of the flow cannot be enclosed: its energy condition is met by grazing")
+        raise ConvergenceError("the base of the flow cannot be enclosed: take more bits, unless its energy condition is met by grazing")
     return found, _rises_to(chute, piece, found)
 
 

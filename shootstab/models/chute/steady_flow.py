@@ -29,6 +29,7 @@ from shootstab.models.chute.registry import BY_NAME
 TOLERANCE = 1e-16  # chosen: what a polynomial leaves out, relative; below the rounding of doubles
 BEGINNING = 1e-2  # chosen: ν0 where the integration begins, in the tolerance; what the first order in ν0 leaves out is below it
 NU_TOP = BEGINNING * TOLERANCE
+HEIGHT_NEWTONS = 30  # chosen: the most steps of Newton to a height, each of which doubles its digits
 MOST_PIECES = 500  # chosen: the most pieces of a flow; the paper's flows have some 60
 HOTTEST = 1e5  # chosen: T in T_∞ beyond which it rises with depth without end, and z some 1e4 T_∞ down has lost four digits
 
@@ -138,9 +139,9 @@ class Flow:
             return float(self.nodes[0] - (target - log_nu[0]) * self.far_temperature)
         i = int(np.argmax(log_nu > target)) - 1
         if i < 0:
-            raise InputError(f"nu = {nu:g}: the flow does not reach this volume fraction")
+            raise InputError(f"nu = {nu:g}: allowed is a volume fraction that the flow reaches, at most {math.exp(log_nu.max()):.6g}")
         z = float(self.nodes[i])
-        for _ in range(30):
+        for _ in range(HEIGHT_NEWTONS):
             y = self.states_at(z)
             rate = slopes(np.exp(y[0]), y[1], y[3], self.chute.ep, self.chute.tan_theta, self.chute.radial_law, math.pi)[0]
             step = (target - y[0].real) / rate.real

@@ -21,6 +21,7 @@ from shootstab.problems.protocol import ComplexArray
 
 STOKES = -2 / 3  # exact: second coefficient of viscosity, in μ, by Stokes' hypothesis
 MACK = 2 / 3 * (1.2 - 1)  # derived: the same for Mack's ratio 1.2 of bulk viscosity
+MOST_VISCOSITY = 100.0  # chosen: the same stays below this
 RANKINE = 1 / 1.8  # exact: kelvin
 STILL_WALL = np.eye(PLATE_SIZE)[[0, 2, 4, 6]]  # exact: u = v = θ = w = 0
 SHOWN_COMPONENTS = {"u": 0, "v": 2, "w": 6, "p": 3, "theta": 4}  # unknowns that are shown, and their places in the state
@@ -91,7 +92,7 @@ def plate(
 ) -> LinearProblem:
     """Temporal modes for a given α, or spatial ones for a given ω; far_temperature in kelvin, gas: sutherland, prandtl, gamma, wall."""
     if (alpha is None) == (omega is None):
-        raise InputError("exactly one of alpha (temporal modes) and omega (spatial modes) must be given")
+        raise InputError("alpha (temporal modes) and omega (spatial modes): allowed is exactly one of them")
     made = Gas(mach, far_temperature, **gas)
     if alpha is not None:
         return plate_temporal(made, reynolds, alpha, beta, second)
@@ -133,5 +134,5 @@ def _dense(
 
 def _require(reynolds: float, second: float, **others: float) -> None:
     require_positive(reynolds=reynolds, **others)
-    if not STOKES <= second < 100.0:
-        raise InputError(f"second = {second!r}: allowed is -2/3 (Stokes) or more, in units of the viscosity")
+    if not STOKES <= second < MOST_VISCOSITY:
+        raise InputError(f"second = {second!r}: allowed is -2/3 (Stokes) or more, and below {MOST_VISCOSITY:g}, in units of the viscosity")

@@ -1,0 +1,33 @@
+"""Every refusal of the room of files that no other test reaches: what was wrong, where, and what is allowed."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from shootstab.core.errors import InputError, OutputError
+from shootstab.io import fields, files
+
+
+def test_a_field_is_saved_in_one_of_the_formats_that_are_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"mode\.xls: allowed is a file name that ends in \.csv or \.npz"):
+        fields.save(np.zeros(1), {"W": np.zeros(1)}, tmp_path / "mode.xls", {})
+
+
+def test_a_folder_that_may_not_be_written_to_is_refused_before_the_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The answer of the operating system is put in its place, for an administrator may write everywhere."""
+    files.require_writable(tmp_path / "out.csv")
+    monkeypatch.setattr(os, "access", lambda path, mode: (path, mode) != (tmp_path, os.W_OK))
+    with pytest.raises(InputError, match=r"out\.csv: cannot be written: allowed is a file in a folder that may be written to"):
+        files.require_writable(tmp_path / "out.csv")
+
+
+def test_a_device_that_fails_is_named_with_the_reason_of_the_system() -> None:
+    def full(path: Path) -> None:
+        raise OSError(28, "No space left on device")
+
+    with pytest.raises(OutputError, match=f"{os.devnull}: cannot be written: No space left on device"):
+        files.write_whole(Path(os.devnull), full)

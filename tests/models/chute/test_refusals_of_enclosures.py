@@ -1,0 +1,62 @@
+"""Every refusal of the chute in balls that no other test reaches: what is not enclosed, and where."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+flint = pytest.importorskip("flint")
+
+from flint import acb, ctx  # noqa: E402
+
+from shootstab.core.errors import ConvergenceError  # noqa: E402
+from shootstab.models.chute import ChuteProblem, Flow, enclosed_flow, enclosed_problem  # noqa: E402
+from shootstab.models.chute.enclosed_flow import EnclosedDescent  # noqa: E402
+from shootstab.models.chute.enclosed_problem import ChuteEnclosable  # noqa: E402
+from shootstab.models.chute.steady_flow import descend  # noqa: E402
+from shootstab.multiprecision.arithmetic import exact  # noqa: E402
+from shootstab.multiprecision.settings import Settings  # noqa: E402
+from shootstab.multiprecision.tailed_pencil import BALLS  # noqa: E402
+
+COARSE = Settings.of(14)
+
+
+def enclosed(flow: Flow) -> Any:
+    """The way down of balls for the flow, its start and its far field."""
+    chute = flow.chute.with_numbers(lambda x: BALLS.number(exact(x)))
+    descent = EnclosedDescent(chute, BALLS.number(exact(flow.far_temperature)), COARSE)
+    return descent, *descent.far(2.0**-9)
+
+
+def test_a_far_field_or_a_step_that_no_enclosure_holds_is_refused(flows: dict[str, Flow]) -> None:
+    flow = flows["high"]
+    with BALLS.working(COARSE.digits):
+        descent, nu, far = enclosed(flow)
+        with pytest.raises(ConvergenceError, match=r"no volume fraction above 3\.6e-15 is small enough for an enclosure of the far field"):
+            descent.far(2.0**-47, lambda fields: False)
+        with pytest.raises(ConvergenceError, match="no step is short enough for an enclosure along the steady flow"):
+            descent.descend(nu, far, flow.height(float(nu)), lambda piece: False)
+
+
+def test_a_base_that_is_not_enclosed_is_refused(flows: dict[str, Flow], monkeypatch: pytest.MonkeyPatch) -> None:
+    """A box of no width about the base holds no interval that is proved to hold it."""
+    flow = flows["high"]
+    monkeypatch.setattr(enclosed_flow, "BASE_ROOM", 0.0)
+    with BALLS.working(COARSE.digits):
+        descent, nu, far = enclosed(flow)
+        with pytest.raises(ConvergenceError, match=r"the base of the flow cannot be enclosed: take more bits, unless .* by grazing"):
+            descent.descend(nu, far, flow.height(float(nu)))
+
+
+def test_a_bracket_of_the_far_temperature_that_is_not_proved_is_refused(flows: dict[str, Flow], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(enclosed_problem, "WIDENINGS", 0)
+    with pytest.raises(ConvergenceError, match=r"no bracket of the far temperature .* a flow of this mass flux: take more bits"):
+        ChuteEnclosable(ChuteProblem(flows["high"], 0.0, 0.01)).enclosure(80, acb(0.004))
+
+
+def test_a_sigma_far_from_where_the_far_field_was_started_is_refused(flows: dict[str, Flow]) -> None:
+    flow = descend(flows["high"].chute, 7.3125)
+    D = ChuteEnclosable(ChuteProblem(flow, 0.0, 0.01)).enclosure(40, acb(0.004))
+    with ctx.workprec(40), pytest.raises(ConvergenceError, match=r"the far field starts too low for an enclosure at sigma = 1e\+06"):
+        D(acb(1e6))
