@@ -8,13 +8,12 @@ import pytest
 
 flint = pytest.importorskip("flint")
 
-from flint import acb, ctx  # noqa: E402
+from flint import acb  # noqa: E402
 
 from shootstab.core.errors import ConvergenceError  # noqa: E402
 from shootstab.models.chute import ChuteProblem, Flow, enclosed_flow, enclosed_problem  # noqa: E402
 from shootstab.models.chute.enclosed_flow import EnclosedDescent  # noqa: E402
-from shootstab.models.chute.enclosed_problem import ChuteEnclosable  # noqa: E402
-from shootstab.models.chute.steady_flow import descend  # noqa: E402
+from shootstab.models.chute.enclosed_problem import ChuteEnclosable, ChutePath, Pencils  # noqa: E402
 from shootstab.multiprecision.arithmetic import exact  # noqa: E402
 from shootstab.multiprecision.settings import Settings  # noqa: E402
 from shootstab.multiprecision.tailed_pencil import BALLS  # noqa: E402
@@ -56,7 +55,11 @@ def test_a_bracket_of_the_far_temperature_that_is_not_proved_is_refused(flows: d
 
 
 def test_a_sigma_far_from_where_the_far_field_was_started_is_refused(flows: dict[str, Flow]) -> None:
-    flow = descend(flows["high"].chute, 7.3125)
-    D = ChuteEnclosable(ChuteProblem(flow, 0.0, 0.01)).enclosure(40, acb(0.004))
-    with ctx.workprec(40), pytest.raises(ConvergenceError, match=r"the far field starts too low for an enclosure at sigma = 1e\+06"):
-        D(acb(1e6))
+    flow = flows["high"]
+    with BALLS.working(COARSE.digits):
+        descent, nu, far = enclosed(flow)
+        found = descent.descend(nu, far, flow.height(float(nu)))
+        path = ChutePath(found, Pencils(found.chute, acb(0), acb(0.01)))
+        assert len(path.far(acb(0.004))) == path.size
+        with pytest.raises(ConvergenceError, match=r"the far field starts too low for an enclosure at sigma = 1e\+06"):
+            path.far(acb(1e6))
