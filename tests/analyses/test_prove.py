@@ -239,6 +239,16 @@ def test_the_modes_of_convection_that_grow() -> None:
     )  # no formula for it, but the numerical range of its equations
 
 
+def test_a_disc_next_to_a_continuous_spectrum_is_looked_at_in_a_smaller_circle() -> None:
+    """σ = 0, where C is singular, lies no farther away than the circle on which D would be bounded at first."""
+    slab = st.scene("resistive-slab").problem
+    mode = -0.271740110027234 + 0.962370673182837j  # σ² + η(k² + π²)σ + k²B² = 0
+    proof = prove_disc(slab, mode, 1e-8)
+    assert proof.count == 1
+    with pytest.raises(st.ConvergenceError, match="C is singular"):
+        prove_disc(slab, mode, 1.2)
+
+
 def test_intervals_of_a_parameter() -> None:
     """y″ + k y = σ y between walls: σ = k − n²π². For k to 2 one of them lies in the rectangle; at k = π² + 3 it leaves it."""
     string = st.equations(["y"], ["d(y,2) + k*y - sigma*y"], st.Conditions(0, ["y"]), st.Conditions(1, ["y"]), parameters={"k": 1.0})
