@@ -3,7 +3,8 @@
 NAMES pick some: of claims, of the scripts in validation/paper/, or `paper` for all of these. Results of their full form are stored, and
 not computed again while the package and their script are what they were, unless with --again; --write puts their table into README.md.
 What shows that the program survives are scripts in processes of their own: --quick runs the short forms that take seconds too, and
-`survival` or their names run all of them, whole or in their short forms. Exit status 1 if a claim fails, or a row of the paper no longer comes out as it is stored.
+`survival` or their names run all of them, whole or in their short forms. Exit status 1 if a claim fails, or a row of the paper no longer
+comes out as it is stored.
 """
 
 from __future__ import annotations
