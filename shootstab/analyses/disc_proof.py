@@ -21,7 +21,7 @@ MORE_BITS, MOST_BITS = 1.6, 4096  # chosen: the factor of bits from one attempt 
 KNOWN_BITS = 40  # chosen: bits of D on the circle: an inequality that fails with so many fails for another reason than too few bits
 TOLD, MOST_PROBES = 4, 12  # chosen: bits of D from which on it is told from 0, and how often more are tried
 WIDEST_CIRCLE = 4.0  # chosen: the circle on which |D| is bounded is at least so many times that of the values
-SMALLER_OUTER = 4.0  # chosen: from an outer circle on which D has no bound to the next
+SMALLER_OUTER = 4.0  # chosen: ratio of an outer circle on which D has no bound to the next
 # chosen: the first disc, in |σ|, in the search for the largest in which a mode is alone, and the factor to the next
 WIDEST, NARROWER = 0.125, 1.25
 SECANTS = 80  # chosen: steps towards a zero, which for a simple one are six or so
