@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -13,7 +14,7 @@ from flint import acb  # noqa: E402
 from shootstab.core.errors import ConvergenceError  # noqa: E402
 from shootstab.models.chute import ChuteProblem, Flow, enclosed_flow, enclosed_problem  # noqa: E402
 from shootstab.models.chute.enclosed_flow import EnclosedDescent  # noqa: E402
-from shootstab.models.chute.enclosed_problem import ChuteEnclosable, ChutePath, Pencils  # noqa: E402
+from shootstab.models.chute.enclosed_problem import LEAST_FAR_TERMS, ChuteEnclosable, ChutePath, Pencils  # noqa: E402
 from shootstab.multiprecision.arithmetic import exact  # noqa: E402
 from shootstab.multiprecision.settings import Settings  # noqa: E402
 from shootstab.multiprecision.tailed_pencil import BALLS  # noqa: E402
@@ -21,11 +22,11 @@ from shootstab.multiprecision.tailed_pencil import BALLS  # noqa: E402
 COARSE = Settings.of(14)
 
 
-def enclosed(flow: Flow) -> Any:
+def enclosed(flow: Flow, settings: Settings = COARSE, start: float = 2.0**-9) -> Any:
     """The way down of balls for the flow, its start and its far field."""
     chute = flow.chute.with_numbers(lambda x: BALLS.number(exact(x)))
-    descent = EnclosedDescent(chute, BALLS.number(exact(flow.far_temperature)), COARSE)
-    return descent, *descent.far(2.0**-9)
+    descent = EnclosedDescent(chute, BALLS.number(exact(flow.far_temperature)), settings)
+    return descent, *descent.far(start)
 
 
 def test_a_far_field_or_a_step_that_no_enclosure_holds_is_refused(flows: dict[str, Flow]) -> None:
@@ -54,12 +55,16 @@ def test_a_bracket_of_the_far_temperature_that_is_not_proved_is_refused(flows: d
         ChuteEnclosable(ChuteProblem(flows["high"], 0.0, 0.01)).enclosure(80, acb(0.004))
 
 
-def test_a_sigma_far_from_where_the_far_field_was_started_is_refused(flows: dict[str, Flow]) -> None:
-    flow = flows["high"]
+def test_a_sigma_next_to_the_end_of_the_continuous_spectrum_needs_a_far_field_begun_higher(flows: dict[str, Flow]) -> None:
+    """At k_x = 0 that end is σ = 0: what was begun at ν0 = 2⁻¹² holds at σ = 1 and not at 0.004, where one begun at 2⁻¹⁶ holds."""
+    flow, series = flows["high"], replace(COARSE, far_terms=LEAST_FAR_TERMS)
     with BALLS.working(COARSE.digits):
-        descent, nu, far = enclosed(flow)
-        found = descent.descend(nu, far, flow.height(float(nu)))
-        path = ChutePath(found, Pencils(found.chute, acb(0), acb(0.01)))
-        assert len(path.far(acb(0.004))) == path.size
-        with pytest.raises(ConvergenceError, match=r"the far field starts too low for an enclosure at sigma = 1e\+06"):
-            path.far(acb(1e6))
+        low, high = (path(flow, *enclosed(flow, series, start)) for start in (2.0**-12, 2.0**-16))
+        assert len(low.far(acb(1))) == len(high.far(acb(0.004))) == high.size
+        with pytest.raises(ConvergenceError, match=r"the far field starts too low for an enclosure at sigma = 0\.004"):
+            low.far(acb(0.004))
+
+
+def path(flow: Flow, descent: EnclosedDescent, nu: Any, far: Any) -> ChutePath:
+    found = descent.descend(nu, far, flow.height(float(nu)))
+    return ChutePath(found, Pencils(found.chute, acb(0), acb(0.01)))
