@@ -46,7 +46,8 @@ def budget(
     integration = abs(coarse_value.newton_step - fine_value.newton_step) / HALVING
     far = SAFETY * displacement(coarse.with_perturbed_start(1, FAR_PROBE), coarse_value) / FAR_PROBE * coarse.far_error(coarse_value.sigma)
     far += _approximate_walls(problem, coarse, coarse_value)
-    root = SAFETY * abs(fine_value.newton_step) ** 2 / scale if scale > 0.0 else math.inf
+    step = abs(fine_value.newton_step)
+    root = SAFETY * step * (step / scale) if scale > 0.0 else math.inf  # the square of a step beyond 1e154 would be an OverflowError
     flow = _flow(problem, coarse, coarse_value, integration)
     return Budget(integration, far, flow, root, _rounding(problem, coarse, coarse_value, fine, fine_value, integration))
 

@@ -39,7 +39,7 @@ def base_unknowns(table: Any) -> tuple[str, ...]:
     for key in ("unknowns", "equations"):
         value = table[key]
         if isinstance(value, str) or not isinstance(value, Sequence) or not value:
-            raise InputError(f"base {key} = {shortened(value)}: allowed is a list")
+            raise InputError(f"base {key} = {shortened(value)}: allowed is a list with one entry or more")
     return tuple(table["unknowns"])
 
 
@@ -62,7 +62,7 @@ def base_flow(table: Mapping[str, Any], names: Names, domain: tuple[float, float
     highest = solved_for_highest(equations, unknowns)
     states = tuple((name, k) for name in unknowns for k in range(highest[name][0]))
     if len(states) > MOST_BASE_STATES:
-        raise InputError(f"base: the order is {len(states)}: allowed are {MOST_BASE_STATES}")
+        raise InputError(f"base: the order is {len(states)}: allowed are orders up to {MOST_BASE_STATES}")
     slopes = tuple(of_state((name, k + 1)) if (name, k + 1) in states else highest[name][1] for name, k in states)
 
     def end(side: str) -> BaseEnd:

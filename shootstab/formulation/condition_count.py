@@ -28,7 +28,7 @@ def require_count(first: FirstOrder, statement: Statement, conditions: list[list
         if statement.holding[side == "right"] and count == 0:
             raise InputError(f"{side} has no conditions: allowed is at least one (the order of the equations is {first.order})")
         if count > first.order:
-            raise InputError(f"{side} has {count} conditions: allowed are {first.order}, the order of the equations")
+            raise InputError(f"{side} has {count} conditions: allowed are at most {first.order}, the order of the equations")
     if all(statement.holding) and left + right != first.order:
         listed = ", ".join(shown(state) for state in first.states)
         told = f"{left} conditions at the left end and {right} at the right"

@@ -121,8 +121,9 @@ class EquationCollocation:
             width, first = widths[name], starts[name]
             derivative = polynomials.chebder(np.eye(width), order) * stretch**order if order else np.eye(width)
             basis = polynomials.chebvander(y, len(derivative) - 1) @ derivative
-            for power, value in coefficients(coefficient).items():
-                out[power, :, first : first + width] += np.reshape(at(value) * np.ones(len(z)), (-1, 1)) * basis
+            with np.errstate(all="ignore"):  # what is not finite is refused
+                for power, value in coefficients(coefficient).items():
+                    out[power, :, first : first + width] += np.reshape(at(value) * np.ones(len(z)), (-1, 1)) * basis
         if not np.isfinite(out).all():
             raise InputError("a coefficient of the equations is not finite inside the domain, or one of the conditions at an end")
         return out

@@ -100,7 +100,8 @@ class Expression:
                 return Z ** (common * exponent) * (self * Z**-common) ** exponent
         if Fraction(exponent).denominator == 1 and exponent > 0:
             if len(self.terms) ** min(int(exponent), MOST_MONOMIALS) > MOST_MONOMIALS:
-                raise InputError(f"a sum of {len(self.terms)} terms to the power {exponent} is too long to be multiplied out")
+                told = f"a sum of {len(self.terms)} terms to the power {exponent} is too long to be multiplied out"
+                raise InputError(f"{told}: allowed are up to {MOST_MONOMIALS} products")
             half = self ** (int(exponent) // 2)
             return half * half * self if int(exponent) % 2 else half * half
         return _root(self, exponent)
@@ -206,7 +207,7 @@ def slope(atom: Atom) -> Expression:
 
 
 def quotient(a: Expression, b: Expression) -> Expression | None:
-    """a/b where b divides a, by leading monomials; None where that does not come out."""
+    """a/b where b divides a, by leading monomials; None where that does not come out, and where the eigenvalue is left below."""
     order = sorted({atom for e in (a, b) for m in e.terms for atom, _ in m}, key=lambda atom: (atom.kind != "eigenvalue", atom.key))
 
     def rank(monomial: Monomial) -> list[Exponent]:
@@ -218,7 +219,7 @@ def quotient(a: Expression, b: Expression) -> Expression | None:
     result, rest = number(0), a
     for _ in range(4 * len(a.terms) + 4):
         if not rest:
-            return result
+            return None if any(atom.kind == "eigenvalue" and e < 0 for m in result.terms for atom, e in m) else result
         top = max(rest.terms, key=rank)
         term = Expression({top: rest.terms[top]}) * inverse
         result, rest = result + term, rest - term * b

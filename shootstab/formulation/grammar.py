@@ -47,9 +47,9 @@ class FormulaReader:
     def __init__(self, text: str, where: str, scope: Scope, known: Callable[[], str], sides: Mapping[str, Scope] | None = None) -> None:
         """sides, at an interface: the scopes of before(f) and behind(f)."""
         if not isinstance(text, str):
-            raise InputError(f"{where} = {text!r}: allowed is a formula as text")
+            raise InputError(f"{where} = {shortened(text)}: allowed is a formula, that is text, a number or an expression of SymPy")
         if len(text) > LONGEST_FORMULA:
-            raise InputError(f"{where} has {len(text)} characters: allowed are {LONGEST_FORMULA}")
+            raise InputError(f"{where} has {len(text)} characters: allowed are up to {LONGEST_FORMULA}")
         self._text, self._where, self._scope, self._known = text, where, scope, known
         self._sides = sides or {}
         self._tokens = self._split()
@@ -115,6 +115,8 @@ class FormulaReader:
             return function("exp", exponent * function("log", base))
         except ZeroDivisionError:
             raise self._error("zero to a negative power", at) from None
+        except InputError as error:
+            raise self._error(str(error), at) from None
 
     def _require_power(self, base: Expression, exponent: Expression, at: int) -> None:
         """Raise InputError for a power by which a problem is not linear, or not rational in its eigenvalue."""

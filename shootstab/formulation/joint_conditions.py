@@ -78,8 +78,8 @@ def _without(joint: Joint, name: str, rows: list[EquationRow], vanishing: Vanish
     lacking = rows[pivot][at] if not degree(factors) else quotient(rows[pivot][at], factors)
     if lacking is None:
         raise InputError(
-            f"at the interface {joint.at:g} each of {len(holders)} conditions multiplies the amplitude {name} by the eigenvalue: "
-            "allowed are two such ones, or one in which a number multiplies it"
+            f"at the interface {joint.at:g} {len(holders)} conditions multiply the amplitude {name} by the eigenvalue, not all in the same "
+            "way: allowed are two such ones, or one in which a number multiplies it"
         )
     if degree(lacking) and out:
         out[0] = {key: lacking * c for key, c in out[0].items()}

@@ -50,7 +50,7 @@ class Names:
             except InputError as error:
                 raise InputError(f"the parameter {name}: {error}") from None
         if not self.unknowns:
-            raise InputError("unknowns is empty: allowed is a list of names")
+            raise InputError("unknowns is empty: allowed is a list of one name or more")
 
     def expression(self, formula: Any, where: str) -> Expression:
         """What a formula means: text, a number, a SymPy expression. Raises InputError with the place."""

@@ -233,7 +233,7 @@ def assembled(
     require_count(first, statement, conditions)
     system = state_pencil(first, conditions[0], conditions[1])
     if system.size > MOST_STATES:
-        raise InputError(f"the equations have {system.size} states: allowed are {MOST_STATES}")
+        raise InputError(f"the equations have {system.size} states: allowed are at most {MOST_STATES}")
     systems = [system, *(layer.states for layer in layers[1:])]
     matrices = PencilFunction(system.size, pencil_of(systems, [layer.domain for layer in layers]), vectorized=True)
     require_finite(matrices, statement)

@@ -147,3 +147,12 @@ def test_the_eigenfunction_in_layers() -> None:
     scale = found["w"][0] / exact["w"][0]
     for name, values in exact.items():
         assert np.abs(found[name] - scale * values).max() < 1e-9 * np.abs(scale * values).max()
+
+
+def test_an_amplitude_that_two_conditions_multiply_by_the_eigenvalue() -> None:
+    """y = A sinh kz and B sinh k(1 − z), σ = k²: A = 2B, and aσ = B sinh k/2, so that 3k³ = (k² + 1) tanh k/2."""
+    joint = st.InterfaceConditions(0.5, ["before(y) - 2*behind(y)", "jump(y) + sigma*a", "jump(d(y)) + (sigma + 1)*a"], ["a"])
+    cut = st.equations(["y"], ["d(y,2) - sigma*y"], st.Conditions(0, ["y"]), st.Conditions(1, ["y"]), interfaces=[joint])
+    k = mpmath.findroot(lambda k: 3 * k**3 - (k**2 + 1) * mpmath.tanh(k / 2), 0.44)
+    mode = st.refine(cut, float(k**2))
+    assert abs(mode.sigma - float(k**2)) <= mode.error < 1e-13

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -116,3 +117,15 @@ def test_what_no_equation_connects_is_told_apart() -> None:
     assert told["subsystems"] == "2, which no equation or condition connects: u, d(u), v, p; w, d(w)"
     driven = [*along[:3], "sigma*w + v = d(w,2)"]
     assert "subsystems" not in dict(st.equations(["u", "v", "p", "w"], driven, *ends).explanation)
+
+
+def test_the_eigenvalue_divides_nothing_but_its_multiples() -> None:
+    """u = σw and v = (σ + 1)w with (2σ + 1)w″ + w′ = w, w(0) = 0, w′(1) = 3w(1): z e^{2z} at σ = −5/8, and σ_c = −1/2."""
+    written = ["u - sigma*w", "v - (sigma + 1)*w", "d(u,2) + d(v,2) + d(w) - w"]
+    problem = st.equations(["u", "v", "w"], written, st.Conditions(0, ["u"]), st.Conditions(1, ["d(u) - 3*u"]))
+    assert np.abs(problem.spectrum_inside.curve(np.array([0.0, 1.0])) + 0.5).max() < 1e-15
+    mode = st.refine(problem, -0.53)
+    assert abs(mode.sigma + 0.625) <= mode.error < 1e-13
+    runaway = st.refine(problem, -0.7)  # its iterations go beyond 1e200: no mode, with a bound to match
+    assert not runaway.converged
+    assert runaway.error == math.inf
