@@ -34,7 +34,9 @@ import numpy as np
 
 SECONDS, MEMORY = 2.0, 256 * 2**20
 CHECKING = 60.0  # seconds of a certificate that is one
+SOLVING = 20.0  # seconds of a scene whose base flow is the solution of equations: those are solved, not only read
 BATCH = 200  # mutants a child
+LOOKED_AT = 65536  # bytes of a file in which a base flow is looked for
 LIBRARY = re.compile(
     r"unsupported operand|object is not|NoneType|has no attribute|positional argument|unexpected keyword|index out of|out of bounds"
     r"|buffer size|unhashable|not subscriptable|invalid literal|could not convert|Exceeds the limit|codec can't|must be str|Traceback"
@@ -483,7 +485,8 @@ def outcome(kind: Kind, path: Path) -> tuple[str, str]:
     from shootstab.core.errors import InputError, ShootstabError
 
     try:
-        limit(SECONDS)
+        with path.open("rb") as file:
+            limit(SOLVING if b"base" in file.read(LOOKED_AT) else SECONDS)
         kind.read(path)
     except InputError as error:
         words = str(error)
