@@ -89,3 +89,8 @@ def test_a_wrong_spectrum_fails_with_its_table() -> None:
         assert_spectrum(FLOW, [SECOND], missing="region", region=st.Rectangle(1e-4 - 1j, 0.1 + 0j))
     with pytest.raises(InputError, match="allowed is none"):
         assert_spectrum(FLOW, [SIGMA], missing="all")
+
+
+def test_numbers_are_of_one_convention() -> None:
+    with pytest.raises(InputError, match="convention and as_: allowed is one of them"):
+        assert_spectrum(FLOW, [SIGMA], convention=Convention("growth"), as_="frequency")

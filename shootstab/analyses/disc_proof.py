@@ -116,6 +116,7 @@ def _enough_bits(form: Enclosable, centre: Decimals, radius: str, bits: int, wan
     """Bits with which D on the circle is known to so many as are wanted, and how many values it took to find out."""
     size = abs(complex(float(centre[0]), float(centre[1])))
     for spent in range(1, MOST_PROBES):
+        tried = bits
         with at_bits(bits):
             enclosure = form.enclosure(bits, disc(_number(centre), arb(_outer(form, size, float(radius)))))
             known = int(enclosure(_number(centre) + decimal(radius)).rel_accuracy_bits())
@@ -124,7 +125,7 @@ def _enough_bits(form: Enclosable, centre: Decimals, radius: str, bits: int, wan
         bits = bits + wanted - known + TOLD if known >= TOLD else math.ceil(MORE_BITS * bits)
         if bits > MOST_BITS:
             break
-    raise ConvergenceError(f"{MOST_BITS} bits do not enclose D well enough on the circle of radius {radius}")
+    raise ConvergenceError(f"{tried} bits do not enclose D well enough on the circle of radius {radius}")
 
 
 @dataclass(frozen=True)

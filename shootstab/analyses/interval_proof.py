@@ -48,8 +48,9 @@ def over(make: EnclosableAt, name: str, low: Fraction, high: Fraction, region: R
     while waiting:
         a, b = waiting.pop()
         if len(found) + len(waiting) > MOST_SUBINTERVALS:
-            where = f"next to {name} = {float(a):.12g} an eigenvalue is on the boundary"
-            raise ConvergenceError(f"{MOST_SUBINTERVALS} subintervals do not do: {where}")
+            where = f"next to {name} = {float(a):.12g} an eigenvalue is on the boundary of the region or near to it"
+            allowed = "allowed is a region whose boundary is farther from them, or a shorter interval"
+            raise ConvergenceError(f"{MOST_SUBINTERVALS} subintervals do not do: {where}: {allowed}")
         piece = _piece(make, a, b, region, spare)
         if piece is None:
             middle = (a + b) / 2

@@ -140,8 +140,8 @@ def solution(shooting: Shooting, sigma: complex) -> Solution:
     sigma = complex(sigma)
     for _ in range(NEWTON_STEPS):
         sigma += shooting.with_derivative(sigma).newton_step
-    if not np.isfinite(sigma):
-        raise ConvergenceError("the iteration from the mode to the zero of D on this mesh does not arrive")
+        if not np.isfinite(sigma):
+            raise ConvergenceError("the iteration from the mode to the zero of D on this mesh does not arrive")
     problem, nodes = shooting.problem, shooting.sampled.nodes
     M = step_matrices(problem, sigma, nodes[:-1], np.diff(nodes))
     Q, R = _factored(shooting.far(sigma).frame, M)

@@ -32,6 +32,11 @@ class EquationFamily:
         """None: every parameter may enter the base flow."""
         return ()
 
+    @property
+    def here(self) -> dict[str, float]:
+        """The parameters that `equations` was given."""
+        return {name: float(value) for name, value in self.posed["parameters"].items()}
+
     def checked(self, values: Mapping[str, float]) -> None:
         """Raise InputError where a value is no finite number."""
         for name, value in values.items():

@@ -62,3 +62,12 @@ def test_what_cannot_be_varied_is_named(scene: str, capsys: pytest.CaptureFixtur
     assert main(["critical", scene, "--parameter", "Ra=640", "--over", "Ra=2.3", "--guess", "0"]) == 2
     assert main(["critical", "high", "--parameter", "kx=1", "--over", "ky=2.3", "--guess", "0"]) == 2
     assert "this problem has no parameters by name" in capsys.readouterr().err
+
+
+def test_the_derivatives_of_a_mode_by_parameters_of_the_equations() -> None:
+    """y″ + kpy = σy between walls: σ = kp − π², so that ∂σ/∂k = p and ∂σ/∂p = k."""
+    ends = st.Conditions(0, ["y"]), st.Conditions(1, ["y"])
+    problem = st.equations(["y"], ["d(y,2) + k*p*y = sigma*y"], *ends, parameters={"k": 2.0, "p": 0.75})
+    for slope, value, exact in zip(st.sensitivities(st.eigenfunction(problem, -8.4), ["k", "p"]), (2.0, 0.75), (0.75, 2.0), strict=True):
+        assert slope.value == value
+        assert abs(slope.derivative - exact) <= slope.error + 1e-9
