@@ -164,7 +164,7 @@ def test_digits_of_another_mode_than_the_one_that_was_found_are_refused() -> Non
 
 
 @dataclass
-class Linear:
+class CoarseOnly:
     """D = σ − 1, known on one mesh, and no number on any finer one."""
 
     evaluations: int = 0
@@ -180,7 +180,7 @@ class Linear:
 
 
 def test_a_zero_without_a_value_on_the_finer_mesh_is_refused() -> None:
-    branch = SimpleNamespace(discriminant=Linear(), path="real line")
+    branch = SimpleNamespace(discriminant=CoarseOnly(), path="real line")
     continuation: Any = SimpleNamespace(at=lambda sigma: branch, method=SimpleNamespace(name="riccati"), problem=None)
     words = r"riccati has no value of D on the mesh with every step halved, at sigma = 1\+0j: nothing tells how exactly the zero is known"
     with pytest.raises(ConvergenceError, match=words):
