@@ -75,7 +75,7 @@ def interior_spectrum(first: FirstOrder, domain: Domain, variable: str) -> Inter
     determinant = first.determinant
     highest = max(determinant, default=0)
     if not determinant:
-        raise InputError("the highest derivatives do not determine each other: the equations are dependent")
+        raise InputError("the highest derivatives are dependent: allowed are equations that determine those of all unknowns")
     places = [domain.zero(c) for c in determinant.values()]
     if all(place is not None for place in places) and len(determinant) == 1:
         raise InputError(

@@ -165,11 +165,10 @@ def _scaled(system: StatePencil, z0: Fraction, direction: int, where: str) -> tu
     C, D = ([{at: substituted(e, VARIABLE, place) for at, e in part.items()} for part in powers] for powers in (system.C, system.D))
     if direction < 0:
         D = [{at: -entry for at, entry in part.items()} for part in D]
-    own = [min((_valuation(part[i, i]) for part in C if (i, i) in part), default=None) for i in range(n)]
-    if any(v is None for v in own):
-        raise InputError(f"at {where} the highest derivatives do not each stand in an equation of their own: that is not offered")
-    bounds = [(i, j, _valuation(e) - (own[i] or 0)) for part in C for (i, j), e in part.items()]
-    bounds += [(i, j, _valuation(e) + 1 - (own[i] or 0)) for part in D for (i, j), e in part.items()]
+    # the reduction matches each highest derivative with an equation that holds it, which a nonsingular C allows: the diagonal is there
+    own = [min(_valuation(part[i, i]) for part in C if (i, i) in part) for i in range(n)]
+    bounds = [(i, j, _valuation(e) - own[i]) for part in C for (i, j), e in part.items()]
+    bounds += [(i, j, _valuation(e) + 1 - own[i]) for part in D for (i, j), e in part.items()]
     s = [0] * n
     for _ in range(n + 1):
         changed = False
@@ -182,7 +181,7 @@ def _scaled(system: StatePencil, z0: Fraction, direction: int, where: str) -> tu
         raise InputError(f"{where} is an irregular singular point of the equations: allowed are regular ones")
 
     def scaled(part: ExpressionEntries, extra: int) -> ExpressionEntries:
-        return {(i, j): e * Z ** (s[j] - s[i] - (own[i] or 0) + extra) for (i, j), e in part.items()}
+        return {(i, j): e * Z ** (s[j] - s[i] - own[i] + extra) for (i, j), e in part.items()}
 
     return (tuple(scaled(part, 0) for part in C), tuple(scaled(part, 1) for part in D)), tuple(s)
 

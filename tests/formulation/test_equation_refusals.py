@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -15,8 +16,10 @@ from shootstab.formulation import base_integration, base_shooting, base_solution
 from shootstab.formulation.axis import RegularSpace
 from shootstab.formulation.base_solution import solved
 from shootstab.formulation.base_table import base_flow
+from shootstab.formulation.continuous_spectrum import interior_spectrum
 from shootstab.formulation.equation_collocation import collocation
 from shootstab.formulation.equation_scene import from_table
+from shootstab.formulation.expression import number
 from shootstab.formulation.names import Names
 from shootstab.formulation.problem import assembled
 from shootstab.formulation.regular_digits import RegularStart
@@ -190,6 +193,13 @@ def test_a_regular_singular_end(changed: dict[str, Any], told: str) -> None:
     with pytest.raises(InputError) as error:
         st.equations(**{**BESSEL, **changed})
     assert told in str(error.value)
+
+
+def test_leading_coefficients_without_a_determinant() -> None:
+    problem = st.equations(["u", "v"], ["d(u) - v", "d(v) - sigma*u"], st.Conditions(0, ["u"]), st.Conditions(1, ["u"]))
+    row = {"u": number(1), "v": number(2)}
+    with pytest.raises(InputError, match=r"the highest derivatives are dependent: allowed are equations that determine those of all"):
+        interior_spectrum(replace(problem.first_order, leading=(row, row)), problem.statement.domain, "z")
 
 
 def test_families() -> None:
