@@ -152,8 +152,9 @@ class _Series(NamedTuple):
         """P_m and, if tangent, dP_m/dσ."""
         P = np.zeros((FAR_TERMS, SIZE, DECAYING), dtype=self.constant.dtype)
         dP = np.zeros_like(P)
-        first = self.pole / omega
-        P[0], dP[0] = self.constant + first, first / -omega
+        with np.errstate(divide="ignore", invalid="ignore"):  # Ω = 0, the end of the continuous spectrum: no term is finite, no step holds
+            first = self.pole / omega
+            P[0], dP[0] = self.constant + first, first / -omega
         series_terms(self.system, sigma, self.rate, self.left, self.right, P, dP, tangent)
         return P, dP
 

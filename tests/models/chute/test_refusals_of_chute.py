@@ -10,6 +10,7 @@ from typing import Any
 import mpmath
 import pytest
 
+import shootstab as st
 from shootstab.core.errors import ConvergenceError, InputError, NoFlowError
 from shootstab.models import chute
 from shootstab.models.chute import ChuteProblem, Flow, branch, multiprecision_flow, multiprecision_problem, steady_flow
@@ -83,3 +84,11 @@ def test_many_digits_do_not_take_what_newton_has_not_settled(steps: int, flows: 
             integration.farther(sigma, combination, arithmetic.number(50))
         with pytest.raises(ConvergenceError, match="the base of the flow cannot be located: its energy condition is met by grazing"):
             digits.base(arithmetic, settings, lambda: None)
+
+
+@pytest.mark.parametrize("kx", [0.0, 0.02])
+def test_a_guess_at_the_end_of_the_continuous_spectrum_is_no_mode(kx: float, flows: dict[str, Flow]) -> None:
+    """σ = −i k_x u_∞, where the series of the far field has a pole: what is said is a reason, and no warning of an arithmetic."""
+    flow = flows["high"]
+    mode = st.refine(chute.problem(flow, kx, 0.01), guess=-1j * kx * flow.far_velocity)
+    assert not mode.converged and mode.error == math.inf and "no step is short enough at sigma = 0" in repr(mode)
