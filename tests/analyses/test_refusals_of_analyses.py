@@ -26,7 +26,7 @@ from shootstab.analyses.unstable import count_unstable
 from shootstab.analyses.work_precision import trade
 from shootstab.analyses.zeros import Crowded, zeros_in
 from shootstab.core.discriminant import Value
-from shootstab.core.errors import ConvergenceError, InputError, OutputError
+from shootstab.core.errors import ConvergenceError, InputError, OutputError, Undecidable
 from shootstab.core.progress import StageClock
 from shootstab.core.records import CONVERGED, Budget, Mode
 from shootstab.core.scaled import Scaled
@@ -197,6 +197,27 @@ def test_zeros_that_are_nowhere_near_are_refused() -> None:
     continuation = Continuation(string(), st.Frame(rtol=1e-6))
     with pytest.raises(ConvergenceError, match=r"2 zeros were counted at -20\+0j, but no circle is found in which they stay"):
         find.modes_of(continuation, Zero(-20 + 0j, 2, 0.01), 1e-8)
+
+
+def test_no_circle_across_the_continuous_spectrum_tells_zeros_apart(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rayleigh's equation of a shear layer: the spectrum lies on the imaginary axis, and so does the centre. Each circle is refused."""
+
+    def pencil(y: complex) -> tuple[Any, ...]:
+        U = np.tanh(y)
+        D0 = np.array([[0, 1], [0.5j * U * (0.25 + 2.0 * (1.0 - U * U)), 0]])
+        return np.diag([1, 0.5j * U]), np.diag([0, 1]), D0, np.array([[0, 0], [0.25, 0]])
+
+    said: list[str] = []
+
+    def recorded(words: str) -> Undecidable:
+        said.append(words)
+        return Undecidable(words)
+
+    monkeypatch.setattr(find, "Undecidable", recorded)
+    layer = st.problem(2, pencil, st.Wall(-3, FIXED), st.Wall(3, FIXED), continuum=lambda y: -0.5j * np.tanh(y))
+    with pytest.raises(ConvergenceError, match=r"2 zeros were counted at 0\+0\.1j, but no circle is found in which they stay"):
+        find.modes_of(Continuation(layer, st.Frame(rtol=1e-6)), Zero(0.1j, 2, 0.02), 1e-6)
+    assert said[0] == "the continuous spectrum crosses the circle of 2.0e-02"
 
 
 def test_no_work_precision_without_a_value_of_many_digits() -> None:
