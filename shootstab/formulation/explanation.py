@@ -115,7 +115,8 @@ def _essential(states: StatePencil, direction: int, limit: FlowLimit | None, nam
         return [(f"essential spectrum, {INFINITIES[direction]}", f"none: {text(relation)} does not hold the eigenvalue")]
     alone = zero_in_sigma(relation)
     what = f"{names.eigenvalue} = {text(alone)}" if alone is not None else f"the zeros in {names.eigenvalue} of {text(relation)}"
-    return [(f"essential spectrum, {INFINITIES[direction]}", f"{what}, {wavenumber} real")]
+    varies = any(atom.name == wavenumber for atom in (relation if alone is None else alone).atoms())
+    return [(f"essential spectrum, {INFINITIES[direction]}", f"{what}, {wavenumber} real" if varies else what)]
 
 
 def _symmetry(middle: Fraction, signs: Mapping[str, int], names: Names) -> str:

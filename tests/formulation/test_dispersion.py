@@ -65,3 +65,16 @@ def test_the_wavenumber_has_a_name_of_its_own() -> None:
     assert free_name(["y", "z"]) == "q"
     assert free_name(["q", "z"]) == "m"
     assert zero_in_sigma(dispersion_relation(scene_files()["kink"].problem().states, 1, "q")) is None  # type: ignore[attr-defined,arg-type]
+
+
+def test_an_essential_spectrum_of_one_point_holds_no_wavenumber() -> None:
+    """Rayleigh's equation for tanh z in u, v, p: all waves of the outer streams have the frequency of these."""
+    layer = st.equations(
+        ["u", "v", "p"],
+        ["sigma*u + i*a*U*u + v*d(U) + i*a*p", "sigma*v + i*a*U*v + d(p)", "i*a*u + d(v)"],
+        st.Infinity(),
+        st.Infinity(),
+        parameters={"a": 0.5},
+        where={"U": "tanh(z)"},
+    )
+    assert dict(layer.explanation)["essential spectrum, +infinity"] == "sigma = -1/2*i"
