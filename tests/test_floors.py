@@ -155,6 +155,7 @@ def test_without_the_extras_every_model_is_there_and_what_needs_one_is_refused_i
         "from shootstab.cli import main as cli\n"
         "from shootstab.io import scenes\n"
         "assert all(scenes.load(name).problem.size for name in ('low', 'benard', 'convection'))\n"
+        "assert scenes.load('oblique-wave').problem.growing_region is None\n"
         "for words in (['prove', 'poiseuille', '--guess', '0.0037,-0.2375'], ['check', 'no.json'],\n"
         "              ['verify', 'poiseuille', '--prove', '--missing', 'none'], ['verify', 'poiseuille', '--html', 'no.html']):\n"
         "    print(cli.main(words))\n"

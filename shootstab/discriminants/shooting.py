@@ -118,7 +118,7 @@ class Shooting:
         Where C has to be solved with, every entry of C and D is changed besides; a recorded pencil is a formula of its own for C⁻¹D.
         """
         nodes, sampled = self.sampled.nodes, self.sampled
-        if RECORDED.of(self.problem) is None and solved_with(self.problem, nodes[[0, len(nodes) // 2]]):
+        if RECORDED.of(self.problem) is None and solved_with(self.problem, nodes):
             sampled = sample_system(PerturbedPencil(self.problem, seed, size), nodes)
         at = np.abs(nodes[:-1])
         places = [abs(part.offset) + abs(part.scale) * at for part in LAYOUT.of(self.problem)]

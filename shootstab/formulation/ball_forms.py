@@ -1,13 +1,12 @@
-"""Whether a Hermitian form is positive at every point of an interval, in balls: Cholesky's pivots are positive on each piece of it."""
+"""What holds at every point of an interval, in balls on pieces of it: functions are real, Hermitian forms positive by Cholesky's pivots."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Any
 
-from flint import acb, arb, ctx
-
+from shootstab.core.balls import acb, arb, ctx
 from shootstab.formulation.enclosed import on_balls
 from shootstab.formulation.expression import Expression
 from shootstab.formulation.gaussian import ONE
@@ -15,49 +14,57 @@ from shootstab.formulation.sesquilinear_form import Form
 from shootstab.multiprecision.enclosable import ball
 
 
-def positive_everywhere(form: Form, low: Fraction, high: Fraction, bits: int, halvings: int) -> bool:
-    """Whether form > 0 in all unknowns and derivatives that it holds at every z in [low, high], and all functions in it are real there."""
-    jets = sorted({jet for at in form for jet in at})
-    functions = _functions(form)
+def real_everywhere(coefficients: Sequence[Expression], low: Fraction, high: Fraction, bits: int, halvings: int) -> bool:
+    """Whether the coefficients are finite and every function in them is real at every z in [low, high]: conjugates are then as written."""
+    factors = _factors(coefficients)
 
-    def here(a: Fraction, b: Fraction) -> bool:
-        middle, radius = ball((a + b) / 2), ball((b - a) / 2)
-        at = on_balls(acb(middle + radius * arb(0, 1)), {})
-        if not all(_real(at(f)) for f in functions):
-            return False
+    def here(z: Any) -> bool:
+        at = on_balls(z, {})
+        return all(acb(at(factor)).imag.is_zero() for factor in factors) and all(acb(at(c)).is_finite() for c in coefficients)
+
+    return _on_pieces(here, low, high, bits, halvings)
+
+
+def positive_everywhere(form: Form, low: Fraction, high: Fraction, bits: int, halvings: int) -> bool:
+    """Whether form > 0 in all unknowns and derivatives that it holds at every z in [low, high]."""
+    jets = sorted({jet for at in form for jet in at})
+
+    def here(z: Any) -> bool:
+        at = on_balls(z, {})
         return _positive([[acb(at(form[u, v])) if (u, v) in form else acb(0) for v in jets] for u in jets])
+
+    return _on_pieces(here, low, high, bits, halvings)
+
+
+def _on_pieces(holds: Callable[[Any], bool], low: Fraction, high: Fraction, bits: int, halvings: int) -> bool:
+    """Whether what holds(z) says of balls z is so on pieces that cover the interval, halved where it is not; False where a middle fails."""
+
+    def over(low: Fraction, high: Fraction, halvings: int) -> bool:
+        middle = (low + high) / 2
+        if holds(acb(ball(middle) + ball((high - low) / 2) * arb(0, 1))):
+            return True
+        if halvings == 0 or not holds(acb(ball(middle))):
+            return False
+        return over(low, middle, halvings - 1) and over(middle, high, halvings - 1)
 
     before = ctx.prec
     ctx.prec = bits
     try:
-        return _on_pieces(here, low, high, halvings)
+        return over(low, high, halvings)
     finally:
         ctx.prec = before
 
 
-def _on_pieces(holds: Callable[[Fraction, Fraction], bool], low: Fraction, high: Fraction, halvings: int) -> bool:
-    if holds(low, high):
-        return True
-    middle = (low + high) / 2
-    if halvings == 0 or not holds(middle, middle):
-        return False
-    return _on_pieces(holds, low, middle, halvings - 1) and _on_pieces(holds, middle, high, halvings - 1)
-
-
-def _functions(form: Form) -> list[Expression]:
-    """Every factor that is more than a natural power of z: its conjugate was taken to be itself."""
+def _factors(coefficients: Sequence[Expression]) -> list[Expression]:
+    """Every factor that is more than a natural power of z: its conjugate is taken to be itself."""
     held = {
         (atom, exponent)
-        for c in form.values()
+        for c in coefficients
         for monomial in c.terms
         for atom, exponent in monomial
         if atom.argument is not None or Fraction(exponent).denominator != 1
     }
     return [Expression({(factor,): ONE}) for factor in held]
-
-
-def _real(x: Any) -> bool:
-    return bool(acb(x).imag.is_zero())
 
 
 def _positive(matrix: list[list[Any]]) -> bool:

@@ -23,6 +23,7 @@ from shootstab.formulation.numerical_range import EnergyForm, energy_form, sampl
 from shootstab.formulation.sesquilinear_form import Form
 from shootstab.formulation.statement import Statement
 from shootstab.formulation.system import Jet
+from shootstab.formulation.system import coefficients as powers_of
 
 LEMMA = "P3"
 DIRECTIONS = ((4, 3, 5), (3, 4, 5), (5, 12, 13), (7, 24, 25), (0, 1, 1))  # chosen: cos θ, sin θ as rational numbers, over the last one
@@ -40,9 +41,18 @@ RECTANGLE_MARGIN = 1e-9  # chosen: how much wider than the bound the rectangle i
 def growing_region(statement: Statement) -> Callable[..., tuple[Rectangle, str]] | None:
     """growing_region(floor) ↦ a rectangle with every σ of Re σ ≥ floor, and the lemma. None where no form bounds them.
 
-    Offered between two ends with conditions, for equations linear in the eigenvalue whose functions are formulas.
+    Offered between two ends with conditions, for equations linear in the eigenvalue whose functions are formulas, finite and real on the
+    domain; and with python-flint, which the proof needs.
     """
     if statement.domain.given or statement.joints or statement.denominators or not all(statement.holding):
+        return None
+    try:
+        from shootstab.formulation.ball_forms import real_everywhere
+    except InputError:
+        return None  # nothing is proved without python-flint
+
+    coefficients = [c for row in statement.system.rows for held in row.values() for c in powers_of(held).values()]
+    if not real_everywhere(coefficients, *_ends(statement), BITS, HALVINGS):
         return None
     right = _bound(statement, ONE)
     if right is None:
@@ -55,18 +65,14 @@ def growing_region(statement: Statement) -> Callable[..., tuple[Rectangle, str]]
                 sides[side].append((c / whole, s / whole, found))
     if not all(sides):
         return None
-    top = right
 
     def region(floor: float, /, **varied: float) -> tuple[Rectangle, str]:
         if varied:
             raise InputError("the bound on growing modes is for one value of each parameter: name a --region for an interval of them")
         heights = [min((b - c * floor) / s for c, s, b in side) for side in sides]
-        size = max(*map(abs, heights), abs(top - floor))
-        edge = max(top + RECTANGLE_MARGIN * size, floor + RECTANGLE_MARGIN * size)  # a bound left of the floor leaves a sliver
-        low, high = -heights[0] - RECTANGLE_MARGIN * size, heights[1] + RECTANGLE_MARGIN * size
-        if low >= high:
-            low, high = min(low, high) - RECTANGLE_MARGIN * size, max(low, high) + RECTANGLE_MARGIN * size
-        return Rectangle(complex(floor, low), complex(edge, high)), LEMMA
+        margin = RECTANGLE_MARGIN * max(*map(abs, heights), abs(right - floor))
+        low, high = sorted((-heights[0], heights[1]))  # where they cross, as where right < floor, there is nothing, and any sliver holds it
+        return Rectangle(complex(floor, low - margin), complex(max(right, floor) + margin, high + margin)), LEMMA
 
     return region
 
@@ -76,7 +82,7 @@ def _bound(statement: Statement, direction: Gaussian) -> float | None:
     form = energy_form(statement, direction)
     if form is None:
         return None
-    low, high = float(statement.left.at), float(statement.right.at)  # type: ignore[union-attr]
+    low, high = statement.domain.left, statement.domain.right
     jets = form.jets
     z = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(np.pi * np.arange(SAMPLES) / (SAMPLES - 1))
     S, L = (np.array([sampled(part, jets, z) for part in parts]) for parts in (form.weight, form.rotated))
@@ -87,10 +93,15 @@ def _bound(statement: Statement, direction: Gaussian) -> float | None:
         if not b < LARGEST_BOUND:
             return None
         b = WIDENED * b
-        if _proved(form, weights, b, Fraction(repr(low)), Fraction(repr(high))):
+        if _proved(form, weights, b, *_ends(statement)):
             return b
-        b = WIDER * b + 1e-300
+        b = WIDER * b
     return None
+
+
+def _ends(statement: Statement) -> tuple[Fraction, Fraction]:
+    """Where the domain begins and ends, as the decimals that were typed."""
+    return Fraction(repr(statement.domain.left)), Fraction(repr(statement.domain.right))
 
 
 def _lightest(S: NDArray[np.complex128], L: NDArray[np.complex128]) -> tuple[list[float], float]:

@@ -63,13 +63,13 @@ def energy_form(statement: Statement, direction: Gaussian) -> EnergyForm | None:
 
 
 def _pairings(statement: Statement) -> Iterator[tuple[str, ...]]:
-    """The unknown for each equation whose conjugate it is multiplied by: equations with the eigenvalue by one that it stands with."""
+    """Ways to give each equation one unknown, whose conjugate multiplies it: one that the eigenvalue stands with, where it holds it."""
     system = statement.system
     if len(system.unknowns) > MOST_PAIRED:
         return
     holding = [{jet[0] for jet, c in row.items() if 1 in coefficients(c)} for row in system.rows]
     for order in itertools.permutations(system.unknowns):
-        if all(name in held if held else True for name, held in zip(order, holding, strict=True)):
+        if all(name in held or not held for name, held in zip(order, holding, strict=True)):
             yield order
 
 
@@ -114,7 +114,10 @@ def _with(
 
 
 def _positive(part: Form, measure: Expression, statement: Statement, vanishing: Vanishing) -> tuple[Expression, RealPart] | None:
-    """A weight with which ∫ ū S u is real, with nothing at the ends, and not seen to be negative; None where there is none."""
+    """A weight with which ∫ ū S u is real, with nothing at the ends, and whose coefficients begin positive; None where there is none.
+
+    That the form is positive everywhere is proved in balls, by who takes it.
+    """
     for phase in PHASES:
         weight = Expression({(): phase}) * measure
         form = scaled(part, weight)
@@ -122,8 +125,8 @@ def _positive(part: Form, measure: Expression, statement: Statement, vanishing: 
         if imaginary.entries or not (_nothing_at_ends(real.at_ends, statement) and _nothing_at_ends(imaginary.at_ends, statement)):
             continue
         own = [c for (u, v), c in real.entries.items() if u == v]
-        values = np.array([np.real(np.ravel(on_arrays(statement.domain.points, {})(c))[0]) for c in own])
-        if len(own) and (values >= 0).all():
+        first = on_arrays(statement.domain.points[:1], {})
+        if own and all(np.ravel(np.real(first(c)))[0] >= 0.0 for c in own):
             return weight, real
     return None
 
@@ -151,7 +154,7 @@ def _groups(pairing: Sequence[str], rest: dict[str, Form], constraints: Sequence
 def _nothing_at_ends(terms: Form, statement: Statement) -> bool:
     """Whether the conditions make every term vanish: a factor of it is zero there, or the coefficient is."""
     for end, rows in ((statement.left, statement.left_rows), (statement.right, statement.right_rows)):
-        zero = {next(iter(row)) for _, row in rows if len(row) == 1 and set(coefficients(next(iter(row.values())))) == {0}}
+        zero = {jet for _, row in rows if len(row) == 1 for jet, c in row.items() if c.constant}
         at = number(Fraction(repr(float(end.at))))  # type: ignore[union-attr]
         for (u, v), c in terms.items():
             if u not in zero and v not in zero and _value(c, at):
@@ -163,11 +166,13 @@ def _value(c: Expression, at: Expression) -> bool:
     """Whether a polynomial in z has another value than zero at a place; anything else counts as having one."""
     if any(atom != next(iter(Z.terms))[0][0] for atom in c.atoms()):
         return True
+    if not at and any(exponent < 0 for monomial in c.terms for _, exponent in monomial):
+        return True
     total = number(0)
     for monomial, factor in c.terms.items():
         term = Expression({(): factor})
         for _, exponent in monomial:
-            term = term * at**exponent if at or exponent > 0 else number(1)
+            term = term * at**exponent
         total = total + term
     return bool(total)
 

@@ -120,6 +120,23 @@ def test_functions_must_be_real_where_they_are_taken_to_be() -> None:
     assert problem.growing_region is None
 
 
+@pytest.mark.parametrize("coefficient", ["i*sqrt(z)", "sqrt(z)", "i*log(z)", "i/(z + 0.7)"])
+def test_a_coefficient_of_which_no_real_part_is_seen_is_looked_at_all_the_same(coefficient: str) -> None:
+    """i√z is no imaginary number where z < 0, and i/(z + 0.7) is not finite: what drops out of a real part must have been what it seems."""
+    sound, unsound = (
+        st.equations(["y"], [f"d(y,2) - {coefficient}*y - sigma*y"], st.Conditions(a, ["y"]), st.Conditions(a + 0.5, ["y"])).growing_region
+        for a in (0.5, -1.0)
+    )
+    assert sound is not None
+    assert unsound is None
+
+
+def test_a_condition_with_a_factor_that_vanishes_says_nothing_at_the_end() -> None:
+    ends = st.Conditions(0, ["z*u + d(u)*z", "v"]), st.Conditions(1, ["u", "v"])
+    with pytest.raises(st.InputError, match="rank"):
+        st.equations(["u", "v"], ["d(u,2) - sigma*u", "d(v,2) - sigma*v"], *ends)
+
+
 def test_growing_modes_are_counted_by_theorem_in_a_moment() -> None:
     found = st.count_unstable(primitive())
     assert (found.count, found.lemma) == (1, LEMMA)
