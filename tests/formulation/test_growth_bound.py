@@ -100,6 +100,30 @@ def test_modes_of_random_systems_lie_within_the_bound() -> None:
         assert all(region.contains(complex(s)) for s in growing)
 
 
+def test_growing_modes_of_random_stratified_flows_lie_within_the_bound() -> None:
+    """Pressure, a scalar with a weight of its own that varies, and shear: what two truncations agree on, against the theorem."""
+    rng = np.random.default_rng(7)
+    seen = 0
+    for _ in range(4):
+        c, g, R, a = rng.normal(size=4).round(2), (5 * rng.normal(size=2)).round(2), 10 ** rng.uniform(1, 3), round(rng.uniform(0.3, 3), 2)
+        equations = [*PRIMITIVE, f"sigma*T*(2 + z) + i*a*U*T + ({g[1]})*v + ({c[3]})*d(T) - 3*(d(T,2) - a**2*T)/R"]
+        equations[1] += f" - ({g[0]})*T"
+        problem = st.equations(
+            ["u", "v", "p", "T"],
+            equations,
+            st.Conditions(-1, ["u", "v", "T"]),
+            st.Conditions(1.5, ["u", "v", "T"]),
+            parameters={"R": float(R), "a": a},
+            where={"U": f"({c[0]}) + ({c[1]})*z + ({c[2]})*z**2 + ({c[3]})*sin(2*z)"},
+        )
+        region, _ = problem.growing_region(0.0)
+        crude, fine = (problem.pseudospectral.spectrum(M, filtered=False).raw for M in (32, 44))
+        growing = [s for s in crude if s.real > 1e-6 and np.abs(fine - s).min() < 1e-4 * abs(s) < 1e-2]
+        assert all(region.contains(complex(s)) for s in growing)
+        seen += len(growing)
+    assert seen > 0
+
+
 @pytest.mark.parametrize(
     ("equation", "left"),
     [
