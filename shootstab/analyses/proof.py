@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from decimal import ROUND_FLOOR, Context, Decimal
 from typing import Any
 
 import mpmath
@@ -74,6 +75,11 @@ def premise(forms: Sequence[Enclosable]) -> str:
 def named(at: Decimals) -> dict[str, str]:
     """A complex decimal as it stands in JSON."""
     return {"re": at[0], "im": at[1]}
+
+
+def at_most(x: float, digits: int) -> str:
+    """x in so many digits, rounded down: a radius in which something is proved is never told larger than it is."""
+    return f"{float(Context(prec=digits, rounding=ROUND_FLOOR).create_decimal(Decimal(x))):.{digits}g}"
 
 
 def rounded(x: Any, places: int) -> str:

@@ -49,7 +49,7 @@ def prove(problem: Problem, guess: complex, digits: int = 12) -> Proof:
     centre = _centre(forms, sigma, places + SPARE_DIGITS, radius)
     proof = around(forms, centre, radius, True)
     if proof.count == 0:
-        raise ConvergenceError(f"no eigenvalue lies within {proof.region['radius']} of {sigma:.12g}, which double precision took for one")
+        raise ConvergenceError(f"{proof.statement}, next to what double precision took for one")
     return replace(proof, seconds=perf_counter() - began)
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from shootstab.analyses.claims import radius_of
+from shootstab.analyses.proof import at_most
 from shootstab.analyses.prove import prove_disc
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.records import CONFIRMED, SPURIOUS, Report, Verdict
@@ -43,6 +44,6 @@ def _proved(problem: Problem, verdict: Verdict, digits: int) -> ProvedVerdict:
         return ProvedVerdict(reason=str(error))
     within = float(proof.region["radius"]) if proof.alone is None else proof.alone
     if verdict.verdict == SPURIOUS and proof.count == 0:
-        return ProvedVerdict(f"{proof.premise} no eigenvalue lies within {within:.3g} of it".lstrip(), within=within)
+        return ProvedVerdict(f"{proof.premise} no eigenvalue lies within {at_most(within, 3)} of it".lstrip(), within=within)
     expected = verdict.multiplicity if verdict.verdict == CONFIRMED else 0
     return ProvedVerdict(proof.statement, contradicts=proof.count != expected, within=within)

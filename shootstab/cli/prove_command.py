@@ -64,13 +64,14 @@ def prove(options: Namespace) -> int:
         write_whole(options.certificate, lambda path: path.write_text(text, encoding="utf-8"))
 
     def tables() -> list[RenderableType]:
+        from shootstab.analyses.proof import at_most
         from shootstab.cli.tables import heading, paragraph
 
         said = [f"Proved: {found.statement}."]
         if found.alone is not None:
-            said.append(f"It is alone within {found.alone:.2g} of there.")
+            said.append(f"{'It is' if found.count == 1 else 'They are'} alone within {at_most(found.alone, 2)} of there.")
         said.append(
-            f"The inequality holds by a factor of {found.margin:.3g}; {found.evaluations} enclosures of D at {found.bits} bits, "
+            f"The inequality holds by a factor of {at_most(found.margin, 3)}; {found.evaluations} enclosures of D at {found.bits} bits, "
             f"{found.seconds:.2g} s; lemmas {', '.join(found.lemmas)} of `shootstab guide proofs`."
         )
         return [heading(scene), *map(paragraph, said)]

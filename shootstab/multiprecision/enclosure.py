@@ -156,7 +156,7 @@ class Enclosure:
         for (i, j), sums in beyond.items():
             rows[i] += sums[0] * arb(w[j])
             p = len(sums) - 1
-            first = 0 if sums[p] != 0 else N - p  # |B_j| vanishes from j = p on: only the last p terms of y meet it
+            first = N - p if sums[p].is_zero() else 0  # where |B_j| vanishes from j = p on, only the last p terms of y meet it
             for k in range(max(first, 0), N):
                 rest[i] += sums[min(N - 1 - k, p)] * abs(terms[k][j, 0])
         g = largest([row / arb(x) for row, x in zip(rows, w, strict=True)]) / N

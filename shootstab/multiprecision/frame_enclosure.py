@@ -11,16 +11,15 @@ exactly: what is uncertain in G is carried by the derivative of the map, which c
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from shootstab.core.balls import acb, acb_mat, arb, ctx
+from shootstab.core.balls import acb, acb_mat, arb
 from shootstab.core.errors import ConvergenceError
 from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import Matrix
-from shootstab.multiprecision.flint_backend import LONGEST_SERIES
+from shootstab.multiprecision.enclosable import row_minors
 from shootstab.multiprecision.growth import log_bound, weights
 from shootstab.multiprecision.minors import minors
 from shootstab.multiprecision.tailed_pencil import BALLS, TailedPencil
@@ -71,14 +70,13 @@ class FrameEnclosure:
 
     def _enclosed(self, sigma: Any) -> Any:
         path = self.path
-        with _long_series():
-            rows, graph, det = _normalized(_matrix(path.far(sigma)))
-            for step in path.steps:
-                Phi = step.transition(sigma)
-                if Phi is None:
-                    raise ConvergenceError(f"a step is too long for an enclosure at sigma = {complex(acb(sigma).mid()):.6g}")
-                rows, graph, factor = _carried(_matrix(Phi), rows, graph)
-                det = det * factor
+        rows, graph, det = _normalized(_matrix(path.far(sigma)))
+        for step in path.steps:
+            Phi = step.transition(sigma)
+            if Phi is None:
+                raise ConvergenceError(f"a step is too long for an enclosure at sigma = {complex(acb(sigma).mid()):.6g}")
+            rows, graph, factor = _carried(_matrix(Phi), rows, graph)
+            det = det * factor
         W = _matrix(path.wall(sigma))
         return det * (_columns(W, rows) + _columns(W, _others(path.size, rows)) * graph).det()
 
@@ -86,8 +84,7 @@ class FrameEnclosure:
         """An upper bound of ln |D| for all σ in a ball."""
         path = self.path
         n, k, length = path.size, path.decaying, arb(1) / CELLS_OF_STEP
-        with _long_series():
-            start, end = minors(path.far(sigma), k), minors([list(column) for column in zip(*path.wall(sigma), strict=True)], k)
+        start, end = minors(path.far(sigma), k), row_minors(path.wall(sigma))
         middle = acb(sigma).mid()
         samples = (step.on_cell(middle, arb(0), arb(0)) for step in path.steps)
         cells = (
@@ -125,16 +122,6 @@ def _solved(B: Any, A: Any) -> Any:
         return B * A.inv()
     except ZeroDivisionError:
         raise ConvergenceError("the enclosures are too wide to tell the decaying solutions apart: take more bits") from None
-
-
-@contextmanager
-def _long_series() -> Iterator[None]:
-    """FLINT's series keep all their terms."""
-    before, ctx.cap = ctx.cap, LONGEST_SERIES
-    try:
-        yield
-    finally:
-        ctx.cap = before
 
 
 def _matrix(A: Matrix) -> Any:

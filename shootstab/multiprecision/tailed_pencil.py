@@ -15,7 +15,7 @@ from shootstab.multiprecision.linear_step import at_sigma
 from shootstab.multiprecision.minors import at_sigma as numbers_at_sigma
 from shootstab.multiprecision.minors import solved
 from shootstab.multiprecision.regular_singular_end import decaying_series
-from shootstab.multiprecision.tailed_series import TailedSeries, widened
+from shootstab.multiprecision.tailed_series import TailedSeries, capped, widened
 from shootstab.multiprecision.tails import Beyond, SingularBounds, StepBounds, TailedEntries, spectral_radius
 from shootstab.multiprecision.taylor import Taylor
 
@@ -61,11 +61,12 @@ class TailedPencil:
         bounds = self._step_bounds(sigma)
         if bounds is None:
             return None
-        A = solved(self.size, *(_whole(parts, sigma) for parts in self._flint))
-        rows = [[_parts(A.get((i, j))) for j in range(self.size)] for i in range(self.size)]
-        nothing = [[(None, None)] * self.size] * self.size
-        identity = [[BALLS.number(int(i == j)) for j in range(self.size)] for i in range(self.size)]
-        found = BALLS.expanded([*rows, *nothing], identity, identity, self.terms)
+        with capped(self.terms):
+            A = solved(self.size, *(_whole(parts, sigma) for parts in self._flint))
+            rows = [[_parts(A.get((i, j))) for j in range(self.size)] for i in range(self.size)]
+            nothing = [[(None, None)] * self.size] * self.size
+            identity = [[BALLS.number(int(i == j)) for j in range(self.size)] for i in range(self.size)]
+            found = BALLS.expanded([*rows, *nothing], identity, identity, self.terms)
         tail = bounds.tail(found)
         return None if tail is None else _summed(found, tail)
 
@@ -74,8 +75,9 @@ class TailedPencil:
         bounds = self._singular_bounds(sigma, rate, nilpotent)
         if bounds is None:
             return None
-        C, D = (at_sigma(parts, sigma) for parts in self.polynomials)
-        found = decaying_series(BALLS, C, D, P0, rate, nilpotent, self.terms)
+        with capped(self.terms):
+            C, D = (at_sigma(parts, sigma) for parts in self.polynomials)
+            found = decaying_series(BALLS, C, D, P0, rate, nilpotent, self.terms)
         tail = bounds.tail(found)
         return None if tail is None else _summed(found, tail)
 

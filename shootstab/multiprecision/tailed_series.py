@@ -10,7 +10,7 @@ the tails are
     b^r      s R/(1 − s ‖u‖)                                             from c_m = Σ_j ((r + 1) j/m − 1) u_j c_{m−j}
     exp a    R/(1 − ‖u‖), u = a − a_0                                    from m c_m = Σ_j j u_j c_{m−j}
     ln b     ((τ_u + R)/(1 − ‖u‖))                                       from c_m = u_m − Σ_j (1 − j/m) u_j c_{m−j}
-    erf a    the tail of u g, g = 2 e^{−a²}/√π                           from m c_m = Σ_j j u_j g_{m−j}
+    erf a    Σ_{k<N} |g_k| Σ_{j≥N−k} |u_j| + τ_g ‖u‖, g = 2 e^{−a²}/√π    from m c_m = Σ_j j u_j g_{m−j}
 
 A tail that these inequalities cannot bound, ‖u‖ ≥ 1 or s ‖u‖ ≥ 1, is infinite: the step is too long, and its maker takes a shorter one.
 So it is where b may cross the cut of a logarithm or root, the negative axis, on |t| ≤ 1; a series whose coefficients are all real and
@@ -110,7 +110,7 @@ class TailedSeries:
         first, u = other._relative()
         if not u.norm < 1:
             return self._unbounded()
-        with _capped(self.terms):
+        with capped(self.terms):
             c = (self._flint() / other._flint()).coeffs()
         return self._like(c, _carried(u, c, self.tail / abs(first), arb(1)), self.real and other.real)
 
@@ -129,7 +129,7 @@ class TailedSeries:
         size = arb(1).max(abs(r))
         if not (size * u.norm < 1 and self._off_the_cut(u)):
             return self._unbounded()
-        with _capped(self.terms):
+        with capped(self.terms):
             c = ((acb_series([1, *u.c[1:]], self.terms).log() * r).exp() * first**r).coeffs()
         return self._like(c, _carried(u, c, NO_TAIL, size), self.real and _is_real(r) and first.real > 0)
 
@@ -138,7 +138,7 @@ class TailedSeries:
         u = self._like([ZERO_BALL, *self.c[1:]], self.tail, self.real)
         if not u.norm < 1:
             return self._unbounded()
-        with _capped(self.terms):
+        with capped(self.terms):
             c = self._flint().exp().coeffs()
         return self._like(c, _carried(u, c, NO_TAIL, arb(1)), self.real)
 
@@ -147,7 +147,7 @@ class TailedSeries:
         first, u = self._relative()
         if not (u.norm < 1 and self._off_the_cut(u)):
             return self._unbounded()
-        with _capped(self.terms):
+        with capped(self.terms):
             c = acb_series([1, *u.c[1:]], self.terms).log().coeffs()
         tail = _carried(u, c, u.tail, arb(1))
         return self._like([first.log(), *c[1:]], tail, self.real and first.real > 0)
@@ -191,9 +191,9 @@ class TailedSeries:
         """The integral of 2 e^{−f²}/√π df from 0."""
         u = self._like([ZERO_BALL, *self.c[1:]], self.tail, self.real)
         bell = (-(self * self)).exp() * (2 / arb.pi().sqrt())
-        with _capped(self.terms):
+        with capped(self.terms):
             c = (acb_series(bell.c, self.terms) * self._flint().derivative()).integral().coeffs()
-        return self._like([self.c[0].erf(), *c[1 : self.terms]], (u * bell).tail, self.real)
+        return self._like([self.c[0].erf(), *c[1 : self.terms]], _met(u, bell.c) + bell.tail * u.norm, self.real)
 
     def _relative(self) -> tuple[Any, TailedSeries]:
         """b_0 and u with b = b_0 (1 + u)."""
@@ -233,16 +233,20 @@ def variable(centre: Any, step: Any, terms: int) -> TailedSeries:
 
 def _carried(u: TailedSeries, c: list[Any], tail: Any, size: Any) -> Any:
     """Σ_{m≥N} |c_m| of c_m = g_m + Σ_{j=1}^m w_{jm} u_j c_{m−j}, |w_{jm}| ≤ size and Σ_{m≥N} |g_m| ≤ tail: see the head of this module."""
+    room = 1 - size * u.norm
+    return (tail + size * _met(u, c)) / room if room > 0 else UNBOUNDED
+
+
+def _met(u: TailedSeries, c: Sequence[Any]) -> Any:
+    """Σ_{k<N} |c_k| Σ_{j≥N−k} |u_j|: what u makes of these terms at N and behind it, whatever the weights of modulus 1 at most."""
     n, p = u.terms, len(u.c)
     beyond = u.beyond()
-    rest = sum((abs(x) * beyond[min(n - k, p)] for k, x in enumerate(c) if n - k <= p or not beyond[p].is_zero()), NO_TAIL)
-    room = 1 - size * u.norm
-    return (tail + size * rest) / room if room > 0 else UNBOUNDED
+    return sum((abs(x) * beyond[min(n - k, p)] for k, x in enumerate(c) if n - k <= p or not beyond[p].is_zero()), NO_TAIL)
 
 
 @contextmanager
-def _capped(terms: int) -> Iterator[None]:
-    """FLINT's series with so many terms."""
+def capped(terms: int) -> Iterator[None]:
+    """FLINT's series keep so many terms, and no more; of their own accord they would keep ten."""
     before, ctx.cap = ctx.cap, terms
     try:
         yield

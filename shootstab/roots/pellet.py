@@ -46,6 +46,8 @@ class TaylorModel:
     def shrunk(self, radius: Any) -> TaylorModel:
         """The same series on a smaller circle."""
         ratio = radius / self.radius
+        if ratio > 1:
+            raise ValueError("a Taylor series is known on its own circle and on smaller ones")
         powers = [ratio**k for k in range(len(self.sizes) + 1)]
         return TaylorModel(self.centre, radius, tuple(x * p for x, p in zip(self.sizes, powers[:-1], strict=True)), self.tail * powers[-1])
 
@@ -70,7 +72,7 @@ def taylor_model(
     half = K // 2 if real and centre.imag.is_zero() else K - 1
     values = [D(centre + radius * w) for w in roots[: half + 1]]
     values += [values[K - j].conjugate() for j in range(half + 1, K)]
-    q = radius / outer
+    q = _ratio(radius, outer)
     M = log_bound.exp()
     spill = q**K
     sizes = []
@@ -80,6 +82,14 @@ def taylor_model(
         off = (M * q ** (k + K) / (1 - spill)).upper()
         sizes.append(arb(0).max(size.lower() - off).union(size.upper() + off))
     return TaylorModel(centre, radius, tuple(sizes), (M * spill / (1 - q)).upper())
+
+
+def _ratio(radius: Any, outer: Any) -> Any:
+    """q: of Cauchy's estimate nothing is left where it is not below 1."""
+    q = radius / outer
+    if not q < 1:
+        raise ValueError("the circle on which |D| is bounded is not proved to be wider than that of the values")
+    return q
 
 
 def nats_for(log_bound: Any, log_size: Any) -> float:
@@ -152,7 +162,7 @@ class PolynomialModel:
                 ahead = min(1.0, here + length)
                 a, b = (start + (end - start) * arb(x) for x in (here, ahead))
                 margin = self.margin((a + b) / 2, abs(b - a) / 2)
-                if margin <= 1.0:
+                if not margin > 1.0:  # nor where it is no number
                     length = 0.5 * (ahead - here)
                     if length < SHORTEST_LENGTH:
                         raise ConvergenceError(f"an eigenvalue lies on the boundary or too near to it, at {complex(a.mid()):.12g}")
@@ -186,7 +196,7 @@ def polynomial_model(
         values.append(D(centre + radius * (2 * acb(j) / K).exp_pi_i()))
         if progress is not None:
             progress(j + 1, K)
-    q, M = radius / outer, log_bound.exp()
+    q, M = _ratio(radius, outer), log_bound.exp()
     spill = q**K
     found = acb.dft(values)
     coefficients, spread = [], M * spill / (1 - q)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from shootstab.analyses.proof import at_most
 from shootstab.cli import main as cli
 
 pytest.importorskip("flint")
@@ -52,6 +53,12 @@ def test_a_certificate_of_all_that_grows(tmp_path: Path, capsys: pytest.CaptureF
     assert cli.main(["prove", str(scene), "--growing=-0.1", "--certificate", str(file)]) == 0
     assert "Proved: no eigenvalue has Re σ ≥ -0.1." in capsys.readouterr().out
     assert cli.main(["check", str(file)]) == 0
+
+
+def test_a_radius_is_never_told_larger_than_proved() -> None:
+    assert [at_most(x, 3) for x in (0.00123999, 2.5, 1.999e-11, 14.47)] == ["0.00123", "2.5", "1.99e-11", "14.4"]
+    assert at_most(0.3, 1) == "0.2"  # the double lies below 3/10
+    assert at_most(1.99e7, 2) == "1.9e+07"
 
 
 def test_verdicts_become_theorems(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

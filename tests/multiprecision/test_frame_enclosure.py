@@ -64,6 +64,33 @@ def test_frames_and_compound_matrices_enclose_the_same_number() -> None:
             assert abs(frames(sigma)).log() < bound
 
 
+class Growth:
+    """y′ = (1 + b) y from 0 to 1; of b it is known that its coefficients have moduli of 1e−3 together, and no more. See EnclosableSystem."""
+
+    lemmas: tuple[str, ...] = ()
+    size = decaying = 1
+
+    def ends(self) -> Any:
+        return arb(0), arb(1)
+
+    def pencil(self, z: Any) -> Any:
+        return [{(0, 0): 1}], [{(0, 0): TailedSeries([acb(1)], z.terms, arb(0, 1e-3)) if isinstance(z, TailedSeries) else acb(1)}]
+
+    def start(self, sigma: Any) -> Any:
+        return [acb(1)]
+
+    def wall(self, sigma: Any) -> Any:
+        return [acb(1)]
+
+
+def test_a_tail_whose_ball_holds_zero_is_no_zero() -> None:
+    with ctx.workprec(100):
+        compound = Enclosure(Growth(), 100)
+        found, terms = compound(acb(0)), compound.terms
+        assert found.contains((1 + arb("1e-3") / (terms + 1)).exp())
+        assert found.rad() < 1e-2
+
+
 def test_a_wide_frame_is_carried_by_its_contraction() -> None:
     """What is uncertain at the far end falls on the way to the wall as the decaying space is approached."""
     form = st.gallery.PlanePoiseuille(200.0, 1.1, half=True)

@@ -71,6 +71,15 @@ def test_a_rule_encloses_what_a_much_longer_series_gives(name: str) -> None:
     assert min(ratios) >= 1.0
 
 
+def test_the_tail_of_erf_does_not_cancel() -> None:
+    """1 + a t + a² t²/4: in u g the terms of order three cancel, in erf with their weights they do not."""
+    with ctx.workprec(160):
+        for a in (arb("0.1"), arb("0.01"), arb("0.001")):
+            c = [acb(1), acb(a), acb(a * a / 4)]
+            missing = sum((abs(x) for x in TailedSeries(c, LONG).erf().c[3:]), arb(0))
+            assert missing < TailedSeries(c, 3).erf().tail < 10 * missing
+
+
 def test_a_tail_that_no_rule_bounds_is_infinite_and_not_small() -> None:
     steep = TailedSeries([acb(1), acb(-1.5)], N)
     assert not (1 / steep).tail.is_finite()

@@ -88,6 +88,47 @@ def test_a_singular_end_encloses_what_a_much_longer_series_gives(jordan: float) 
     assert bounded > TRIALS // 2
 
 
+@pytest.mark.parametrize("f", ["0.05", "0.3", "0.6"])
+def test_where_all_terms_have_one_sign_no_part_of_the_bounds_is_to_spare(f: str) -> None:
+    """(1 − f t) y′ = d y has (1 − f t)^{−d/f}, and (1 − f t) t ψ′ = A ψ, A = (ρ ν; 0 ρ), has (t/(1 − f t))^A."""
+    bounded = 0
+    with ctx.workprec(160):
+        for terms, d, nu in ((2, "0.01", "0.1"), (3, "0.3", "0.5"), (5, "1e-6", "1"), (12, "2", "2"), (12, "1e-6", "1e-6")):
+            C = {at: TailedSeries([acb(1), -acb(f)], terms) for at in ((0, 0), (1, 1))}
+            one = TailedPencil(1, [{(0, 0): C[0, 0]}], [{(0, 0): TailedSeries([acb(d)], terms)}], terms)
+            found = one.transition(acb(0))
+            if found is not None:
+                bounded += 1
+                assert acb(found[0][0]).contains((1 - acb(f)) ** -(acb(d) / acb(f)))
+            rate, jordan = arb(d), arb(nu)
+            A = {(0, 0): rate, (0, 1): jordan, (1, 1): rate}
+            two = TailedPencil(2, [C], [{at: TailedSeries([acb(x)], terms) for at, x in A.items()}], terms)
+            identity = [[arb(1), arb(0)], [arb(0), arb(1)]]
+            decaying = two.decaying(acb(0), identity, rate, [[arb(0), jordan], [arb(0), arb(0)]])
+            if decaying is not None:
+                bounded += 1
+                scale = (1 - acb(f)) ** -acb(rate)
+                contained(decaying, [[scale, -scale * jordan * (1 - acb(f)).log()], [acb(0), scale]])
+    assert bounded > 4
+
+
+@pytest.mark.parametrize("steep", [0.3, 1.5])
+def test_a_step_and_a_singular_end_keep_more_terms_than_flint_does_of_its_own_accord(steep: float) -> None:
+    """y′ = y Σ t^m over m < 30, and t y′ = (ρ + t Σ t^m) y: both are multiplied by e^{Σ t^{m+1}/(m + 1)} from 0 to 1."""
+    terms, rate = 80, arb("0.7")
+    with ctx.workprec(160):
+        assert ctx.cap < 30
+        c = [acb(steep) / 30] * 30
+        truth = sum((x / (m + 1) for m, x in enumerate(c)), acb(0)).exp()
+        one = {(0, 0): TailedSeries([acb(1)], terms)}
+        found = TailedPencil(1, [one], [{(0, 0): TailedSeries(c, terms)}], terms).transition(acb(0))
+        singular = TailedPencil(1, [one], [{(0, 0): TailedSeries([acb(rate), *c], terms)}], terms)
+        other = singular.decaying(acb(0), [[arb(1)]], rate, [[arb(0)]])
+        assert found is not None and other is not None
+        for x in (found[0][0], other[0][0]):
+            assert acb(x).overlaps(truth) and acb(x).rad() < 1e-6
+
+
 def test_a_step_on_which_c_may_be_singular_has_no_enclosure() -> None:
     with ctx.workprec(100):
         one, steep = TailedSeries([acb(1)], N), TailedSeries([acb(1), acb(-1.2)], N)

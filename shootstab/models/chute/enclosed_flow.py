@@ -1,4 +1,4 @@
-"""The steady chute flow enclosed: balls for its terms, bounds for what is left out, and a base that is proved to be the first one.
+"""The steady chute flow enclosed: balls for its terms, bounds for what is left out, and a base of which there is one only.
 
 The recurrences are those of many digits (multiprecision_flow.py). With y = Σ y_m t^m on a step, m y_m = h f(y)_{m−1}. For tails
 r = Σ_{m≥N} |y_m| the map y ↦ y(0) + h ∫ f(y) takes {r} into itself where
@@ -31,7 +31,9 @@ TAIL_ATTEMPTS, TAIL_ROOM = 12, 1.5  # chosen: guesses of the tails, and by what 
 SHORTER, SHORTEST_PART, SMALLEST_START = 0.75, 2.0**-12, 2.0**-48
 LAST_STEP_OVER = 1.05  # chosen: the last step over the way to the base, which lies inside it
 BASE_ITERATIONS = 12  # chosen: Newton steps to the base, each of which doubles its digits
-BASE_ROOM = 4.0  # chosen: half width of the interval searched for the base over the step of Newton's iteration
+BASE_ROOM = 16.0  # chosen: half width of the interval searched for the base over the step of Newton's iteration
+SHOWN_ROOM = 2.0  # chosen: radii about its ν0 within which the base is alone; printed in decimals, a ball is wider by a tenth of one
+NO_BASE = "the base of the flow cannot be enclosed: take more bits, unless its energy condition is met by grazing"
 CELLS, CELL_DEPTH = 4, 6  # chosen: cells of a step in which the energy condition is looked at, and how often one is halved
 
 TailedFields = tuple[TailedSeries, ...]  # ν, T, u, Q and Φ, u without u_∞
@@ -54,7 +56,8 @@ class Piece:
 class EnclosedFlow:
     """A flow for every T_∞ in a ball: far fields as series in ν0/start, pieces from there to the base, and what holds at the base.
 
-    first says whether the base was proved to be the first place on the way down at which the energy condition holds.
+    first says whether the energy condition was proved to hold nowhere between the start of the pieces and the base; alone is a pair of
+    volume fractions between which, for every T_∞ in the ball, it holds at the base only.
     """
 
     chute: Chute
@@ -64,6 +67,12 @@ class EnclosedFlow:
     pieces: tuple[Piece, ...]
     base: FlowAtBase
     first: bool
+    alone: tuple[Any, Any]
+
+    def same_base(self, nu: Any) -> bool:
+        """Whether a base of one of these flows, at a volume fraction ν0, is proved to be the one enclosed here."""
+        low, high = self.alone
+        return bool(low < nu and nu < high)
 
 
 def tailed(terms: Sequence[Sequence[Any]], scale: Any, needed: Callable[[TailedFields], Sequence[Any]]) -> TailedFields | None:
@@ -126,37 +135,43 @@ class EnclosedDescent:
                     raise ConvergenceError("no step is short enough for an enclosure along the steady flow")
             piece = Piece(h, fields)
             if last:
-                t, steady = _base(chute, piece, left / abs(float(h.mid())))
+                t, alone, steady = _base(chute, piece, left / abs(float(h.mid())))
                 end = _up_to(piece, t)
                 state = end.at(1)
                 base = Descent(self._arithmetic, chute, self._settings, state, 0.0).at_base()
-                return EnclosedFlow(chute, self._far_temperature, nu, far, (*pieces, end), base, first and steady)
+                found = EnclosedFlow(chute, self._far_temperature, nu, far, (*pieces, end), base, first and steady, alone)
+                if not found.same_base(base.state[0] + arb(0, SHOWN_ROOM * base.state[0].rad())):
+                    raise ConvergenceError(NO_BASE)
+                return found
             first = first and _not_met(chute, piece.at, arb(0))
             pieces.append(piece)
             state = piece.at(1)
             left += float(h.mid())
 
-    def _slopes(self, nu: Any, T: Any, Q: Any) -> Any:
-        return slopes(nu, T, Q, self._chute.ep, self._chute.tan_theta, self._chute.radial_law, arb.pi())
-
     def _needed_far(self, fields: TailedFields) -> list[Any]:
         nu, T, u, Q, _ = fields
         N = nu.terms
-        decay, T_x, u_x, Q_x = self._slopes(nu, T, Q)
+        decay, T_x, u_x, Q_x = _slopes_of(self._chute, fields)
         rates = T_x / decay, u_x / decay, Q_x / decay + Q, nu * u / decay  # x d/dx of T, u, Q and, up to its sign, Φ
         return [NO_TAIL, *(f.tail / (N + (i == 2)) for i, f in enumerate(rates))]
 
     def _needed(self, h: Any, fields: TailedFields) -> list[Any]:
         nu, T, u, Q, _ = fields
         N = nu.terms
-        decay, T_z, u_z, Q_z = self._slopes(nu, T, Q)
+        decay, T_z, u_z, Q_z = _slopes_of(self._chute, fields)
         return [abs(h) / N * f.beyond()[min(N - 1, len(f.c))] for f in (nu * decay, T_z, u_z, Q_z, -(nu * u))]
+
+
+def _slopes_of(chute: Chute, state: Sequence[Any]) -> Any:
+    """(ν′/ν, T′, u′, Q′) at a state."""
+    nu, T, _, Q, *_ = state
+    return slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.radial_law, arb.pi())
 
 
 def _defect(chute: Chute, state: Sequence[Any]) -> Series:
     """The defect of the energy condition and its derivative along z, at a state."""
     nu, T, _, Q, *_ = state
-    decay, T_z, _, Q_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.radial_law, arb.pi())
+    decay, T_z, _, Q_z = _slopes_of(chute, state)
     found: Series = energy_defect(chute, Series((nu, nu * decay)), Series((T, T_z)), Series((Q, Q_z)), arb.pi())
     return found
 
@@ -177,8 +192,11 @@ def _not_met(chute: Chute, at: Callable[[Any], list[Any]], low: Any) -> bool:
     return True
 
 
-def _base(chute: Chute, piece: Piece, near: float) -> tuple[Any, bool]:
-    """t of the base, a ball in which the energy condition is met exactly once, and whether it is met nowhere before on the piece."""
+def _base(chute: Chute, piece: Piece, near: float) -> tuple[Any, tuple[Any, Any], bool]:
+    """t of the base, a ball in which the energy condition is met exactly once, and the volume fractions between which it is met there only.
+
+    Besides whether it is met nowhere before on the piece.
+    """
     t = arb(near)
     change = arb(1)
     for _ in range(BASE_ITERATIONS):
@@ -188,11 +206,15 @@ def _base(chute: Chute, piece: Piece, near: float) -> tuple[Any, bool]:
     value, h = _defect(chute, piece.at(t)), piece.h
     width = (BASE_ROOM * abs(value[0] / (value[1] * h))).upper()
     box = t + arb(0, width)
-    rate = _defect(chute, piece.at(box))[1] * h
+    if not (box > 0 and box < 1):  # the tails bound nothing beyond t = 1
+        raise ConvergenceError(NO_BASE)
+    inside = piece.at(box)
+    rate = _defect(chute, inside)[1] * h
     found = t - value[0] / rate
-    if not (box.contains(found) and found < 1 and found > 0):
-        raise ConvergenceError("the base of the flow cannot be enclosed: take more bits, unless its energy condition is met by grazing")
-    return found, _rises_to(chute, piece, found)
+    if not (box.contains(found) and _slopes_of(chute, inside)[0] * h > 0):  # downwards ν0 rises
+        raise ConvergenceError(NO_BASE)
+    alone = piece.at(box.lower())[0].upper(), piece.at(box.upper())[0].lower()
+    return found, alone, _rises_to(chute, piece, found)
 
 
 def _slope(defect: Series, piece: Piece) -> Any:

@@ -15,6 +15,7 @@ from shootstab.models.chute import first_order_system as system
 from shootstab.models.chute.background import background
 from shootstab.models.chute.enclosed_flow import EnclosedDescent, EnclosedFlow, Piece, TailedFields
 from shootstab.models.chute.multiprecision_far import leading, turned, wavenumber
+from shootstab.models.chute.multiprecision_flow import FlowAtBase
 from shootstab.models.chute.multiprecision_problem import ChuteDigits
 from shootstab.models.chute.parameters import Chute
 from shootstab.models.chute.perturbations import Perturbations
@@ -32,6 +33,7 @@ REUSED, REGION_ROOM = (
     1.5,
     1.25,
 )  # chosen: bits over those asked for with which an enclosure serves again, and the region it holds for over the one asked for
+NO_BRACKET = "no bracket of the far temperature is proved to hold a flow of this mass flux: take more bits"
 LEAST_DIGITS = 12.0  # chosen: fewest digits of a flow
 LEAST_FAR_TERMS = 64  # chosen: the tail of the far field contracts by |A_0|/N at best
 FLUX_ROOM, BRACKET_WIDER, WIDENINGS = (
@@ -143,8 +145,8 @@ class ChuteEnclosable:
         if self._kept is None:
             return ""
         found, flux = self._kept[2].path.flow, self._problem.flow.asked_flux  # type: ignore[attr-defined]
-        T, nu = (_shown(x) for x in (found.far_temperature, found.base.state[0]))
-        place = f"far_temperature = {T} and a base at nu = {nu}"
+        T = repr(self._problem.flow.far_temperature) if flux is None else _shown(found.far_temperature)
+        place = f"far_temperature = {T} and a base at nu = {_shown(found.base.state[0])}"
         if not found.first:
             place += " (not proved to be the first place at which the energy condition holds)"
         if flux is None:
@@ -156,7 +158,7 @@ class ChuteEnclosable:
         settings = replace(settings, far_terms=max(settings.far_terms, LEAST_FAR_TERMS))
         chute = self._digits.chute(BALLS)
         kx, ky = (acb(BALLS.complex(exact(k))) for k in (self._problem.kx, self._problem.ky))
-        far_temperature = self._far_temperature(chute, settings)
+        far_temperature, ends = self._far_temperature(chute, settings)
         descent = EnclosedDescent(chute, far_temperature, settings)
         rate = acb(wavenumber(BALLS, kx, ky)).real * far_temperature
         about = arb(flow.far_velocity)  # u_∞ follows from the base: what is admitted with this one is bounded again with the true one
@@ -171,32 +173,36 @@ class ChuteEnclosable:
             return step_pencil(pencils(piece.fields, about), piece.h).holds(region, TAIL_CONTRACTION)
 
         nu, far = descent.far(flow.inside(FIRST_START), far_holds)
-        return ChutePath(descent.descend(nu, far, flow.height(float(nu)), step_holds), pencils)
+        found = descent.descend(nu, far, flow.height(float(nu)), step_holds)
+        if not all(found.same_base(end.state[0]) for end in ends):
+            raise ConvergenceError(NO_BRACKET)  # a mass flux that is continuous between the ends is that of one base
+        return ChutePath(found, pencils)
 
-    def _far_temperature(self, chute: Chute, settings: Settings) -> Any:
-        """T_∞, or a ball that holds that of a flow with exactly the mass flux asked for, and of all flows with it next to this one."""
+    def _far_temperature(self, chute: Chute, settings: Settings) -> tuple[Any, Sequence[FlowAtBase]]:
+        """T_∞, or a ball of which the mass flux asked for lies between those at the bases that the flows of its ends have, and these."""
         flow = self._problem.flow
         if flow.asked_flux is None:
-            return BALLS.number(exact(flow.far_temperature))
+            return BALLS.number(exact(flow.far_temperature)), ()
         plain, asked = FlintArithmetic(), BALLS.number(exact(flow.asked_flux))
         with plain.working(settings.digits), mpmath.workdps(settings.digits):
             T = arb(self._digits.base(plain, settings, lambda: None)[0])
         room = arb(FLUX_ROOM) * arb(10) ** arb(-settings.tolerance) * T
         for _ in range(WIDENINGS):
             ends = [(T - room).mid(), (T + room).mid()]
-            below, above = (self._mass_flux(chute, end, settings) - asked for end in ends)
+            bases = [self._base(chute, end, settings) for end in ends]
+            below, above = (base.mass_flux - asked for base in bases)
             if (below < 0 and above > 0) or (below > 0 and above < 0):
-                return ends[0].union(ends[1])
+                return ends[0].union(ends[1]), bases
             room = room * BRACKET_WIDER
-        raise ConvergenceError("no bracket of the far temperature is proved to hold a flow of this mass flux: take more bits")
+        raise ConvergenceError(NO_BRACKET)
 
-    def _mass_flux(self, chute: Chute, far_temperature: Any, settings: Settings) -> Any:
+    def _base(self, chute: Chute, far_temperature: Any, settings: Settings) -> FlowAtBase:
         flow, descent = self._problem.flow, EnclosedDescent(chute, far_temperature, settings)
         nu, far = descent.far(flow.inside(FLUX_START))
-        return descent.descend(nu, far, flow.height(float(nu))).base.mass_flux
+        return descent.descend(nu, far, flow.height(float(nu))).base
 
 
 def _shown(ball: Any) -> str:
-    """A real ball in decimals, its radius rounded up."""
-    digits = max(6, math.ceil(math.log10(2) * ball.rel_accuracy_bits()))
-    return str(ball.str(digits)).strip("[]").replace(" +/- ", " ± ")
+    """A real ball in decimals, its radius rounded up; with two digits more than are known, it is hardly wider than the ball."""
+    digits = max(6, math.ceil(math.log10(2) * ball.rel_accuracy_bits()) + 2)
+    return str(ball.str(digits, more=True)).strip("[]").replace(" +/- ", " ± ")

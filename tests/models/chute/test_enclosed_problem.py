@@ -63,6 +63,24 @@ def test_a_thick_far_temperature_holds_the_flows_of_all_in_it(flows: dict[str, F
         assert all(a.at(1).real.contains(b.at(1).real.mid()) for a, b in zip(thick.far[:4], thin.far[:4], strict=True))
 
 
+def test_the_base_of_a_flow_is_that_of_its_neighbours_and_of_no_others(flows: dict[str, Flow]) -> None:
+    T = flows["high"].far_temperature
+    thick = enclosed(flows["high"], arb(T, 1e-9))
+    for offset in (-1e-9, 1e-9):
+        assert thick.same_base(enclosed(flows["high"], arb(T + offset)).base.state[0])
+    for offset in (-1e-3, 1e-3):
+        assert not thick.same_base(enclosed(flows["high"], arb(T + offset)).base.state[0])
+
+
+def test_a_typed_far_temperature_is_told_as_typed(flows: dict[str, Flow]) -> None:
+    """A ball that is exact has no digits to be counted."""
+    flow = st.chute.steady(far_temperature=7.3125, e=0.8, e_w=0.8, r=0.6, tan_theta=0.3)
+    form = ChuteEnclosable(ChuteProblem(flow, 0.0, 0.01))
+    with ctx.workprec(64):
+        form.enclosure(64, acb(arb(0.004, 1e-6), arb(0, 1e-6)))
+    assert form.premise.startswith("for the steady flow with far_temperature = 7.3125 and a base at nu = 0.03")
+
+
 def test_tails_that_do_not_map_into_themselves_are_no_tails() -> None:
     """y′ = 4 y² from 1: the solution 1/(1 − 4t) does not reach t = 1."""
     with ctx.workprec(100):

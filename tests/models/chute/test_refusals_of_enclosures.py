@@ -42,11 +42,29 @@ def test_a_far_field_or_a_step_that_no_enclosure_holds_is_refused(flows: dict[st
 def test_a_base_that_is_not_enclosed_is_refused(flows: dict[str, Flow], monkeypatch: pytest.MonkeyPatch) -> None:
     """A box of no width about the base holds no interval that is proved to hold it."""
     flow = flows["high"]
-    monkeypatch.setattr(enclosed_flow, "BASE_ROOM", 0.0)
+    words = r"the base of the flow cannot be enclosed: take more bits, unless .* by grazing"
     with BALLS.working(COARSE.digits):
         descent, nu, far = enclosed(flow)
-        with pytest.raises(ConvergenceError, match=r"the base of the flow cannot be enclosed: take more bits, unless .* by grazing"):
+        for name, value in (("BASE_ROOM", 0.0), ("SHOWN_ROOM", 1e9)):
+            with monkeypatch.context() as patched, pytest.raises(ConvergenceError, match=words):
+                patched.setattr(enclosed_flow, name, value)
+                descent.descend(nu, far, flow.height(float(nu)))
+
+
+def test_a_base_at_the_very_end_of_a_step_is_refused(flows: dict[str, Flow], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beyond the end the tails bound nothing, so that the interval about the base has to end before."""
+    flow = flows["high"]
+    monkeypatch.setattr(enclosed_flow, "LAST_STEP_OVER", 1.0)
+    with BALLS.working(COARSE.digits):
+        descent, nu, far = enclosed(flow)
+        with pytest.raises(ConvergenceError, match="the base of the flow cannot be enclosed"):
             descent.descend(nu, far, flow.height(float(nu)))
+
+
+def test_ends_of_a_bracket_with_another_base_are_refused(flows: dict[str, Flow], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(enclosed_flow.EnclosedFlow, "same_base", lambda flow, nu: bool(nu.contains(flow.base.state[0])))
+    with pytest.raises(ConvergenceError, match="no bracket of the far temperature is proved"):
+        ChuteEnclosable(ChuteProblem(flows["high"], 0.0, 0.01)).enclosure(80, acb(0.004))
 
 
 def test_a_bracket_of_the_far_temperature_that_is_not_proved_is_refused(flows: dict[str, Flow], monkeypatch: pytest.MonkeyPatch) -> None:
