@@ -65,7 +65,7 @@ def test_frames_and_compound_matrices_enclose_the_same_number() -> None:
 
 
 class Growth:
-    """y′ = (1 + b) y from 0 to 1; of b it is known that its coefficients have moduli of 1e−3 together, and no more. See EnclosableSystem."""
+    """y′ = (1 + b) y from 0 to 1, b known by the moduli of its coefficients alone, 1e−3 together; see EnclosableSystem."""
 
     lemmas: tuple[str, ...] = ()
     size = decaying = 1

@@ -149,14 +149,14 @@ class EnclosedDescent:
             left += float(h.mid())
 
     def _needed_far(self, fields: TailedFields) -> list[Any]:
-        nu, T, u, Q, _ = fields
+        nu, _, u, Q, _ = fields
         N = nu.terms
         decay, T_x, u_x, Q_x = _slopes_of(self._chute, fields)
         rates = T_x / decay, u_x / decay, Q_x / decay + Q, nu * u / decay  # x d/dx of T, u, Q and, up to its sign, Φ
         return [NO_TAIL, *(f.tail / (N + (i == 2)) for i, f in enumerate(rates))]
 
     def _needed(self, h: Any, fields: TailedFields) -> list[Any]:
-        nu, T, u, Q, _ = fields
+        nu, _, u, *_ = fields
         N = nu.terms
         decay, T_z, u_z, Q_z = _slopes_of(self._chute, fields)
         return [abs(h) / N * f.beyond()[min(N - 1, len(f.c))] for f in (nu * decay, T_z, u_z, Q_z, -(nu * u))]
