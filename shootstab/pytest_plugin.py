@@ -58,6 +58,7 @@ def _record(scene: Any, claimed: list[complex], digits: int, path: Path) -> None
 
 
 def _compare(claimed: list[complex], path: Path) -> None:
+    from shootstab.core.numerus import number_of
     from shootstab.io import baselines
 
     __tracebackhide__ = True
@@ -65,4 +66,5 @@ def _compare(claimed: list[complex], path: Path) -> None:
         pytest.fail(f"{path} is not there: run pytest with --shootstab-regen to prove the spectrum and write it", pytrace=False)
     bad = [difference.line for difference in baselines.load(path).differences(claimed) if not difference.holds]
     if bad:
-        pytest.fail("\n".join([f"{len(bad)} modes of {path} have drifted:", *bad]), pytrace=False)
+        drifted = number_of(len(bad), f"mode of {path} has drifted", f"modes of {path} have drifted")
+        pytest.fail("\n".join([f"{drifted}:", *bad]), pytrace=False)

@@ -53,6 +53,15 @@ def require_accurate(problem: Problem, samples: Sequence[MeshedValue]) -> None:
             return
 
 
+def known_at(problem: Problem, discriminant: MeshedDiscriminant, sigma: complex) -> bool:
+    """Whether D at σ is known well enough to be told from 0, as it is not where σ is a zero of it to rounding."""
+    value = discriminant(sigma)
+    if value.mantissa == 0.0:
+        return False
+    changes = (abs(otherwise(problem, discriminant, sigma, seed)(sigma).over(value) - 1.0) for seed in range(1, DRAWS + 1))
+    return all(change < TOLERATED_CHANGE for change in changes)
+
+
 def _largest_change(problem: Problem, probes: Sequence[MeshedValue], seed: int) -> tuple[float, complex]:
     """The largest relative change of D at the probes, and where it is."""
     others: dict[int, Discriminant] = {}

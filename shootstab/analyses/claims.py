@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from shootstab.core.errors import InputError
+from shootstab.core.numerus import number_of
 from shootstab.core.records import CONFIRMED, INACCURATE, SPURIOUS, UNRESOLVED, Mode, Verdict, digits_between
 
 NEAR_DIGITS = 2  # chosen: a claim that shares fewer digits with a mode does not mean it
@@ -100,7 +101,7 @@ def _confirmed(mode: Mode, circle: Circle) -> str:
     if circle.atol == circle.radius:
         within += ", the absolute accuracy next to 0"
     if len(circle.modes) > 1:
-        return f"{circle.count} zeros of D and {circle.claims} claims {within}, confirmed together"
+        return f"{number_of(circle.count, 'zero')} of D and {number_of(circle.claims, 'claim')} {within}, confirmed together"
     if mode.multiplicity > 1:
         return f"a zero of multiplicity {mode.multiplicity}, or as many not told apart, {within}, and {circle.claims} of the claims"
     return f"exactly one zero of D {within}"

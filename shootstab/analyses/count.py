@@ -6,6 +6,7 @@ from shootstab.analyses.accuracy import Tightening
 from shootstab.analyses.cut_region import RegionCount, count_in_region
 from shootstab.core.division import divisions
 from shootstab.core.errors import ConvergenceError
+from shootstab.core.numerus import number_of
 from shootstab.core.regions import Region
 from shootstab.discriminants.continuation import Continuation, Undecidable
 from shootstab.discriminants.frame import Frame
@@ -51,8 +52,9 @@ def _require_sum(tightening: Tightening, region: Region, whole: RegionCount) -> 
             why = str(error)  # a mode or an end of the continuous spectrum lies on this cut
             continue
         if sum(c.count for c in counts) != whole.count:
+            many = number_of(whole.count, "mode is counted", "modes are counted")
             raise Undecidable(
-                f"{whole.count} modes are counted in the region, and {counts[0].count} + {counts[1].count} in the parts of it that a cut "
+                f"{many} in the region, and {counts[0].count} + {counts[1].count} in the parts of it that a cut "
                 f"at {parts[0].chord[0]:.6g} makes: the continuous spectrum is too near to its boundary or to itself"
             )
         return

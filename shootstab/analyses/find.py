@@ -15,6 +15,7 @@ from shootstab.analyses.refine_double import require_atol, tightened
 from shootstab.analyses.resonances import find_resonances
 from shootstab.analyses.zeros import MOST_TO_SEPARATE, accurate_count
 from shootstab.core.errors import ConvergenceError
+from shootstab.core.numerus import number_of
 from shootstab.core.progress import Tick
 from shootstab.core.records import Mode
 from shootstab.core.regions import Disc, Region, size
@@ -44,7 +45,7 @@ class Found:
     resonances: tuple[complex, ...] | None = None
 
     def __repr__(self) -> str:
-        beyond = "" if self.resonances is None else f", {len(self.resonances)} resonances"
+        beyond = "" if self.resonances is None else f", {number_of(len(self.resonances), 'resonance')}"
         return f"Found({', '.join(map(repr, self.modes)) or 'no mode'}{beyond})"
 
 
@@ -150,7 +151,8 @@ def _in_a_circle(search: Search, zero: Zero) -> list[Zero]:
             except ConvergenceError:  # D is noise around them, and does not tell them apart
                 return [Zero(moments(counted)[0], counted.count, radius)]
         radius *= WIDER_AROUND
-    raise ConvergenceError(f"{zero.multiplicity} zeros were counted at {zero.sigma:.12g}, but no circle is found in which they stay")
+    many = number_of(zero.multiplicity, "zero was", "zeros were")
+    raise ConvergenceError(f"{many} counted at {zero.sigma:.12g}, but no circle is found in which they stay")
 
 
 def _everywhere(

@@ -18,6 +18,7 @@ from shootstab.analyses.cut_region import RegionCount
 from shootstab.analyses.find import find_modes, modes_of, without_repetition
 from shootstab.core.division import distance_outside, divided, divisions
 from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.numerus import number_of
 from shootstab.core.progress import Tick
 from shootstab.core.records import CONTINUUM, UNRESOLVED, Mode, Verdict
 from shootstab.core.regions import Polygon, Rectangle, Region, convex_hull, size
@@ -130,7 +131,7 @@ def _searched(
             try:
                 bounded.append((zero, modes_of(part.continuation, zero, MISSING_RTOL)))
             except ConvergenceError as error:
-                undecided += (f"the {zero.multiplicity} modes counted near {zero.sigma:.6g}: {error}",)
+                undecided += (f"the {number_of(zero.multiplicity, 'mode')} counted near {zero.sigma:.6g}: {error}",)
         modes += without_repetition([zero for zero, _ in bounded], [some for _, some in bounded])
         undecided += tuple(
             f"what lies within {d.radius:.1e} of the end {d.centre:.6g} of the continuous spectrum" for d in part.whole.left_out

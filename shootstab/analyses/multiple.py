@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from shootstab.analyses.error_budget import FAR_PROBE, FLOW_NOISE, FLOWS, NOISE, SAFETY, change_by_walls
 from shootstab.core.discriminant import Discriminant
 from shootstab.core.errors import ConvergenceError
+from shootstab.core.numerus import number_of
 from shootstab.core.records import CONVERGED, Budget, Mode
 from shootstab.core.regions import Disc
 from shootstab.discriminants.continuation import Continuation
@@ -20,11 +21,13 @@ from shootstab.discriminants.method import MeshedDiscriminant
 from shootstab.problems.protocol import Problem
 from shootstab.roots.iterations import newton
 from shootstab.roots.search import moments
+from shootstab.roots.separation import surroundings
 from shootstab.roots.winding import Limited, Winding, wind
 
 ROUCHE_RATIO = 0.3  # chosen: errors of D, relative to D, all along the circle; by Rouché's theorem 1 would do
 GOAL = 0.1  # chosen, below ROUCHE_RATIO: what the next circle is made for
 CIRCLES = 12  # chosen: circles tried in all; twelve that are NEXT_CIRCLE reach over ten powers of ten
+WIDEST_CLUSTER = 0.1  # chosen: the widest circle, in the larger of |σ| and the scale of D there: wider ones would hold other modes
 WORTHWHILE = 0.8  # chosen: ratio of a circle to the next one that is still tried
 NEXT_CIRCLE = 8.0  # chosen: the radius of the next circle over that of one that is too small to be counted
 CIRCLE_PROBES = 4  # chosen: samples of a circle at which the errors of D are measured
@@ -59,7 +62,8 @@ class Cluster:
 def cluster(continuation: Continuation, centre: complex, radius: float, multiplicity: int | None = None, goal: float = 0.0) -> Cluster:
     """The zeros around a centre, in a circle about as small as D allows, or as the goal; radius is that of the first circle.
 
-    Without a multiplicity it is that of the first circle in which zeros can be counted. Raises ConvergenceError where there is none.
+    Without a multiplicity it is that of the first circle in which zeros can be counted. Raises ConvergenceError where there is none, up to
+    one of WIDEST_CLUSTER.
     """
     branch = continuation.at(centre)
     best: Cluster | None = None
@@ -74,6 +78,8 @@ def cluster(continuation: Continuation, centre: complex, radius: float, multipli
         if winding is None or off > ROUCHE_RATIO:
             if best is not None:
                 break
+            if NEXT_CIRCLE * radius > WIDEST_CLUSTER * _size(branch.discriminant, centre, NEXT_CIRCLE * radius, multiplicity):
+                break
             radius *= NEXT_CIRCLE
             continue
         multiplicity = winding.count
@@ -84,9 +90,18 @@ def cluster(continuation: Continuation, centre: complex, radius: float, multipli
         # the mean must not leave the middle of the next circle
         centre, radius = best.mean, smaller
     if best is None:
-        many = "" if multiplicity is None else f"{multiplicity} "
-        raise ConvergenceError(f"D is not accurate enough to count {many}modes within {radius:.1e} of {centre:.12g}")
+        many = "modes" if multiplicity is None else number_of(multiplicity, "mode")
+        raise ConvergenceError(f"no circle around {centre:.12g}, up to one of {radius:.1e}, is found in which D counts {many} for certain")
     return best
+
+
+def _size(discriminant: Discriminant, centre: complex, radius: float, multiplicity: int | None) -> float:
+    """|centre|, or where the circle is wide against that and D is like that power of the distance for longer, the length of that."""
+    size = abs(centre)
+    if radius <= WIDEST_CLUSTER * size:
+        return size
+    around = surroundings(discriminant, centre)
+    return max(size, around.scale) if around.multiplicity > 0 and multiplicity in (None, around.multiplicity) else size
 
 
 def told_apart(continuation: Continuation, found: Cluster) -> list[complex]:
@@ -115,7 +130,7 @@ def multiple(continuation: Continuation, found: Cluster, rtol: float, atol: floa
     error, asked = found.error, max(rtol * abs(found.mean), atol)
     status = CONVERGED
     if error > asked:
-        lie = "1 mode lies" if found.multiplicity == 1 else f"{found.multiplicity} modes lie"
+        lie = number_of(found.multiplicity, "mode lies", "modes lie")
         status = f"not converged: {lie} within {error:.1e} of {found.mean:.12g}, and {asked:.1e} was asked for"
     return Mode(
         found.mean,

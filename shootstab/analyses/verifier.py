@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, is_dataclass, replace
 
-from shootstab.analyses.accuracy import Inaccurate
+from shootstab.analyses.accuracy import Inaccurate, known_at
 from shootstab.analyses.claims import NEAR_DIGITS, radius_of
 from shootstab.analyses.refine import refine
 from shootstab.analyses.refine_double import NEUTRAL, examine, neutral, several
@@ -147,13 +147,16 @@ class Verifier:
         """The accuracy that double precision gives zeros next to the claim where they have no size of their own, and 0 elsewhere.
 
         That is NEUTRAL^(1/m) times the scale over which D is like σ^m; with m = 0 no zero is near, and it is about the distance to the
-        nearest. It is 0 where the circle of the digits is larger. A claim means a mode there up to the geometric mean of that and the
+        nearest. Several zeros that D at the claim is known well enough to tell from it are not taken for one: they have sizes of their own.
+        It is 0 where the circle of the digits is larger. A claim means a mode there up to the geometric mean of that and the
         scale, half the digits.
         """
         at = self._continuations[-1].at(claim).discriminant
         if claim != 0.0 and _has_a_size(at, claim):
             return 0.0, 0.0
         around = surroundings(at, claim)
+        if around.multiplicity > 1 and known_at(self.problem, at, claim):
+            around = around.apart
         atol = neutral(around, NEUTRAL)
         return (atol, math.sqrt(atol * around.scale)) if radius < atol < math.inf else (0.0, 0.0)
 

@@ -29,6 +29,7 @@ from shootstab.analyses.refine_double import TIGHTEST, require_atol
 from shootstab.analyses.unstable import count_unstable
 from shootstab.analyses.verifier import Sighting, Verifier
 from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.numerus import number_of
 from shootstab.core.progress import Progress, StageClock
 from shootstab.core.records import UNRESOLVED, Mode, Report, Verdict
 from shootstab.core.regions import Region
@@ -272,7 +273,8 @@ def _unstable(continuation: Continuation, known: list[Zero]) -> tuple[tuple[Mode
     """The unstable modes that are not known, and what is now known of all of them."""
     growing = [k.sigma.real for k in known if k.sigma.real > 0.0]
     counted = count_unstable(continuation.problem, min(1e-8, 1e-3 * min(growing, default=1.0)), continuation.method)
-    said = f"in all {counted.count} modes have Re sigma > {counted.floor:.1e}, none of them |sigma| > {counted.radius:g}"
+    many = number_of(counted.count, "mode has", "modes have")
+    said = f"in all {many} Re sigma > {counted.floor:.1e}, none with |sigma| > {counted.radius:g}"
     said += f" (by lemma {counted.lemma})" if counted.lemma else ""
     if counted.count == sum(k.multiplicity for k in known if k.sigma.real > counted.floor):
         return (), said

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from shootstab.analyses.accuracy import require_accurate
 from shootstab.core.errors import ConvergenceError
+from shootstab.core.numerus import number_of
 from shootstab.core.regions import Disc
 from shootstab.discriminants.continuation import Branch, Continuation
 from shootstab.problems.protocol import Problem
@@ -19,7 +20,7 @@ class Crowded(ConvergenceError):  # noqa: N818 - it is a finding, not a fault
     """More zeros lie in the disc than were to be told apart."""
 
     def __init__(self, count: int, radius: float) -> None:
-        super().__init__(f"{count} zeros lie within {radius:.1e}")
+        super().__init__(f"{number_of(count, 'zero lies', 'zeros lie')} within {radius:.1e}")
         self.count = count
 
 

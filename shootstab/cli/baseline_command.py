@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from shootstab.cli import commands, values
 from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.numerus import number_of
 from shootstab.io import scenes as scene_files
 
 if TYPE_CHECKING:
@@ -72,8 +73,9 @@ def check(options: Namespace) -> int:
     def lines() -> list[Any]:
         from shootstab.cli.tables import paragraph
 
-        what = f"{len(differences) - len(bad)} of {len(differences)} mode{'s' * (len(differences) != 1)} of {options.file}"
-        said = f"{what} hold{'s' * (len(differences) == 1)} to {baseline.digits} digits."
+        holding = len(differences) - len(bad)
+        what = f"{holding} of {number_of(len(differences), 'mode')} of {options.file}"
+        said = f"{what} hold{'s' * (holding == 1)} to {number_of(baseline.digits, 'digit')}."
         return [paragraph(line) for line in (*(f"drifted  {difference.line}" for difference in bad), said)]
 
     commands.answer(options, document, lines, scene)
@@ -94,4 +96,4 @@ def _modes(scene: scene_files.Scene, guesses: list[complex], digits: int) -> lis
 
 
 def _said(baseline: Baseline) -> str:
-    return f"{len(baseline.modes)} mode{'s' * (len(baseline.modes) != 1)} of {baseline.scene}, to {baseline.digits} digits."
+    return f"{number_of(len(baseline.modes), 'mode')} of {baseline.scene}, to {number_of(baseline.digits, 'digit')}."

@@ -12,6 +12,7 @@ from shootstab.cli import figures, plane
 from shootstab.cli.figures import PLAIN, Look, Size
 from shootstab.cli.plane import Box, Group, Points
 from shootstab.cli.verdict_looks import MISSING_LOOK, VERDICT_LOOKS
+from shootstab.core.numerus import number_of
 from shootstab.core.records import CONTINUUM, Report
 from shootstab.core.regions import Region
 
@@ -84,7 +85,7 @@ def draw_found(answer: Found, region: Region, scene: Scene, size: Size | None = 
     outline = rim(region)
     assert outline is not None
     near = plane.around(np.concatenate([outline, modes]), 0.0)
-    title = f"{scene.name}: {answer.counted.count} mode{'s' * (answer.counted.count != 1)} inside the region\n{scene.description}"
+    title = f"{scene.name}: {number_of(answer.counted.count, 'mode')} inside the region\n{scene.description}"
     return plane.picture(scene, groups, near, title, outline, size)
 
 

@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
 PROFILE_HEIGHTS = 101  # chosen: heights of the profiles in a file
-# chosen: what is drawn, the field and the label of its axis
 FLOW_SIZE = (9.6, 4.2)  # chosen: inches
 NARROWEST_PROFILE = 2.2  # chosen: inches of a panel under which its name with its unit finds room
+# chosen: the fields that are drawn, each with the label of its axis
 FLOW_PANELS = (
     ("nu", r"volume fraction $\nu_0$"),
     ("u", r"velocity $u_0$ / $\sqrt{d\,g\cosθ}$"),

@@ -19,6 +19,7 @@ from shootstab.cli import figures
 from shootstab.cli.commands import BAD_NEWS, DONE, answer
 from shootstab.cli.lines import numbered
 from shootstab.core.errors import InputError
+from shootstab.core.numerus import number_of
 from shootstab.io import scenes as scene_files
 from shootstab.io.files import require_writable, write_whole
 from shootstab.models.chute.registry import SWEPT
@@ -152,7 +153,7 @@ def tables(found: Swept, scene: Scene) -> list[RenderableType]:
     counts = found.summary
     counted = counts.pop("counted")
     said = ", ".join(f"{n} {status}" for status, n in counts.items() if n)
-    parts.append(paragraph(f"{len(found.outcomes)} point{'s' * (len(found.outcomes) != 1)}: {said}; modes were counted at {counted}."))
+    parts.append(paragraph(f"{number_of(len(found.outcomes), 'point')}: {said}; modes were counted at {counted}."))
     if found.fastest is not None:
         point, outcome = found.fastest
         where = ", ".join(f"{n} = {v:.8g}" for n, v in zip(found.grid.names, point, strict=True))

@@ -15,6 +15,7 @@ from shootstab.cli.lines import GAP, PAGE, filled, with_i
 from shootstab.cli.reasons import told
 from shootstab.cli.selection import rows
 from shootstab.cli.verdict_looks import MISSING_LOOK, VERDICT_LOOKS
+from shootstab.core.numerus import number_of
 from shootstab.core.records import (
     CONFIRMED,
     Mode,
@@ -86,7 +87,7 @@ def theorems(found: Report, proofs: Sequence[ProvedVerdict]) -> Parts:
 def _left_out(found: Report) -> Parts:
     if not found.dropped:
         return []
-    entries = "1 entry that is" if found.dropped == 1 else f"{found.dropped} entries that are"
+    entries = number_of(found.dropped, "entry that is", "entries that are")
     return [Text(f"Left out of the file: {entries} infinite, not a number, or 1e15 and more.")]
 
 
@@ -117,8 +118,8 @@ def sentence(found: Report) -> str:
     total, counts = len(found.verdicts), dict(found.summary)
     missing, confirmed = counts.pop("missing"), counts.pop(CONFIRMED)
     others = "".join(f", {n} {verdict}" for verdict, n in counts.items() if n)
-    said = f"{confirmed} of {total} eigenvalue{'s' * (total != 1)} confirmed to {found.digits} digits{others}."
-    lost = "no mode is missing" if missing == 0 else f"{missing} mode{'s are' if missing > 1 else ' is'} missing"
+    said = f"{confirmed} of {number_of(total, 'eigenvalue')} confirmed to {number_of(found.digits, 'digit')}{others}."
+    lost = "no mode is missing" if missing == 0 else f"{number_of(missing, 'mode is', 'modes are')} missing"
     searched = with_i(found.searched[:1].upper() + found.searched[1:])
     if found.region is None:
         return f"{said} {searched}{f'; {lost}' if missing else ''}."
@@ -134,7 +135,7 @@ def mode(found: Mode, scene: Scene, asked: int | None = None) -> Parts:
         "error": f"{_two_figures(found.error)} ({', '.join(parts[:2])},\n       {', '.join(parts[2:])})",
         "digits": f"{found.digits:.1f}",
         "status": found.status,
-        "method": f"{found.method}, {found.evaluations} evaluations, {found.seconds:.2g} s, {found.path} path in z",
+        "method": f"{found.method}, {number_of(found.evaluations, 'evaluation')}, {found.seconds:.2g} s, {found.path} path in z",
     }
     if found.atol > 0.0 and found.error > 0.0 and abs(found.sigma) < found.scale:
         rows["absolute accuracy"] = f"{_two_figures(found.atol)} suffices here, where D is linear over {_two_figures(found.scale)}"
@@ -151,8 +152,8 @@ def mode(found: Mode, scene: Scene, asked: int | None = None) -> Parts:
 
 def count(region: Region, found: RegionCount, scene: Scene, lemma: str = "") -> Parts:
     """One sentence, by which lemma the region holds all growing modes, and what was left out."""
-    said = f"{scene.name}: {found.count} mode{'s' * (found.count != 1)} inside the {_shape(region)}."
-    closed = f"The phase of D closed to {found.closure:.0e} of a turn, in {found.evaluations} evaluations."
+    said = f"{scene.name}: {number_of(found.count, 'mode')} inside the {_shape(region)}."
+    closed = f"The phase of D closed to {found.closure:.0e} of a turn, in {number_of(found.evaluations, 'evaluation')}."
     left = [f"Not counted: what lies within {d.radius:.1e} of the end {d.centre:.6g} of the continuous spectrum." for d in found.left_out]
     floor = min(corner.real for corner in region.hull)
     others = [f"None outside of it has Re σ > {floor:.1e}, by lemma {lemma} of `shootstab guide proofs`."] if lemma else []
@@ -206,6 +207,7 @@ def steady(flow: Flow, profiles: Mapping[str, Sequence[float]], scene: Scene) ->
 
 def spectrum(found: Any, raw: bool, scene: Scene) -> Parts:
     """The filtered spectrum with what it passed, or all that QZ gave."""
+    every, passing = number_of(len(found.raw), "eigenvalue"), number_of(len(found.eigenvalues), "passes", "pass")
     if raw:
         table = ruled("unfiltered", in_symbol("σ", scene))
         for number, sigma in enumerate(found.raw, 1):
@@ -213,13 +215,13 @@ def spectrum(found: Any, raw: bool, scene: Scene) -> Parts:
         return [
             heading(scene),
             table,
-            paragraph(f"{len(found.raw)} eigenvalues of the pencil at truncation {found.truncation}, {len(found.eigenvalues)} pass."),
+            paragraph(f"{every} of the pencil at truncation {found.truncation}; {passing} both filters."),
         ]
     table = ruled("", in_symbol("σ", scene), "drift", "tail")
     for number, (sigma, drift, tail) in enumerate(zip(found.eigenvalues, found.drift, found.tail, strict=True), 1):
         shown = held_complex(complex(sigma), float(drift) or None)
         table.add_row(str(number), shown, _two_figures(drift), _two_figures(tail))
-    sentence = f"{len(found.eigenvalues)} of {len(found.raw)} eigenvalues at truncation {found.truncation} pass both filters."
+    sentence = f"Of {every} at truncation {found.truncation}, {passing} both filters."
     return [heading(scene), table, paragraph(sentence)]
 
 

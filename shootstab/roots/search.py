@@ -20,6 +20,7 @@ import numpy as np
 from shootstab.core.discriminant import Discriminant
 from shootstab.core.division import divisions
 from shootstab.core.errors import ConvergenceError
+from shootstab.core.numerus import number_of
 from shootstab.core.regions import Disc, Region, size
 from shootstab.roots.iterations import newton
 from shootstab.roots.winding import Legs, power_sums
@@ -111,12 +112,15 @@ def _rounding(region: Region) -> float:
     return RESOLVED_SIGMA * max(map(abs, region.hull))
 
 
+def _said(counted: Counted) -> str:
+    return number_of(counted.count, "zero was counted", "zeros were counted")
+
+
 def _search(search: Search, region: Region, counted: Counted, known: list[Zero], first: Region) -> list[Zero]:
     here = [k for k in known if search.holds(region, k.sigma)]
     lacking = counted.count - sum(k.multiplicity for k in here)
     if lacking < 0:
-        many = "1 zero was" if counted.count == 1 else f"{counted.count} zeros were"
-        raise ConvergenceError(f"{many} counted near {region.hull[0]:.6g}, fewer than are known there")
+        raise ConvergenceError(f"{_said(counted)} near {region.hull[0]:.6g}, fewer than are known there")
     if lacking == 0:
         return []
     if counted.count <= HANDFUL:
@@ -145,7 +149,7 @@ def _parts(search: Search, region: Region, counted: Counted) -> list[tuple[Regio
             continue
         total = sum(c.count for c in counts)
         if total != counted.count:
-            why = f"{counted.count} zeros were counted in it and {' + '.join(str(c.count) for c in counts)} in its parts"
+            why = f"{_said(counted)} in it and {' + '.join(str(c.count) for c in counts)} in its parts"
             continue
         return list(zip(parts, counts, strict=True))
     raise ConvergenceError(f"no way was found to divide a region at {region.hull[0]:.6g} of size {size(region):.1e}: {why}")

@@ -41,10 +41,19 @@ def separation(discriminant: Discriminant, at_zero: Value) -> float:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """The number of zeros at a point, as seen from afar, and the distance over which D is like that power of the distance."""
+    """The number of zeros at a point, as seen from afar, and the distance over which D is like that power of the distance.
+
+    nearest is about the distance to the nearest of them that D shows from the point itself; 0 where it shows none.
+    """
 
     multiplicity: int
     scale: float
+    nearest: float = 0.0
+
+    @property
+    def apart(self) -> Surroundings:
+        """The same where D at the point is known: its zeros lie where D shows them, and none at the point."""
+        return Surroundings(0, self.nearest, self.nearest) if self.nearest > 0.0 else self
 
 
 def surroundings(discriminant: Discriminant, centre: complex) -> Surroundings:
@@ -75,7 +84,7 @@ def surroundings(discriminant: Discriminant, centre: complex) -> Surroundings:
             falls = falls + 1 if off < last or off == 0.0 else 0
             last = off
         elif whole == before:
-            found = Surroundings(whole, distance / max(off, SEEN))
+            found = Surroundings(whole, distance / max(off, SEEN), empty)
         before, distance = whole, TENFOLD * distance
     seen = found.multiplicity > 0 and abs(centre) + distance < LARGEST_LOOK
-    return found if seen else Surroundings(0, empty)
+    return found if seen else Surroundings(0, empty, empty)

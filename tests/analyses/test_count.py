@@ -126,7 +126,7 @@ def test_two_counts_that_differ_are_refused(slow_wave: ChuteProblem, monkeypatch
         return count_in_region(continuation, Disc(0, 1e-2) if len(calls) == 1 else Disc(1.0, 0.1))  # type: ignore[arg-type]
 
     monkeypatch.setattr(counting, "count_in_region", once_wrong)
-    with pytest.raises(Undecidable, match=r"1 modes are counted in the region, and 0 \+ 0 in the parts"):
+    with pytest.raises(Undecidable, match=r"1 mode is counted in the region, and 0 \+ 0 in the parts"):
         counted(slow_wave, Disc(0, 1e-2))
 
 

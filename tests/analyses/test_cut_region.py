@@ -134,7 +134,7 @@ def test_verify_states_the_number_of_growing_modes(scenes: dict[str, ChuteProble
     report = st.verify(scenes["high"], [-0.1558104046 + 0.3748369704j], unstable=True, region=Rectangle(0.01 + 0.01j, 0.02 + 0.02j))
     assert report.verdicts[0].verdict == "confirmed"
     assert [m.sigma for m in report.missing] == pytest.approx([0.0039705046389])
-    assert "1 modes have Re sigma >" in report.searched
+    assert "in all 1 mode has Re sigma >" in report.searched
 
 
 SINGLE = PlanePoiseuille(reynolds=500.0)

@@ -52,6 +52,26 @@ def test_what_a_code_prints_for_zero_is_confirmed(printed: complex) -> None:
     assert not report.missing
 
 
+def far_pair(distance: float) -> LinearProblem:
+    """y″ = 1e−9 σ y, y′ = 0 at 0, (σ² + d²) y = 0 at 1: ±i d, and all others lie beyond 2e9 in |σ|."""
+    D0, moving = np.array([[0, 1], [0, 0]]), [[[0, 0]], [[1, 0]]]
+    return st.problem(2, lambda x: (D0, 1e-9 * D1), st.Wall(0, [[0, 1]]), st.Wall(1, [[distance**2, 0]], moving))
+
+
+@pytest.mark.parametrize("distance", [1.0, 1e-6])
+def test_a_pair_that_D_resolves_is_not_neutral_however_far_the_others_lie(distance: float) -> None:
+    """D = (σ² + d²) cosh √(1e−9 σ) is known at 0, so 0 is none of its zeros; it was taken for one of two within 2e3."""
+    assert {v.verdict for v in st.verify(far_pair(distance), [0.0, 0.0], missing="none").verdicts} == {"spurious"}
+    pair = st.verify(far_pair(distance), [1j * distance, -1j * distance], missing="none")
+    assert [v.verdict for v in pair.verdicts] == ["confirmed", "confirmed"]
+
+
+def test_a_double_zero_at_0_has_no_size_of_its_own() -> None:
+    report = st.verify(far_pair(0.0), [0.0, 1e-9], missing="none")
+    assert [v.verdict for v in report.verdicts] == ["confirmed", "confirmed"]
+    assert all("multiplicity 2" in v.why for v in report.verdicts)
+
+
 def test_a_claim_beyond_the_absolute_accuracy_is_inaccurate_and_not_lost() -> None:
     (verdict, _) = st.verify(neumann(), [3e-9, -9.8696044]).verdicts
     assert verdict.verdict == "inaccurate"

@@ -245,5 +245,5 @@ def test_modes_without_an_error_bound_are_refused(monkeypatch: pytest.MonkeyPatc
 def test_growing_modes_that_are_counted_and_not_found_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """y″ + 20y = σy has one growing mode, 20 − π², and no pseudospectral reference that would suggest it."""
     monkeypatch.setattr(dominance, "find_modes", lambda *given: (None, [], 0))
-    with pytest.raises(ConvergenceError, match=r"1 modes are counted with Re sigma > 0\.001, but only 0 found"):
+    with pytest.raises(ConvergenceError, match=r"1 mode is counted with Re sigma > 0\.001, but only 0 found"):
         dominance.count_dominant(string(20.0), [], 1e-3)

@@ -290,7 +290,7 @@ def test_a_count_finds_what_nobody_knew(scenes: dict[str, ChuteProblem]) -> None
     neighbour = st.chute.problem(scenes["low"].flow, 0.0112, 0.0)
     again = count_dominant(neighbour, [], 1e-8, found)  # on the meshes of the first
     assert len(again.modes) == 1
-    with pytest.raises(ConvergenceError, match=r"1 modes are counted with Re sigma > 0\.0037, but 2 found"):
+    with pytest.raises(ConvergenceError, match=r"1 mode is counted with Re sigma > 0\.0037, but 2 found"):
         count_dominant(scenes["low"], [0.0075 + 0j, *found.modes], 1e-8)
 
 

@@ -12,6 +12,7 @@ from shootstab.analyses.reference import spectrum
 from shootstab.analyses.sweep.following import land
 from shootstab.analyses.unstable import LAW, OUTWARDS, HalfDisc, bound, departure_from_law
 from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.numerus import number_of
 from shootstab.discriminants.continuation import Continuation
 from shootstab.discriminants.frame import Frame
 from shootstab.problems.protocol import Problem
@@ -28,6 +29,7 @@ RAISE, HIGHEST_FLOOR = (
 SWEEP_COUNTING = Frame(rtol=1e-6)  # chosen: a phase needs few digits
 SUGGESTING_TRUNCATIONS = (40, 64)  # chosen: orders of the pseudospectral spectra that suggest modes
 SUGGESTED = 12  # chosen: suggested modes that are tried, the fastest first
+COUNTED = ("mode is counted", "modes are counted")
 SAME_MODE = 1e-5  # chosen: relative distance below which two numbers mean one mode
 
 
@@ -61,13 +63,13 @@ def count_dominant(problem: Problem, known: Sequence[complex], floor: float, bef
             growing.sort(key=lambda m: (-m.real, m.imag))
             return DominantModes(tuple(growing), level, radius, continuation, spent)
         if count < len(growing):
-            raise ConvergenceError(f"{count} modes are counted with Re sigma > {level:.2g}, but {len(growing)} found")
+            raise ConvergenceError(f"{number_of(count, *COUNTED)} with Re sigma > {level:.2g}, but {len(growing)} found")
         if attempt < len(SUGGESTING_TRUNCATIONS):
             modes = _distinct([*modes, *_suggested(continuation, SUGGESTING_TRUNCATIONS[attempt])])
         else:
             _, zeros, _ = find_modes(continuation, HalfDisc(radius, level), [Zero(m) for m in growing])
             modes = _distinct([*modes, *(z.sigma for z in zeros)])
-    raise ConvergenceError(f"{count} modes are counted with Re sigma > {level:.2g}, but only {len(growing)} found")
+    raise ConvergenceError(f"{number_of(count, *COUNTED)} with Re sigma > {level:.2g}, but only {len(growing)} found")
 
 
 def lowest_floor(continuation: Continuation, floor: float) -> float:
