@@ -98,6 +98,17 @@ def test_every_number_says_where_it_comes_from() -> None:
     assert not silent, silent
 
 
+def test_a_number_stands_on_the_line_of_its_name() -> None:
+    """No number is put in parentheses for the sake of a long comment, between whose lines neither it nor its origin is seen."""
+    wrapped = [
+        f"{path.relative_to(ROOT)}: {ast.unparse(node)}"
+        for path in SOURCES
+        for node in _tree(path).body
+        if isinstance(node, ast.Assign | ast.AnnAssign) and isinstance(node.value, ast.Constant) and node.value.lineno != node.lineno
+    ]
+    assert wrapped == []
+
+
 def test_a_measured_number_names_a_script_that_exists() -> None:
     named = {script for path in SOURCES for _, _, said in _constants(path) for script in re.findall(r"validation/\w+\.py", said)}
     assert named

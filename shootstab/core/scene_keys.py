@@ -5,7 +5,7 @@ A model offers a `SceneModel`; io.scenes reads TOML and hands it the tables.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -87,6 +87,19 @@ class SceneModel(Protocol):
         ...
 
 
+def require_keys(name: str, table: Mapping[Any, Any], needed: Sequence[str], allowed: Sequence[str], beside: str = "") -> None:
+    """Raise InputError for a table, so called in words, with a key that is not allowed, or without one that is needed.
+
+    beside says what else is needed.
+    """
+    for key in table:
+        if key not in allowed:
+            raise InputError(f"{name} has the unknown key {shortened(key)}: allowed are {', '.join(allowed)}")
+    for key in needed:
+        if key not in table:
+            raise InputError(f"{name} lacks the key {key}: needed are {', '.join(needed)}{beside}")
+
+
 @dataclass(frozen=True)
 class Keys:
     """The keys that a table of a scene file may have, with their types; needed are those in `required`, and one of `either`."""
@@ -101,19 +114,12 @@ class Keys:
         table = tables.get(self.name)
         if not isinstance(table, dict):
             raise InputError(f"{self.name} = {shortened(table)}: allowed is a table [{self.name}]")
-        for key in table:
-            if key not in self.keys:
-                raise InputError(f"[{self.name}] has the unknown key {shortened(key)}: allowed are {', '.join(self.keys)}")
-        for key in self.required:
-            if key not in table:
-                raise InputError(f"[{self.name}] lacks the key {key}: needed are {self._needed()}")
+        beside = f" and one of {', '.join(self.either)}" if self.either else ""
+        require_keys(f"[{self.name}]", table, self.required, tuple(self.keys), beside)
         given = [key for key in self.either if key in table]
         if self.either and len(given) != 1:
             raise InputError(f"[{self.name}] has {' and '.join(given) or 'no flow'}: allowed is exactly one of {', '.join(self.either)}")
         return {key: self._typed(key, value) for key, value in table.items()}
-
-    def _needed(self) -> str:
-        return ", ".join(self.required) + (f" and one of {', '.join(self.either)}" if self.either else "")
 
     def _typed(self, key: str, value: Any) -> Any:
         wanted = self.keys[key]

@@ -11,9 +11,9 @@ import mpmath
 
 from shootstab.core.progress import Tick
 from shootstab.formulation.base_flow import BaseFlow
-from shootstab.formulation.base_integration import FlowBranch, FlowRecurrence, fields_of
-from shootstab.formulation.base_shooting import FlowShooting
-from shootstab.formulation.base_solution import solved, state_on
+from shootstab.formulation.base_integration import FlowBranch, FlowRecurrence, fields_of, state_on
+from shootstab.formulation.base_shooting import FlowShooting, settled_flow
+from shootstab.formulation.base_solution import solved
 from shootstab.formulation.series_digits import BaseFields
 from shootstab.multiprecision.arithmetic import Arithmetic
 from shootstab.multiprecision.integration import BaseFlowNumbers
@@ -32,9 +32,12 @@ class FlowDigits:
         self.known, _ = solved(flow)
 
     def base(self, arithmetic: Arithmetic, settings: Settings, progress: Tick) -> BaseFlowNumbers:
-        """The free values at the origin. See multiprecision.integration."""
-        self.known, _ = FlowShooting(arithmetic, settings, self.flow, progress).settled(self.known)
-        return self.known.free
+        """The free values at the origin, as they differ from those that are known: zero. See multiprecision.integration.
+
+        The values themselves hold more digits than the integration works with, those that are lost on the way.
+        """
+        self.known, _ = settled_flow(arithmetic, settings, self.flow, self.known, progress)
+        return tuple(mpmath.mpf(0) for _ in self.known.free)
 
     def series(self, arithmetic: Arithmetic, settings: Settings, base: BaseFlowNumbers) -> FlowSeries:
         """The flow with these values at the origin; with others, found anew, where it is to be known farther out."""
@@ -45,26 +48,28 @@ class FlowSeries:
     """The flow in one arithmetic with one choice of settings."""
 
     def __init__(self, arithmetic: Arithmetic, settings: Settings, digits: FlowDigits, base: BaseFlowNumbers) -> None:
-        self._arithmetic, self.flow = arithmetic, digits.flow
-        self._shooting = FlowShooting(arithmetic, settings, digits.flow, lambda: None)
+        self._arithmetic, self.flow, known = arithmetic, digits.flow, digits.known
+        lost = known.lost * (float(FARTHER_REACH) if known.reaches else 1.0)
+        self._shooting = FlowShooting(arithmetic, settings, digits.flow, lambda: None, lost)
         assert self.flow.origin.at is not None
         self._origin = self.flow.origin.at
-        found = replace(digits.known, free=base)
-        if settings.far_shift and found.reaches:
-            moved = {d: self._origin + FARTHER_REACH * (reach - self._origin) for d, reach in found.reaches.items()}
-            found, branches = self._shooting.newton(replace(found, reaches=moved), once=True)
-        else:
-            branches = self._shooting.branches(found)
-        self._found, self._branches = found, {way.direction: way for way in branches}
+        with self._shooting.working():
+            found = replace(known, free=tuple(x + d for x, d in zip(known.free, base, strict=True)))
+            if settings.far_shift and found.reaches:
+                moved = {d: self._origin + FARTHER_REACH * (reach - self._origin) for d, reach in found.reaches.items()}
+                found, branches = self._shooting.newton(replace(found, reaches=moved), once=True)
+            else:
+                branches = self._shooting.branches(found)
+        self._known, self._found, self._branches = known, found, {way.direction: way for way in branches}
         self._recurrence = FlowRecurrence(arithmetic, self.flow)
 
     def corrected(self) -> BaseFlowNumbers:
-        """The values at the origin after one more step of Newton."""
-        found = self._found
-        if found.jacobian is None:
-            return found.free
-        step = self._shooting.step(found.jacobian, self._shooting.defects(found, list(self._branches.values())))
-        return tuple(x - d for x, d in zip(found.free, step, strict=True))
+        """The values at the origin after one more step of Newton, as they differ from those that were known."""
+        found, step = self._found, []
+        with self._shooting.working():
+            if found.jacobian is not None:
+                step = self._shooting.step(found.jacobian, self._shooting.defects(found, list(self._branches.values())))
+            return tuple(x - d - y for x, d, y in zip(found.free, step, self._known.free, strict=True))
 
     def reach(self, direction: int) -> Fraction:
         """Where the flow has settled on the way to infinity."""

@@ -40,8 +40,9 @@ def guessed(flow: BaseFlow) -> tuple[Reals, dict[int, float]]:
         for length in lengths:
             last = _solved(flow, dict.fromkeys(infinite, length), last if lengths is LENGTHS else None)
             failures = failures + 1 if last is None else 0
-            if last is not None and _has_settled(flow, last, infinite, length):
-                return last.sol(0.0)[: len(flow.states)], dict.fromkeys(infinite, length)
+            places = {} if last is None else _settled_places(flow, last, infinite, length)
+            if last is not None and None not in places.values():
+                return last.sol(0.0)[: len(flow.states)], {d: place for d, place in places.items() if place is not None}
             if failures == MOST_FAILURES:
                 break
     raise _not_found(flow)
@@ -114,13 +115,15 @@ def _solved(flow: BaseFlow, lengths: dict[int, float], last: Any = None) -> Any:
     return found if found.status == 0 and np.isfinite(found.y).all() else None
 
 
-def _has_settled(flow: BaseFlow, found: Any, infinite: list[int], length: float) -> bool:
-    n, t = len(flow.states), np.linspace(0.0, 1.0, 4 * FIRST_NODES)
+def _settled_places(flow: BaseFlow, found: Any, infinite: list[int], length: float) -> dict[int, float | None]:
+    """The first distance by direction from which on y″ is small, None where it is not at the end; farther out errors only grow."""
+    n, out = len(flow.states), dict[int, float | None]()
+    assert flow.origin.at is not None
     for i, (direction, _) in enumerate(flow.ends):
         if direction in infinite:
-            origin = float(flow.origin.at or 0)
-            y = found.sol(t)[i * n : i * n + n]
-            turns = np.abs(_at(flow, origin + direction * length * t, y, tuple(slope.derivative() for slope in flow.slopes)))
-            if not (turns[:, -1] <= ROUGHLY_SETTLED * turns.max(axis=1)).all():
-                return False
-    return True
+            z = float(flow.origin.at) + direction * length * found.x
+            turns = np.abs(_at(flow, z, found.y[i * n : i * n + n], tuple(slope.derivative() for slope in flow.slopes)))
+            moving = np.flatnonzero(~(turns <= ROUGHLY_SETTLED * turns.max(axis=1, keepdims=True)).all(axis=0))
+            first = 1 if not len(moving) else int(moving[-1]) + 1
+            out[direction] = length * float(found.x[first]) if first < len(found.x) else None
+    return out

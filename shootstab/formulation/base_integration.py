@@ -136,7 +136,8 @@ def branch(
         if last:
             break
     else:
-        raise ConvergenceError(f"the base flow takes more than {MOST_BASE_STEPS} Taylor steps to {float(reach):.6g}")
+        told = f"the base flow takes more than {MOST_BASE_STEPS} Taylor steps to {float(reach):.6g}"
+        raise ConvergenceError(f"{told}: allowed is one that varies less on its way, or settles sooner")
     if end.at is not None:
         return FlowBranch(direction, steps, state, -math.inf, -math.inf, 0.0, None, None)
     logs = recurrence.logs(z, recurrence.expand(z, one, state, 4))
@@ -189,3 +190,53 @@ def _step(logs: Sequence[Sequence[float]], largest: Sequence[float], longest: fl
             return log_step
         log_step -= STEP_BITS
     raise ConvergenceError("the base flow runs into a singularity")
+
+
+def difference(arithmetic: Arithmetic, first: list[FlowBranch], second: list[FlowBranch]) -> float:
+    """The largest one of two solutions, at the steps of the first, of each state against its largest value."""
+    worst = 0.0
+    for one, two in zip(first, second, strict=True):
+        for i in range(len(one.end)):
+            sizes = [abs(step.coefficients[i][0]) for step in one.steps] + [abs(one.end[i])]
+            apart = [abs(one.end[i] - two.end[i])]
+            apart += [abs(step.coefficients[i][0] - state_on(arithmetic, two, step.centre)[i]) for step in one.steps]
+            size, off = max(sizes), max(apart)
+            worst = max(worst, float(arithmetic.to_mpmath(off / size)) if size > 0 else 0.0)
+    return worst
+
+
+def state_on(arithmetic: Arithmetic, way: FlowBranch, z: Any) -> FlowState:
+    """The state at a place between the origin and the end of a way, or, where the end is at infinity, beyond its reach."""
+    steps = way.steps
+    low, high = 0, len(steps) - 1
+    while low < high:
+        middle = (low + high + 1) // 2
+        if way.direction * (z - steps[middle].centre) >= 0:
+            low = middle
+        else:
+            high = middle - 1
+    step = steps[low]
+    beyond = way.direction * (z - step.centre) - step.length
+    if way.limit is not None and way.drift is not None and beyond > 0:
+        return [a + way.direction * beyond * b for a, b in zip(way.limit, way.drift, strict=True)]
+    return [value(arithmetic, c, z - step.centre) for c in step.coefficients]
+
+
+def shorter_steps(arithmetic: Arithmetic, settings: Settings, flow: BaseFlow, way: FlowBranch) -> list[FlowStep]:
+    """The same way in the steps of these settings: a long one with many terms loses in rounding what its terms are larger than their sum."""
+    recurrence, out = FlowRecurrence(arithmetic, flow), list[FlowStep]()
+    first, last = way.steps[0], way.steps[-1]
+    z, end = first.centre, last.centre + way.direction * last.length
+    largest, longest = [-math.inf] * len(flow.states), float(arithmetic.log2(end - z))
+    for _ in range(MOST_BASE_STEPS):
+        series = recurrence.expand(z, arithmetic.number(1), state_on(arithmetic, way, z), settings.order)
+        logs, left = recurrence.logs(z, series), abs(end - z)
+        log_step = _step(logs, largest, longest, settings)
+        ends = log_step >= arithmetic.log2(left)
+        h = left if ends else arithmetic.number(2.0**log_step)
+        out.append(FlowStep(z, h, series))
+        if ends:
+            return out
+        largest = [max(seen, _size(y, log_step)) for seen, y in zip(largest, logs, strict=True)]
+        z, longest = arithmetic.rounded(z + way.direction * h), log_step + 1
+    raise ConvergenceError(f"the base flow takes more than {MOST_BASE_STEPS} Taylor steps: allowed is one that varies less on its way")

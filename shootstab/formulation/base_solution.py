@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.errors import ConvergenceError, InputError
-from shootstab.formulation.base_flow import BaseFlow
+from shootstab.formulation.base_flow import BaseFlow, fixed_at_origin
 from shootstab.formulation.base_guess import guessed
-from shootstab.formulation.base_integration import FlowBranch, value
-from shootstab.formulation.base_shooting import FlowShooting, OriginValues
+from shootstab.formulation.base_integration import FlowBranch, difference, shorter_steps
+from shootstab.formulation.base_shooting import FlowShooting, OriginValues, settled_flow
 from shootstab.formulation.evaluation import on_arrays
 from shootstab.formulation.system import shown
 from shootstab.multiprecision.backends import choose
@@ -130,78 +130,49 @@ def functions(flow: BaseFlow | None, factor: float = 0.0) -> Mapping[str, FlowFu
 @cache
 def table_of(flow: BaseFlow, factor: float = 0.0) -> FlowTable:
     """The flow in doubles. Raises InputError where there is none."""
-    return table_of(flow).off(factor) if factor else _table(flow, *solved(flow))
+    return table_of(flow).off(factor) if factor else _table(flow, solved(flow)[1])
 
 
 @cache
 def solved(flow: BaseFlow) -> tuple[OriginValues, list[FlowBranch]]:
-    """The values at the origin to BASE_DIGITS or more, so that every state is right to a rounding, and the way to each end.
+    """The values at the origin so that every state is right to a rounding all along, and the way to each end.
 
     Numbers are those of the arithmetic that is installed. Raises InputError where the conditions are not met.
     """
-    arithmetic = choose()
+    arithmetic, settings = choose(), Settings.of(BASE_DIGITS)
     try:
-        state, lengths = guessed(flow)
-        digits, least = BASE_DIGITS, None
-        while digits <= MOST_BASE_DIGITS:
-            settings = Settings.of(digits)
-            with arithmetic.working(settings.digits), mpmath.workdps(settings.digits):
-                shooting = FlowShooting(arithmetic, settings, flow, lambda: None)
-                if least is None:
-                    assert flow.origin.at is not None
-                    reaches = {d: flow.origin.at + d * Fraction(length) for d, length in lengths.items()}
-                    least = OriginValues(tuple(mpmath.mpf(float(state[i])) for i in shooting.places), reaches)
-                found, branches = shooting.settled(least)
-                finer = FlowShooting(arithmetic, settings.finer().more_precise(), flow, lambda: None)
-                with arithmetic.working(finer.settings.digits), mpmath.workdps(finer.settings.digits):
-                    again, better = finer.newton(found, once=True)
-                off = _difference(arithmetic, branches, better)
+        known = _begun(flow)
+        while BASE_DIGITS + known.lost <= MOST_BASE_DIGITS:
+            found, branches = settled_flow(arithmetic, settings, flow, known, lambda: None)
+            finer = FlowShooting(arithmetic, settings.finer().more_precise(), flow, lambda: None, found.lost)
+            with finer.working():
+                again, better = finer.newton(found, once=True)
+                off = difference(arithmetic, branches, better)
             if off <= DOUBLE_EXACT:
-                return again, better
-            least, digits = found, digits + max(4.0, 2.0 + math.log10(off / DOUBLE_EXACT))
+                return replace(again, lost=found.lost), better
+            known = replace(found, lost=found.lost + max(4.0, 2.0 + math.log10(off / DOUBLE_EXACT)))
     except ConvergenceError as error:
         raise InputError(str(error)) from error
     raise InputError(f"base: the solution is so sensitive that {MOST_BASE_DIGITS:.0f} digits do not determine it")
 
 
-def _difference(arithmetic: Any, first: list[FlowBranch], second: list[FlowBranch]) -> float:
-    """The largest one of two solutions, at the steps of the first, of each state against its largest value."""
-    worst = 0.0
-    for one, two in zip(first, second, strict=True):
-        for i in range(len(one.end)):
-            sizes = [abs(step.coefficients[i][0]) for step in one.steps] + [abs(one.end[i])]
-            apart = [abs(one.end[i] - two.end[i])]
-            apart += [abs(step.coefficients[i][0] - state_on(arithmetic, two, step.centre)[i]) for step in one.steps]
-            size, off = max(sizes), max(apart)
-            worst = max(worst, float(arithmetic.to_mpmath(off / size)) if size > 0 else 0.0)
-    return worst
+def _begun(flow: BaseFlow) -> OriginValues:
+    """What collocation knows of the values at the origin, and of the reaches. Raises ConvergenceError."""
+    state, lengths = guessed(flow)
+    assert flow.origin.at is not None
+    reaches = {d: flow.origin.at + d * Fraction(length) for d, length in lengths.items()}
+    fixed = fixed_at_origin(flow)[0]
+    return OriginValues(tuple(mpmath.mpf(float(x)) for i, x in enumerate(state) if i not in fixed), reaches)
 
 
-def state_on(arithmetic: Any, way: FlowBranch, z: Any) -> list[Any]:
-    """The state at a place between the origin and the end of a way, or, where the end is at infinity, beyond its reach."""
-    steps = way.steps
-    low, high = 0, len(steps) - 1
-    while low < high:
-        middle = (low + high + 1) // 2
-        if way.direction * (z - steps[middle].centre) >= 0:
-            low = middle
-        else:
-            high = middle - 1
-    step = steps[low]
-    beyond = way.direction * (z - step.centre) - step.length
-    if way.limit is not None and way.drift is not None and beyond > 0:
-        return [a + way.direction * beyond * b for a, b in zip(way.limit, way.drift, strict=True)]
-    return [value(arithmetic, c, z - step.centre) for c in step.coefficients]
-
-
-def _table(flow: BaseFlow, found: OriginValues, ways: list[FlowBranch]) -> FlowTable:
-    arithmetic = choose()
+def _table(flow: BaseFlow, ways: list[FlowBranch]) -> FlowTable:
+    arithmetic, settings = choose(), Settings.of(BASE_DIGITS)
     cells, n = [], len(flow.states)
     limits, drifts = np.full((2, n), np.nan), np.zeros((2, n))
-    with arithmetic.working(Settings.of(BASE_DIGITS).digits):
+    with arithmetic.working(settings.digits):
         for way in ways:
             side = 0 if way.direction < 0 else 1
-            for step in way.steps:
+            for step in shorter_steps(arithmetic, settings, flow, way):
                 centre, length = (float(arithmetic.to_mpmath(x)) for x in (step.centre, step.length))
                 numbers = [[float(arithmetic.to_mpmath(c)) for c in series] for series in step.coefficients]
                 cells.append(

@@ -15,6 +15,7 @@ from fractions import Fraction
 from typing import Any
 
 from shootstab.core.errors import InputError, shortened
+from shootstab.core.scene_keys import require_keys
 from shootstab.formulation.base_flow import BaseEnd, BaseFlow, of_state, solved_for_highest
 from shootstab.formulation.conditions import Conditions
 from shootstab.formulation.expression import Expression, number
@@ -30,12 +31,7 @@ def base_unknowns(table: Any) -> tuple[str, ...]:
     """The names that a base flow defines. Raises InputError for what is no table of one."""
     if not isinstance(table, Mapping):
         raise InputError(f"base = {shortened(table)}: allowed is a table with the keys {', '.join(BASE_KEYS)}")
-    for key in table:
-        if key not in BASE_KEYS + BASE_OPTIONS:
-            raise InputError(f"base has the unknown key {shortened(key)}: allowed are {', '.join(BASE_KEYS + BASE_OPTIONS)}")
-    for key in BASE_KEYS:
-        if key not in table:
-            raise InputError(f"base lacks the key {key}: needed are {', '.join(BASE_KEYS)}")
+    require_keys("base", table, BASE_KEYS, BASE_KEYS + BASE_OPTIONS)
     for key in ("unknowns", "equations"):
         value = table[key]
         if isinstance(value, str) or not isinstance(value, Sequence) or not value:

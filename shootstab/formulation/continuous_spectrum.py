@@ -79,8 +79,8 @@ def interior_spectrum(first: FirstOrder, domain: Domain, variable: str) -> Inter
     places = [domain.zero(c) for c in determinant.values()]
     if all(place is not None for place in places) and len(determinant) == 1:
         raise InputError(
-            f"the order of the equations changes at {variable} = {places[0]:.4g}, where {determinant[highest]} vanishes that multiplies "
-            "the highest derivatives: allowed is a domain without such a point inside"
+            f"the order of the equations changes at {variable} = {places[0]:.4g}, where {determinant[highest]} vanishes, or has a "
+            "pole, that multiplies the highest derivatives: allowed is a domain without such a point inside"
         )
     single = True
     if highest > 1:

@@ -45,7 +45,7 @@ def digits_of(
         if statement.doubles_only:
             raise InputError(f"{', '.join(statement.doubles_only)} are given to doubles only: allowed are formulas")
         if isinstance(statement.left, Periodic):
-            raise InputError("that is not offered between periodic ends: allowed are others")
+            raise InputError("that is not offered between periodic ends: allowed are ends with conditions, singular ones, or at infinity")
         if statement.joints:
             return _in_layers(statement, system, layers, reduction)
         flow = None if statement.base is None else FlowDigits(statement.base)

@@ -7,14 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shootstab.formulation.evaluation import Given, on_arrays
+from shootstab.formulation.evaluation import Given
 from shootstab.formulation.expression import Expression
+from shootstab.formulation.scaled_values import scaled_values
 from shootstab.formulation.vanishing import Vanishing
 
 LINE_SAMPLES = 801  # chosen: points of the domain at which a function is looked at; a zero in between of a hundredth of the domain is seen
 FAR_SAMPLE = 1e3  # chosen: the z at which samples towards infinity end
 FINITE = 4.0  # chosen: length that stands for an infinite one where a function is tested for being zero
-ZERO_TOLERANCE = 1e-9  # chosen: what is no larger than this, against the largest value, is a zero
+ZERO_TOLERANCE = 1e-9  # chosen: what is no larger than this, against the median of all values, is a zero, and what is so much larger a pole
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,14 +51,15 @@ class Domain:
         return self.zero(expression) is None
 
     def zero(self, expression: Expression) -> float | None:
-        """A point at or next to which it vanishes or is not finite; None if there is none among the samples."""
+        """A point at or next to which it vanishes or has a pole; None if there is none among the samples."""
         z = self.points
         with np.errstate(all="ignore"):
-            values = np.broadcast_to(np.asarray(on_arrays(z, self.given)(expression)), z.shape)
+            values = scaled_values(expression, z, self.given)[0]
         size = np.abs(values)
         bad = ~np.isfinite(size)
         if not bad.any():
-            bad = size <= ZERO_TOLERANCE * size.max()
+            middle = float(np.median(size))
+            bad = (size <= ZERO_TOLERANCE * middle) | (ZERO_TOLERANCE * size >= middle)
         if not bad.any() and not np.iscomplex(values).any():
             bad = np.append(np.diff(np.sign(values.real)) != 0, False)
         return float(z[bad][0]) if bad.any() else None

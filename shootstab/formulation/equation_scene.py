@@ -21,7 +21,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from shootstab.core.errors import InputError, shortened
-from shootstab.core.scene_keys import LARGEST_NUMBER
+from shootstab.core.scene_keys import LARGEST_NUMBER, require_keys
 from shootstab.formulation.conditions import Axis, Conditions, End, Periodic
 from shootstab.formulation.problem import EquationProblem, equations
 from shootstab.problems.ends import Infinity
@@ -33,12 +33,7 @@ OPTIONAL = ("interfaces", "parameters", "where", "base", "eigenvalue", "variable
 
 def from_table(table: Mapping[str, Any]) -> EquationProblem:
     """The problem that the table means. Raises InputError, which names the key and what is allowed."""
-    for key in table:
-        if key not in NEEDED + OPTIONAL:
-            raise InputError(f"[problem] has the unknown key {shortened(key)}: allowed are {', '.join(NEEDED + OPTIONAL)}")
-    for key in NEEDED:
-        if key not in table:
-            raise InputError(f"[problem] lacks the key {key}: needed are {', '.join(NEEDED)}")
+    require_keys("[problem]", table, NEEDED, NEEDED + OPTIONAL)
     fold, reference = table.get("fold"), table.get("reference")
     if fold is not None and not _is_number(fold):
         raise InputError(f"[problem] fold = {shortened(fold)}: allowed is a finite number")

@@ -123,7 +123,7 @@ def _symmetry(middle: Fraction, signs: Mapping[str, int], names: Names) -> str:
     """What a mirror at z = middle says of modes."""
     even, odd = (", ".join(name for name, sign in signs.items() if sign == wanted) for wanted in (1, -1))
     kinds = f"{even} even and {odd} odd" if odd else f"{even} even"
-    return f"about {names.variable} = {float(middle):g}: modes have {kinds}, or the reverse"
+    return f"about {names.variable} = {float(middle):g}: a basis of modes has {kinds}, or the reverse"
 
 
 def _curves(inside: InteriorSpectrum, names: Names, text: Callable[[Expression], str]) -> str:

@@ -1,8 +1,8 @@
 """Whether equations and conditions are the same seen in a mirror: modes are then even or odd, each unknown in its own way.
 
 With z ↦ 2m − z and u_j(z) ↦ s_j u_j(2m − z), s_j = ±1, a coefficient c_jk(z) of u_j^{(k)} becomes s_j (−1)^k c_jk(2m − z). Where that is
-the same row again, up to one sign for each row, and conditions at one end become those at the other, the mirror commutes with the problem;
-a simple mode is then one or the other, and a multiple one has eigenfunctions that are.
+the same row again, up to a factor for each row, and conditions at one end become those at the other, the mirror commutes with the problem;
+a simple mode is then one or the other, and a multiple one has a basis of eigenfunctions that are.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from shootstab.formulation.conditions import Axis
 from shootstab.formulation.expression import VARIABLE, Expression, Z, number
 from shootstab.formulation.statement import Statement
 from shootstab.formulation.substitution import substituted
-from shootstab.formulation.system import EquationRow
+from shootstab.formulation.system import EquationRow, degree
 from shootstab.formulation.vanishing import Vanishing
 
 MOST_SIGNS = 12  # chosen: unknowns of which all combinations of signs are tried
@@ -63,10 +63,13 @@ def _image(row: EquationRow, mirrored: Expression) -> EquationRow:
 
 
 def _same(image: EquationRow, row: EquationRow, signs: dict[str, int], vanishing: Vanishing) -> bool:
-    """Whether s_j times the image is the row, or its negative."""
+    """Whether s_j times the image is the row times a factor: a function of z, or where each coefficient holds the eigenvalue 1 or −1."""
     if image.keys() != row.keys():
         return False
-    return any(all(vanishing(number(sign * signs[at[0]]) * image[at] - c) for at, c in row.items()) for sign in (1, -1))
+    signed = {at: number(signs[at[0]]) * c for at, c in image.items()}
+    at_hand = next((at for at in sorted(row) if not degree(row[at]) and not degree(signed[at])), None)
+    factors = [(number(1), number(sign)) for sign in (1, -1)] if at_hand is None else [(row[at_hand], signed[at_hand])]
+    return any(all(vanishing(below * signed[at] - above * c) for at, c in row.items()) for below, above in factors)
 
 
 def _each_among(images: Sequence[EquationRow], rows: Sequence[EquationRow], signs: dict[str, int], vanishing: Vanishing) -> bool:

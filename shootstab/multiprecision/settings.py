@@ -36,6 +36,12 @@ class Settings:
         """The settings with a higher order and shorter steps."""
         return replace(self, tolerance=self.tolerance + 3, order=self.order + max(4, self.order // 12))
 
+    def with_loss(self, lost: float) -> Settings:
+        """The settings in which as much is left after so many digits have been lost on the way."""
+        more = max(0, math.ceil(lost))
+        order = self.order + math.ceil(more * math.log(10) / STEP_SHRINK)
+        return replace(self, digits=self.digits + more, tolerance=self.tolerance + more, order=order)
+
     def farther(self) -> Settings:
         """The settings with more terms in the far field and a start farther out."""
         return replace(self, far_tolerance=self.far_tolerance + 3, far_terms=self.far_terms + max(8, self.far_terms // 12), far_shift=1.0)

@@ -60,6 +60,29 @@ def test_a_flow_between_two_infinite_ends_is_its_formula_off_the_real_axis_too()
     assert np.abs(table.derivative("U", z + 0.1j, 0) - np.tanh(z + 0.1j)).max() < 1e-15
 
 
+def at_wall(equations: list[str], wall: list[str], far: list[str], **more: Any) -> dict[str, Any]:
+    unknowns = sorted({name for name in ("U", "V") if name in "".join(equations)})
+    ends = {"left": {"at": 0, "conditions": wall}, "right": {"infinity": True, "conditions": far}}
+    return {"unknowns": unknowns, "equations": equations, **ends, **more}
+
+
+@pytest.mark.parametrize(
+    ("table", "formula"),
+    [
+        (at_wall(["d(U,2) = -2*V", "d(V,2) = 2*(U - 1)"], ["U", "V"], ["U - 1", "V"]), lambda z: 1 - np.exp(-z) * np.cos(z)),
+        (at_wall(["d(U,2) = 10000*(U - 1)"], ["U"], ["U - 1"]), lambda z: -np.expm1(-100 * z)),
+        (at_wall(["d(U,2) = 3*d(U) + 4*(U - 1)"], ["U"], ["U - 1"]), lambda z: -np.expm1(-z)),
+        (at_wall(["d(U,2) = U - 2*U**3"], ["d(U)"], ["U"], guess={"U": "1.2*exp(-z**2/2)"}), lambda z: 1 / np.cosh(z)),
+        (at_wall(["d(U,2) = -2*U*(1 - U**2)"], ["U"], ["U - 1"]), np.tanh),
+        (at_wall(["d(U) = sech(z - 40)**2"], ["U - tanh(-40)"], []), lambda z: np.tanh(z - 40)),
+    ],
+)
+def test_a_limit_that_other_solutions_leave_and_a_late_layer(table: dict[str, Any], formula: Any) -> None:
+    """A shot at a saddle misses by what its error grows to, so more digits are needed at the origin, up to e^{4z} e^{z} times as many."""
+    z = np.array([0.0, 0.01, 0.1, 0.5, 1.0, 3.0, 10.0, 30.0, 40.5, 80.0])
+    assert np.abs(table_of(made(table)).derivative("U", z, 0) - formula(z)).max() < 3e-15
+
+
 def test_the_rotating_disc_and_a_mixing_layer() -> None:
     """F′(0) and −G′(0) of T. von Kármán's flow, M. H. Rogers & G. N. Lance, J. Fluid Mech. 7 (1960) 617; R. C. Lock, Q. J. Mech. Appl.
     Math. 4 (1951) 42, whose equation has the same solution as Blasius' between two streams."""
@@ -119,7 +142,10 @@ def test_many_digits_on_a_flow_are_those_on_its_formula() -> None:
     rayleigh = ["(sigma + i*a*U)*u + v*d(U) + i*a*p = 0", "(sigma + i*a*U)*v + d(p) = 0", "i*a*u + d(v) = 0"]
     layer = [["u", "v", "p"], rayleigh, st.Infinity(), st.Infinity()]
     tanh = {"base": TANH}, {"where": {"U": "tanh(z)"}}
-    for posed, ways, parameters, guess, digits in ((string, sine, {}, -1.271, 40), (layer, tanh, {"a": 0.4446}, 0.1897, 16)):
+    falling = {"unknowns": ["U"], "equations": ["d(U,2) = 1600*U"], "left": {"at": 0, "conditions": ["U - 1"]}}
+    steep = {"base": {**falling, "right": {"at": 1, "conditions": ["U"]}}}, {"where": {"U": "sinh(40*(1 - z))/sinh(40)"}}
+    cases = (string, sine, {}, -1.271, 40), (layer, tanh, {"a": 0.4446}, 0.1897, 16), (string, steep, {}, -1.4, 30)
+    for posed, ways, parameters, guess, digits in cases:
         ours, theirs = (st.refine(st.equations(*posed, parameters=parameters, **way), guess, digits=digits) for way in ways)
         assert ours.converged and theirs.converged
         assert abs(ours.sigma - theirs.sigma) <= ours.error + theirs.error
