@@ -223,7 +223,7 @@ def state_on(arithmetic: Arithmetic, way: FlowBranch, z: Any) -> FlowState:
 
 
 def shorter_steps(arithmetic: Arithmetic, settings: Settings, flow: BaseFlow, way: FlowBranch) -> list[FlowStep]:
-    """The same way in the steps of these settings: a long one with many terms loses in rounding what its terms are larger than their sum."""
+    """The same way in the steps of these settings: a long one loses in rounding what its terms are larger than their sum."""
     recurrence, out = FlowRecurrence(arithmetic, flow), list[FlowStep]()
     first, last = way.steps[0], way.steps[-1]
     z, end = first.centre, last.centre + way.direction * last.length

@@ -142,7 +142,8 @@ class FlowShooting:
                 return self.newton(found)
             found, branches = self.newton(replace(found, reaches=moved), once=True)
         places = ", ".join(f"{float(reach):.3g}" for reach in found.reaches.values())
-        raise ConvergenceError(f"the base flow does not settle up to {places}: allowed is one that comes to its limit exponentially by then")
+        told = f"the base flow does not settle up to {places}"
+        raise ConvergenceError(f"{told}: allowed is one that comes to its limit exponentially by then")
 
     def _require_exponential(self, way: FlowBranch) -> None:
         """Raise ConvergenceError where most of the fall lies in the first half of the way, as it does for powers of the coordinate."""

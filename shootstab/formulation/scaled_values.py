@@ -1,4 +1,4 @@
-"""Expressions in doubles with the size of their exponentials apart: exp, cosh and sech have no zero on the real axis, however small they are.
+"""Expressions in doubles with the size of their exponentials apart: exp, cosh and sech have no real zero, however small they are.
 
 In doubles they are zero or infinite where they are neither; a value here is one of those of the expression up to a positive factor.
 """

@@ -252,7 +252,7 @@ def test_steps_of_a_reduction(monkeypatch: pytest.MonkeyPatch) -> None:
     [
         (base_integration, {"MOST_BASE_STEPS": 1}, r"the base flow takes more than 1 Taylor steps to 2"),
         (base_solution, {"MOST_BASE_DIGITS": 10.0}, r"base: the solution is so sensitive that 10 digits do not determine it"),
-        (base_shooting, {"ROUNDS": 1}, r"the base flow does not settle up to 1.5: allowed is one that comes to its limit exponentially by then"),
+        (base_shooting, {"ROUNDS": 1}, r"the base flow does not settle up to 1.5: allowed is one that comes to its limit exponentially"),
     ],
 )
 def test_a_base_flow_is_given_up(monkeypatch: pytest.MonkeyPatch, room: Any, limit: dict[str, Any], told: str) -> None:
