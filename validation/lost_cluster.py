@@ -25,6 +25,7 @@ from kills import Findings, KilledRun, Rows, answered, ended, environment, store
 LINES = 60  # lines of two points each
 SWEEP = ["sweep", "layer:scene", "--kx", "0:3:2", "--far-temperature", f"50:60:{LINES}"]
 WITHIN = 60.0  # seconds in which a command notes that its scheduler is gone
+WORKERS, SCHEDULERS = "Dask workers killed by SIGKILL", "Dask schedulers killed by SIGKILL"
 PATIENCE = 60.0  # seconds in which a scheduler listens, and the first points are stored
 
 
@@ -90,7 +91,7 @@ def lost_worker(rng: random.Random, folder: Path, calm: tuple[Rows, object], fou
         begun(file, run)
         time.sleep(rng.uniform(0.0, 1.0))
         if run.process.poll() is None:
-            found.counts["Dask workers killed by SIGKILL"] += 1
+            found.counts[WORKERS] += 1
         cluster.workers[rng.randrange(2)].kill()
         if rng.random() < 0.5:
             cluster.workers.append(cluster.worker())
@@ -116,7 +117,7 @@ def lost_scheduler(rng: random.Random, folder: Path, calm: tuple[Rows, object], 
         said, left = run.said(), run.left()
     before = stored(file)
     if not over:
-        found.counts["Dask schedulers killed by SIGKILL"] += 1
+        found.counts[SCHEDULERS] += 1
     whole = len(before) == len(calm[0])
     found.require(status == (0 if whole else 1) and took <= WITHIN, f"the scheduler lost: status {status} after {took:.0f} s")
     found.require(len(said) == (status != 0), f"the scheduler lost: {said}")
@@ -147,6 +148,8 @@ def main() -> int:
             lost_worker(rng, folder, calm, found)
             lost_scheduler(rng, folder, calm, found)
             print(f"{dict(found.counts)}, {len(found.wrong)} wrong, {time.monotonic() - began:.0f} s", flush=True)
+    for lost in (WORKERS, SCHEDULERS):
+        found.require(found.counts[lost] > 0, f"{lost}: none, every run was over before")
     print(f"{found.counts.total()} killed; {len(found.wrong)} wrong; {time.monotonic() - began:.0f} s")
     return bool(found.wrong)
 

@@ -155,16 +155,8 @@ def test_a_circle_on_whose_rim_no_mesh_holds_is_refused(monkeypatch: pytest.Monk
 
 def test_noise_next_to_the_continuous_spectrum_is_told_as_that() -> None:
     """A growth rate of 1e-11 on the continuous spectrum of a cold flow, which a pseudospectral code gives: C is singular next to it."""
-    flow = st.chute.steady(
-        far_temperature=0.048123,
-        e=0.80772,
-        e_w=0.78825,
-        r=0.68957,
-        tan_theta=0.23979,
-        nu_max=0.59107,
-        radial="carnahan-starling",
-        wall="isotropic",
-    )
+    grains = {"e": 0.80772, "e_w": 0.78825, "r": 0.68957, "nu_max": 0.59107}
+    flow = st.chute.steady(far_temperature=0.048123, tan_theta=0.23979, radial="carnahan-starling", wall="isotropic", **grains)
     found = st.refine(st.chute.problem(flow, kx=0.62815, ky=1.5877e-7), guess=9.766983e-12 - 0.13353738206633j)
     assert not found.converged
     assert "C is nearly singular there" in found.status

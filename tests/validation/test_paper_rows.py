@@ -4,14 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
+import numpy as np
 import page
 import paper.rows
+import paper.table
 import pytest
+import run
+import scenes
 from claims import Case
-from paper.rows import AGREES, CONTRADICTS, NOT_REPRODUCED, Item, Reproduction, Row, compared, digits, fingerprint, load
+from paper import SCRIPTS, figure3, two_methods
+from paper.rows import AGREES, CONTRADICTS, NOT_REPRODUCED, Item, Reproduction, Row, compared, digits, fingerprint, if_all_hold, load
 from paper.table import MARK, reproductions, table
+
+import shootstab as st
 
 
 def row(says: complex, obtained: complex) -> Row:
@@ -92,7 +100,9 @@ def test_the_fingerprint_is_that_of_what_is_computed() -> None:
 
 def test_the_table_is_made_of_what_is_stored(tmp_path: Path) -> None:
     reproduction, _ = counted(lambda: 2.5)
-    assert "Not computed yet: only." in table([reproduction], tmp_path)
+    assert "| only | | | | not yet run: nothing of its full form is stored; its short form runs with --quick | |" in table(
+        [reproduction], tmp_path
+    )
     reproduction.check(quick=False, results=tmp_path)
     assert "| a number | 3.2 | 2 | 2.5 | contradicts, 0.6 digits |" in table([reproduction], tmp_path)
 
@@ -107,3 +117,74 @@ def test_a_text_is_put_between_its_marks_and_nowhere_else() -> None:
     assert page.between(text, "a", "new") == text.replace("old", "new")
     with pytest.raises(ValueError, match="no <!-- c -->"):
         page.between(text, "c", "new")
+
+
+def test_a_sentence_that_a_case_refutes_is_not_printed() -> None:
+    held, refuted = Case("held", "yes", "yes", 0.0), Case("counted", "0", "3", 0.0)
+    shown = Case("shown", "0", "3", None)
+    assert if_all_hold((held, shown), "none grows") == "none grows"
+    assert if_all_hold((held, refuted, shown), "none grows") == "not so: counted: 3"
+
+
+def test_a_row_that_is_not_whole_is_gone_on_with(tmp_path: Path) -> None:
+    asked = []
+
+    def compute(quick: bool) -> Row:
+        asked.append(quick)
+        return replace(row(1.0, 1.0), left="" if len(asked) > 1 else "1 of 2 so far")
+
+    reproduction = Reproduction("errata", "Title", (Item("drawn", compute),))
+    reproduction.check(quick=False, results=tmp_path)
+    assert "| agrees, 16.0 digits; 1 of 2 so far |" in table([reproduction], tmp_path)
+    for _ in range(2):
+        reproduction.check(quick=False, results=tmp_path)
+    assert asked == [False, False]
+    assert "so far" not in table([reproduction], tmp_path)
+
+
+def test_a_row_of_an_earlier_form_of_its_script_is_told_as_that(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    reproduction, _ = counted(lambda: 2.0)
+    reproduction.check(quick=False, results=tmp_path)
+    assert "earlier form" not in table([reproduction], tmp_path)
+    monkeypatch.setattr(paper.table, "fingerprint", lambda name: "another")
+    assert "1 of 1 rows by an earlier form of the script" in table([reproduction], tmp_path)
+
+
+def test_the_fingerprint_holds_the_derivations_that_a_script_takes_from_the_tests(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = fingerprint("errata")
+    monkeypatch.setattr(paper.rows, "DERIVATIONS", Path("nowhere"))
+    assert fingerprint("errata") != before
+    assert fingerprint("parameters") == fingerprint("parameters")
+
+
+def test_the_short_form_leaves_out_rows_that_wait_for_their_full_form(tmp_path: Path) -> None:
+    asked = []
+
+    def compute(key: str, quick: bool) -> Row:
+        asked.append((key, quick))
+        return row(1.0, 1.0)
+
+    items = [Item(key, partial(compute, key)) for key in ("first", "second")]
+    Reproduction("errata", "Title", (items[0],)).check(quick=False, results=tmp_path)
+    assert Reproduction("errata", "Title", tuple(items)).check(quick=True, results=tmp_path)
+    assert asked == [("first", False), ("first", True)]
+    assert set(run.to_compare()) == {name for name in SCRIPTS if load(name)}
+
+
+def test_agreement_over_truncations_must_grow_until_it_is_what_was_asked() -> None:
+    assert two_methods.grows(np.array([2.7, 5.3, 9.6, 11.5, 11.1]))
+    assert not two_methods.grows(np.array([2.7, 5.3, 5.2, 11.5]))
+    assert not two_methods.grows(np.array([2.7, 5.3, 9.6]))
+
+
+def test_a_neutral_curve_runs_between_the_points_of_the_grid() -> None:
+    """Of two points, the first growing, the second has the decay of the same mode, and Re σ = 0 lies between them."""
+    flow = scenes.problem("low").flow
+    kx, ky = np.array([0.0, 0.040, 0.050]), np.array([0.0, 0.01])
+    sigma = np.full((3, 2), np.nan, dtype=complex)
+    sigma[1, 0] = complex(st.refine(st.chute.problem(flow, 0.040, 0.0), guess=0.001 - 0.0484j, rtol=1e-8).sigma)
+    assert sigma[1, 0].real > 0
+    below = figure3.followed_below(flow, kx, ky, sigma)
+    assert below[2, 0] == pytest.approx(complex(st.refine(st.chute.problem(flow, 0.050, 0.0), guess=-0.002 - 0.0605j).sigma).real, rel=1e-4)
+    grid = figure3.GrownGrid(kx, ky, np.nan_to_num(sigma.real), len(below), 6, 6)
+    assert (grid.side, grid.enclosed) == ("k_y = 0", True)

@@ -11,5 +11,10 @@ SCRIPTS = (
     "figure3",
     "figures456",
     "figure7",
+    "edges",
+    "oblique",
     "two_methods",
+    "ladder",
+    "parameters",
+    "extremes",
 )

@@ -16,7 +16,8 @@ from figure8 import branch
 from scenes import problem
 
 import shootstab as st
-from paper.figure3 import fill_contours
+from paper.figure3 import fill_contours, grown_grid
+from paper.figures456 import shape
 from paper.pictures import BLUE, ORANGE, panels, save
 from paper.rows import Item, Reproduction, Row, write_csv
 from shootstab.models.chute.mode_shape import CLUSTERING, VORTEX_FORMING
@@ -26,7 +27,8 @@ TAN = 0.3  # published: figure 7
 GRAINS = {"e": 0.8, "e_w": 0.8, "r": 0.6}
 TEMPERATURES = np.geomspace(0.08, 20.0, 22)  # chosen: T_∞ of the flows; high, mid and low lie between
 QUICK = TEMPERATURES[::7]  # chosen
-PANELS = {15.0: (0.006, 0.015), 4.0: (0.014, 0.034), 0.5: (0.02, 0.04)}  # chosen: T_∞ of panel (b) and k_x, k_y up to which
+# chosen: T_∞ of panel (b) and k_x, k_y up to which; nothing grows at the edges
+PANELS = {15.0: (0.0075, 0.02), 4.0: (0.014, 0.042), 0.5: (0.025, 0.04)}
 INTERVALS = 5  # chosen: along each axis of panel (b)
 
 
@@ -64,7 +66,7 @@ def curve(quick: bool) -> Row:
     found = flows(quick)
     samples = [f.sample for f in found]
     stable = [i for i, s in enumerate(samples) if s.verdict == STABLE]
-    where = sorted({branch(samples, i) for i in stable}) if len(samples) > 4 else ["mid"] * bool(stable)
+    where = sorted({branch(samples, i) for i in stable}) if not quick else []
     doubt = [s for s in samples if s.verdict not in (STABLE, UNSTABLE)]
     cases = (
         Case("undecided flows", "none", "none" if not doubt else doubt[0].verdict, 0.0),
@@ -88,19 +90,25 @@ def curve(quick: bool) -> Row:
 
 
 def _drawn(found: list[Along]) -> str:
+    from matplotlib.ticker import ScalarFormatter
+
     figure, axes = panels(1, 1, (6.6, 4.8))
     panel = axes[0, 0]
     Q, h = (np.array([getattr(f.sample, part) for f in found]) for part in ("mass_flux", "centre_of_mass"))
     inverted = np.array([f.sample.inverted for f in found])
     stable = np.array([f.sample.verdict == STABLE for f in found])
     panel.plot(np.where(inverted, Q, np.nan), h, "-", color="0.85", linewidth=8, solid_capstyle="butt", label="density inversion")
-    panel.plot(Q, h, "--", color=ORANGE, linewidth=1.0, label="unstable")
-    panel.plot(Q[stable], h[stable], "o", color=BLUE, markersize=6, label="no growing mode at any of 30 waves")
+    panel.plot(Q, h, "-", color="0.4", linewidth=0.8, label="the flows of this slope")
+    waves = min(f.counted for f in found if f.sample.verdict == STABLE)
+    panel.plot(Q[stable], h[stable], "o", color=BLUE, markersize=6, label=f"no growing mode at any of {waves} waves")
     for kind, mark in ((CLUSTERING, "s"), (VORTEX_FORMING, "^")):
         chosen = np.array([f.kind == kind for f in found])
         panel.plot(Q[chosen], h[chosen], mark, color=ORANGE, markersize=4, label=f"a growing mode, {kind}")
     panel.set_xscale("log")
     panel.set_yscale("log")
+    for axis in (panel.xaxis, panel.yaxis):
+        axis.set_major_formatter(ScalarFormatter())
+        axis.set_minor_formatter(ScalarFormatter())
     panel.set_xlabel("mass flux $Q_0$")
     panel.set_ylabel("height of the centre of mass $h_0$ / d")
     panel.set_title("Figure 7a: tanθ = 0.3, e = $e_w$ = 0.8, r = 0.6", fontsize="medium")
@@ -152,13 +160,8 @@ def kinds(quick: bool) -> Row:
     low_inverted = bool(log_nu.max() > log_nu[-1] + 1e-9)
     cases = (
         *((Case("a monotonic flow with a vortex-forming mode", "yes", "yes" if monotonic else "none found", 0.0),) if not quick else ()),
-        Case(
-            "low (Q0 = 3) is density-inverted",
-            "yes",
-            "yes" if low_inverted else "no",
-            0.0,
-            "its most unstable mode is clustering: figure 6",
-        ),
+        Case("low (Q0 = 3) is density-inverted", "yes", "yes" if low_inverted else "no", 0.0),
+        Case("its most unstable mode", CLUSTERING, shape("low").kind, 0.0),
     )
     counted = {kind: sum(f.kind == kind for f in found) for kind in (VORTEX_FORMING, CLUSTERING)}
     said = f"of the {sum(counted.values())} growing modes of the curve {counted[VORTEX_FORMING]} are vortex-forming"
@@ -176,30 +179,19 @@ def kinds(quick: bool) -> Row:
 def panel_b(far_temperature: float, quick: bool) -> Row:
     """Contours of one flow of panel (b)."""
     flow = st.chute.steady(far_temperature=far_temperature, tan_theta=TAN, **GRAINS)
-    kx, ky = (np.linspace(0.0, top, INTERVALS + 1) for top in PANELS[far_temperature])
-    p = st.chute.problem(flow, 0.0, float(ky[1]))
-    whole = st.sweep(p, {"kx": kx, "ky": ky[1:]}, digits=4, every=1, floor=1e-7)
-    border = st.sweep(p, {"kx": kx[1:], "ky": 0.0}, digits=4, every=1, floor=1e-7)
-    rates = np.column_stack((np.concatenate(([0.0], np.nan_to_num(border.growth).ravel())), np.nan_to_num(whole.growth)))
-    i, j = np.unravel_index(int(rates.argmax()), rates.shape)
-    best = "k_x = 0" if i == 0 else "k_y = 0" if j == 0 else "k_x, k_y > 0"
+    grid = grown_grid(flow, PANELS[far_temperature], INTERVALS)
     expected = "k_x = 0" if far_temperature > 1.0 else "k_y = 0"
-    counted, total = whole.summary["counted"] + border.summary["counted"], len(whole.grid) + len(border.grid)
-    cases = (
-        Case("the fastest growth lies at", expected, best, 0.0),
-        Case("points at which the modes are counted", f"{total} of {total}", f"{counted} of {total}", 0.0),
-    )
-    figure, axes = panels(1, 1, (5.6, 4.4))
-    fill_contours(figure, axes[0, 0], kx, ky, rates)
-    axes[0, 0].set_title(f"Figure 7b: T∞ = {far_temperature:g}, $Q_0$ = {flow.mass_flux:.3g}", fontsize="medium")
-    X, Y = np.meshgrid(kx, ky, indexing="ij")
+    cases = (Case("the fastest growth lies at", expected, grid.side, 0.0), *grid.cases)
+    figure, axes = panels(1, 1, (5.6, 4.6))
+    fill_contours(figure, axes[0, 0], grid)
+    figure.suptitle(f"Figure 7b: T∞ = {far_temperature:g}, $Q_0$ = {flow.mass_flux:.3g}", fontsize="medium")
     stem = f"figure7b-{far_temperature:g}"
-    files = (save(figure, f"{stem}.png"), write_csv(f"{stem}.csv", {"kx": X.ravel(), "ky": Y.ravel(), "growth": rates.ravel()}))
+    files = (save(figure, f"{stem}.png"), write_csv(f"{stem}.csv", grid.columns))
     return Row(
         f"figure 7b, T∞ = {far_temperature:g}, Q0 = {flow.mass_flux:.4g}",
         "3.3, figure 7b",
         "the cross-slope instability at high temperature and downslope instability at low temperature",
-        f"largest of the grid {rates.max():.5f} at ({kx[i]:.3g}, {ky[j]:.3g})",
+        grid.said,
         cases,
         figures=files,
     )

@@ -15,8 +15,9 @@ from claims import Case, number
 from scenes import GUESS, problem
 
 import shootstab as st
+from paper.figure3 import maximum
 from paper.pictures import BLUE, ORANGE, panels, save
-from paper.rows import Item, Reproduction, Row, write_csv
+from paper.rows import Item, Reproduction, Row, if_all_hold, write_csv
 from shootstab.analyses.eigenfunction_double import Eigenfunction
 from shootstab.models.chute import chute_collocation
 from shootstab.models.chute.mode_shape import CLUSTERING, VORTEX_FORMING
@@ -31,7 +32,8 @@ HEIGHTS, PHASES = 241, 97  # chosen: points of a picture
 ARROWS = (14, 20)  # chosen: arrows upwards and along, of figure 6
 NOTHING = 1e-9  # chosen: part of the largest value that is rounding
 ROOM = {"decay": 0.4, "wave": 0.1}  # chosen: parts of 1/T_∞ and of K within which the decay rates lie at the height where they are taken
-AROUND_500 = 0.3  # chosen: part of 500 diameters that 'around' allows
+# derived: of the three wavelengths that the paper calls 'around 500 diameters' it calls the longest, 2π/0.0100, 'of the order of 600'
+AROUND_500 = 2 * math.pi / 0.0100 / 500.0 - 1.0
 TRUNCATION = 100  # chosen: M of the second look
 SMALL_SLIP = 0.1  # chosen: a slip, as part of the largest |v̂|, that is not seen
 # chosen: waves at which something grows, along k_y for high, in every direction for low
@@ -75,7 +77,7 @@ def figure_4(quick: bool) -> Row:
         "figure 4: ν̂ lies at the base and decays as the flow does, the others as the wave; v̂ is out of phase, and zero for low",
         "3.2, figure 4",
         "localized at the base boundary, exponential decay; the remaining fields decay more slowly; no v̂ for low",
-        "the same, for all three",
+        if_all_hold(cases, "the same, for all three"),
         tuple(cases),
         figures=files,
     )
@@ -115,6 +117,7 @@ def along(name: str) -> tuple[np.ndarray, str, float]:
 def figure_5(quick: bool) -> Row:
     """The fields over two wavelengths: what is largest where it is dilute, what stands and what moves, and the wavelengths."""
     cases: list[Case] = []
+    lengths = {name: 2 * math.pi / maximum(name)[0] for name in NAMES}
     for name in ("high", "mid"):
         at = shape(name)(heights(name))
         dilute = -np.sign(at["nu"].real[np.abs(at["nu"]).argmax()])
@@ -124,9 +127,9 @@ def figure_5(quick: bool) -> Row:
         cases.append(Case(f"{name}: Im σ", "0", f"{complex(shape(name).mode.sigma).imag:g}", 0.0))
     drift = complex(shape("low").mode.sigma).imag
     cases.append(Case("low: propagates", "yes", "yes" if drift else "no", 0.0, f"phase speed {-drift / problem('low').kx:.4g}"))
-    cases += [Case(f"{name}: wavelength", 500.0, along(name)[2], AROUND_500) for name in NAMES]
+    cases += [Case(f"{name}: wavelength", 500.0, length, AROUND_500) for name, length in lengths.items()]
     files = () if quick else tuple(drawn_5(name) for name in NAMES)
-    said = "wavelengths " + ", ".join(f"{along(name)[2]:.0f}" for name in NAMES)
+    said = "wavelengths " + ", ".join(f"{length:.0f}" for length in lengths.values()) + " of the fastest-growing waves"
     return Row(
         "figure 5: high and mid stand, with temperature, û and ŵ largest where it is dilute; low moves; wavelengths",
         "3.2, figure 5",
@@ -141,14 +144,14 @@ def against_the_flow(quick: bool) -> Row:
     """The phase speed of the low mode between 0 and the slowest grains, which are those at the base."""
     speed = -complex(shape("low").mode.sigma).imag / problem("low").kx
     flow = problem("low").flow
-    slowest = float(flow.states[:, 2].real.min())
+    base, slowest = flow.base["u"], float(flow.states[:, 2].real.min())
     cases = (
         Case(
             "slower than every grain: it moves up through them", "yes", "yes" if speed < slowest else "no", 0.0, f"slowest u0 {slowest:.4g}"
         ),
         Case("moves down the slope all the same", "", "yes" if speed > 0 else "no", None),
     )
-    said = f"phase speed {speed:.4g} down the slope, grains {slowest:.4g} at the base to {flow.far_velocity:.4g} far up"
+    said = f"phase speed {speed:.4g} down the slope, grains {base:.4g} at the base to {flow.far_velocity:.4g} far up"
     return Row("the downslope clustering mode of low propagates against the steady flow", "5", "against the steady flow", said, cases)
 
 
@@ -159,6 +162,10 @@ def drawn_5(name: str) -> str:
     figure, axes = panels(5, 1, (7.0, 8.4), sharex=True)
     for panel, (field, label) in zip(axes[:, 0], PLAIN.items(), strict=True):
         values = (at[field][:, None] * np.exp(1j * theta)).real
+        if np.abs(values).max() < NOTHING:
+            panel.text(0.5, 0.5, f"{label}₁ = 0", transform=panel.transAxes, ha="center", va="center")
+            panel.set(ylim=(z[0], z[-1]), ylabel="z / d")
+            continue
         held = panel.contourf(theta * length / (2 * math.pi), z, values, levels=16, cmap="gray")
         figure.colorbar(held, ax=panel, label=f"{label}₁", format="%.2g")
         panel.set_ylabel("z / d")
@@ -213,12 +220,12 @@ def slip(quick: bool) -> Row:
         Case(f"high: |v̂| at the base below {SMALL_SLIP:g} of the largest", "yes", "yes" if abs(found["high"]) < SMALL_SLIP else "no", 0.0),
     )
     return Row(
-        "vortices form because of a small cross-slope slip at the base of mid, which high has not",
+        "a small cross-slope slip at the base of mid, which high has not, and of which the paper says that the vortices form",
         "3.2",
         "small slip for mid, not present for high",
         f"v̂ at the base over the largest v̂: mid {found['mid']:.3f}, high {found['high']:.3f}",
         cases,
-        note="what tells the two apart is the sign",
+        note=if_all_hold(cases, "what tells the two apart is the sign"),
     )
 
 

@@ -39,10 +39,9 @@ STEPS, LONGEST, STILL = 20, 0.25, 1e-6  # chosen: Newton's steps at most, and th
 
 @dataclass(frozen=True)
 class Fastest:
-    """A maximum of Re σ over (k_x, k_y): the wave, its mode, and gradient and Hessian's eigenvalues, k in units of itself."""
+    """A maximum of Re σ over wave = (k_x, k_y): its mode, and gradient and Hessian's eigenvalues, k in units of itself."""
 
-    kx: float
-    ky: float
+    wave: tuple[float, float]
     sigma: complex
     error: float
     gradient: NDArray[np.float64]
@@ -91,7 +90,7 @@ def fastest(flow: tuple[float, float], start: tuple[float, float], guess: comple
         move *= min(1.0, LONGEST / float(np.abs(move).max()))
         if np.abs(move).max() < STILL:
             kx, ky = at.tolist()
-            return Fastest(kx, ky, complex(here.sigma), float(here.error), slope.real, curvatures)
+            return Fastest((kx, ky), complex(here.sigma), float(here.error), slope.real, curvatures)
         at, sigma = at * (1 + move), complex(here.sigma) + complex(slope @ move)
     raise st.ConvergenceError(f"no maximum of the growth rate found from k = {start}: the last step was {np.abs(move).max():.1e}")
 
@@ -119,17 +118,21 @@ def oblique(name: str) -> Callable[[bool], Row]:
         best = fastest(flow, start, grid[start])
         level = best.sigma.real * (1 + SAME)
         h = base.centre_of_mass
-        around = [(best.kx, best.ky)] if quick else [(best.kx, best.ky), *(w for w in grid if math.hypot(*w) * h <= HEIGHTS[-1])]
+        around = [best.wave] if quick else [best.wave, *(w for w in grid if math.hypot(*w) * h <= HEIGHTS[-1])]
         faster = counted(flow, around, level)
-        itself = counted(flow, [(best.kx, best.ky)], best.sigma.real * (1 - SAME))
+        itself = counted(flow, [best.wave], best.sigma.real * (1 - SAME))
         axes = [max((s.real for w, s in grid.items() if w[i] == 0), default=0.0) for i in (0, 1)]
-        ratio = best.ky / best.kx
-        where = f"k_x = {best.kx:.6g}, k_y = {best.ky:.6g}"
+        kx, ky = best.wave
+        where = f"k_x = {kx:.6g}, k_y = {ky:.6g}"
         cases = (
-            Case("the largest growth rate lies at k_x > 0, k_y > 0", "yes", "yes" if min(best.kx, best.ky) > 0 else "no", 0.0, where),
+            Case("the largest growth rate lies at k_x > 0, k_y > 0", "yes", "yes" if min(best.wave) > 0 else "no", 0.0, where),
             Case("the Hessian there is negative", "yes", "yes" if best.curvatures.max() < 0 else "no", 0.0, f"{best.curvatures}"),
             Case(
-                "k_y is an order of magnitude above k_x, or more", "yes", "yes" if ratio >= ORDER else "no", 0.0, f"k_y/k_x = {ratio:.4g}"
+                "k_y is an order of magnitude above k_x, or more",
+                "yes",
+                "yes" if ky / kx >= ORDER else "no",
+                0.0,
+                f"k_y/k_x = {ky / kx:.4g}",
             ),
             Case("modes that grow faster, counted", "0", str(faster), 0.0, f"at {len(around)} waves, Re σ > {level:.6g}"),
             Case("modes that grow as fast, counted at the maximum", "1", str(itself), 0.0),
@@ -206,12 +209,12 @@ def draw(name: str, grid: dict[tuple[float, float], complex], best: Fastest, hei
         line = [(math.hypot(*w) * height, s.real) for w, s in grid.items() if _ratio(w) == ratio or abs(_ratio(w) - ratio) < 1e-9]
         label = "along the slope" if ratio == ALONG else "across it" if ratio == 0.0 else f"$k_x/k_y$ = {ratio:g}"
         panel.plot(*np.array(line).T, "o-", color=colour, markersize=3, linewidth=1.2, label=label)
-    panel.plot([math.hypot(best.kx, best.ky) * height], [best.sigma.real], "*", color="k", markersize=12, label="the maximum")
+    panel.plot([math.hypot(*best.wave) * height], [best.sigma.real], "*", color="k", markersize=12, label="the maximum")
     panel.set_xscale("log")
     panel.set_xlabel(r"$k h_0$")
     panel.set_ylabel(r"largest growth rate Re σ $\sqrt{d/(g\,\cosθ)}$, 0 where none grows")
     tan, temperature = FLOWS[name]
-    where = f"$k_x$ = {best.kx:.4g}, $k_y$ = {best.ky:.4g}"
+    where = f"$k_x$ = {best.wave[0]:.4g}, $k_y$ = {best.wave[1]:.4g}"
     panel.set_title(rf"tanθ = {tan}, $T_\infty$ = {temperature}: fastest at {where}", fontsize="medium")
     panel.grid(linewidth=0.4, alpha=0.5)
     panel.legend(fontsize="small", frameon=False)

@@ -18,7 +18,7 @@ from scenes import problem
 
 import shootstab as st
 from paper.pictures import BLUE, panels, save
-from paper.rows import Item, Reproduction, Row, write_csv
+from paper.rows import Item, Reproduction, Row, if_all_hold, write_csv
 from shootstab.formulation.domain import Domain
 from shootstab.formulation.first_order import first_order as reduced
 from shootstab.formulation.names import Names
@@ -72,7 +72,9 @@ def determinant_is_a9(quick: bool) -> Row:
         Case("det C − (A 9)", "0", str(sp.expand(determinant() - printed)), 0.0),
         Case("det C at σ_c of (2.13)", "0", str(sp.simplify(determinant().subs(SIGMA, sigma_c))), 0.0),
     )
-    return Row("det C is (A 9), and vanishes at σ_c of (2.13)", "(A 9), (2.13)", "(A 9)", "the same, symbolically", cases)
+    return Row(
+        "det C is (A 9), and vanishes at σ_c of (2.13)", "(A 9), (2.13)", "(A 9)", if_all_hold(cases, "the same, symbolically"), cases
+    )
 
 
 def stable_side(quick: bool) -> Row:
@@ -104,15 +106,15 @@ def figure_1(quick: bool) -> Row:
     files: tuple[str, ...] = ()
     if not quick:
         figure, axes = panels(1, 3, (10.0, 3.2))
-        for panel, part, label in zip(axes[0], (sigma.real, sigma.imag), ("Re σ_c", "Im σ_c"), strict=False):
+        for panel, part, label in zip(axes[0], (sigma.real, sigma.imag), ("Re $σ_c$", "Im $σ_c$"), strict=False):
             panel.plot(z, part, color=BLUE)
             panel.set_xlabel("z / d")
             panel.set_ylabel(label)
         axes[0, 2].plot(sigma.real, sigma.imag, color=BLUE)
         axes[0, 2].plot(sigma.real[0], sigma.imag[0], "o", color=BLUE, label="base")
         axes[0, 2].plot(limit.real, limit.imag, "x", color="black", label="z → ∞")
-        axes[0, 2].set_xlabel("Re σ_c")
-        axes[0, 2].set_ylabel("Im σ_c")
+        axes[0, 2].set_xlabel("Re $σ_c$")
+        axes[0, 2].set_ylabel("Im $σ_c$")
         axes[0, 2].legend(frameon=False, fontsize="small")
         figure.suptitle("Figure 1: continuous spectrum of the high flow, $Q_0$ = 3, $k_x$ = 5e−4, $k_y$ = 0", fontsize="medium")
         files = (save(figure, "figure1.png"), write_csv("figure1.csv", {"z": z, "re": sigma.real, "im": sigma.imag}))

@@ -52,7 +52,7 @@ def by_number(name: str) -> Callable[[bool], Row]:
         return Row(
             f"growth rate of {name} against ν_m, which the paper does not print",
             "3.2",
-            f"Re σ = {PRINTED[name].real:g}",
+            f"Re σ = {PRINTED[name].real:g}; nothing of ν_m",
             f"Re σ = {sigma.real:.7f} at ν_m = {first.value:g}; ∂σ/∂ν_m = {first.derivative:.5g}: to first order the printed digits are "
             f"those of {ends_of[0]:.4f} < ν_m < {ends_of[1]:.4f}" + (f"; {others}" if others else ""),
             (

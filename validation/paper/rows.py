@@ -1,8 +1,9 @@
 """A claim of the paper, what comes out instead, and how the two are held against each other; results are stored with their provenance.
 
 A script offers REPRODUCTION: a name, a title and items, each of which computes one row in a quick or in the full form. Results of the full
-form stand in results/NAME.json; a row that stands there, and was computed by this version of its script and of the package, is not
-computed again. The quick form stores nothing: it must agree with the paper, or contradict it, wherever the stored result does.
+form stand in results/NAME.json; a row that stands there, and was computed by its script as it is now and by this release of the package,
+is not computed again. The quick form stores nothing: it must agree with the paper, or contradict it, wherever the stored result does. Rows
+that a script has not stored yet, beside others that it has, are left out of it.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ import shootstab
 
 VALIDATION = Path(__file__).parents[1]
 RESULTS, FIGURES = Path(__file__).with_name("results"), Path(__file__).with_name("figures")
+DERIVATIONS = VALIDATION.parent / "tests"  # symbolic derivations and the paper's tables, which some scripts take from there
 FRAME = frozenset({"claims", "page", "paper", "paper.rows", "paper.table"})  # modules of which results do not depend
 AGREES, CONTRADICTS, NOT_REPRODUCED = "agrees", "contradicts", "not reproduced"
 
@@ -36,7 +38,8 @@ AGREES, CONTRADICTS, NOT_REPRODUCED = "agrees", "contradicts", "not reproduced"
 class Row:
     """A claim, its place in the paper, what the paper says there, what we obtain, and the cases by which that is judged.
 
-    reason: why the claim cannot be reproduced, else empty. figures: files in figures/ that show it. seconds: of the processor.
+    reason: why the claim cannot be reproduced, else empty. left: what the full form has still to compute, else empty; it goes on where it
+    is asked again. figures: files in figures/ that show it. seconds: of the processor, in the run that made the row.
     """
 
     claim: str
@@ -45,6 +48,7 @@ class Row:
     obtained: str
     cases: tuple[Case, ...] = ()
     reason: str = ""
+    left: str = ""
     note: str = ""
     figures: tuple[str, ...] = ()
     seconds: float = 0.0
@@ -75,6 +79,12 @@ class Row:
         if not numbers:
             return self.verdict
         return f"{self.verdict}, {min(digits(case) for case in numbers):.1f} digits"
+
+
+def if_all_hold(cases: Sequence[Case], said: str) -> str:
+    """A sentence that is true where all judged cases hold; where one does not, the cases that fail, with what was obtained."""
+    failing = [f"{case.name}: {number(case.obtained)}" for case in cases if not case.holds]
+    return f"not so: {'; '.join(failing)}" if failing else said
 
 
 def digits(case: Case) -> float:
@@ -114,9 +124,9 @@ class Reproduction:
         stored, made = load(self.name, results), self._provenance()
         rows, changed = [], []
         for item in self.items:
-            if quick and not item.in_quick:
-                continue
             before = stored.get(item.key)
+            if quick and not (item.in_quick and (before is not None or not stored)):
+                continue
             if not quick and not again and before is not None and self._stands(before, made):
                 rows.append(before.row)
                 continue
@@ -141,7 +151,7 @@ class Reproduction:
 
     def _stands(self, stored: Stored, made: Mapping[str, str]) -> bool:
         present = all((FIGURES / name).exists() for name in stored.row.figures)
-        return present and all(stored.provenance[part] == made[part] for part in ("version", "script"))
+        return present and not stored.row.left and all(stored.provenance[part] == made[part] for part in ("version", "script"))
 
     def _provenance(self) -> dict[str, str]:
         """What the rows of one run come from, as it is when the run begins."""
@@ -164,12 +174,13 @@ class Stored:
 
 
 def fingerprint(name: str) -> str:
-    """The hash of a script and the modules of validation/ that it imports: comments and layout do not count, what is computed does."""
+    """The hash of a script and the modules of validation/ and tests/ that it imports, without comments and layout."""
     seen: dict[str, str] = {}
 
     def visit(module: str) -> None:
-        path = VALIDATION / (module.replace(".", "/") + ".py")
-        if module in seen or module in FRAME or not path.exists():
+        paths = [folder / (module.replace(".", "/") + ".py") for folder in (VALIDATION, DERIVATIONS)]
+        path = next((path for path in paths if path.exists()), None)
+        if module in seen or module in FRAME or path is None:
             return
         tree = ast.parse(path.read_text(encoding="utf-8"))
         seen[module] = ast.dump(tree)
@@ -228,7 +239,7 @@ def load(name: str, results: Path = RESULTS) -> dict[str, Stored]:
     found = {}
     for key, entry in json.loads(path.read_text(encoding="utf-8")).items():
         cases = tuple(Case(c["name"], _number(c["expected"]), _number(c["obtained"]), c["allowed"], c["note"]) for c in entry["cases"])
-        said = {name: entry[name] for name in Row.__dataclass_fields__ if name not in ("cases", "figures")}
+        said = {name: entry[name] for name in Row.__dataclass_fields__ if name not in ("cases", "figures") and name in entry}
         found[key] = Stored(Row(cases=cases, figures=tuple(entry["figures"]), **said), entry["provenance"])
     return found
 

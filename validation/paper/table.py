@@ -9,7 +9,7 @@ from pathlib import Path
 import page
 
 from paper import SCRIPTS
-from paper.rows import RESULTS, Reproduction, Stored, load
+from paper.rows import RESULTS, Item, Reproduction, Stored, fingerprint, load
 
 MARK = "paper"
 
@@ -24,27 +24,34 @@ def table(of: Sequence[Reproduction] | None = None, results: Path = RESULTS) -> 
     lines = []
     for reproduction in reproductions() if of is None else of:
         stored = load(reproduction.name, results)
-        missing = [item.key for item in reproduction.items if item.key not in stored]
-        lines += [f"*{reproduction.title}* (`validation/run.py {reproduction.name}`; {_origin(list(stored.values()))})", ""]
+        lines += [f"*{reproduction.title}* (`validation/run.py {reproduction.name}`; {_origin(reproduction, list(stored.values()))})", ""]
         lines += ["| claim | place | the paper says | obtained | agreement | s |", "|---|---|---|---|---|---|"]
-        lines += [_line(stored[item.key]) for item in reproduction.items if item.key in stored]
-        if missing:
-            lines += ["", f"Not computed yet: {', '.join(missing)}."]
+        lines += [_line(stored[item.key]) if item.key in stored else _not_yet(reproduction, item) for item in reproduction.items]
         figures = dict.fromkeys(name for entry in stored.values() for name in entry.row.figures if name.endswith(".png"))
         lines += ["", *(f"![{name.removesuffix('.png')}](paper/figures/{name})" for name in figures), ""]
     return "\n".join(lines)
 
 
-def _origin(stored: Sequence[Stored]) -> str:
+def _origin(reproduction: Reproduction, stored: Sequence[Stored]) -> str:
+    """Dates and states of the package; and how many rows were computed by a form of the script that is no longer there."""
     made = sorted({(entry.provenance["date"], entry.provenance["commit"], entry.provenance["version"]) for entry in stored})
-    return "; ".join(f"{date}, version {version} at {commit}" for date, commit, version in made) or "nothing stored"
+    said = [f"{date}, version {version} at {commit}" for date, commit, version in made] or ["nothing stored"]
+    old = sum(entry.provenance["script"] != fingerprint(reproduction.name) for entry in stored)
+    return "; ".join([*said, *([f"{old} of {len(stored)} rows by an earlier form of the script"] if old else [])])
+
+
+def _not_yet(reproduction: Reproduction, item: Item) -> str:
+    """The line of a row of which the full form was never run to its end."""
+    short = "its short form runs with --quick" if item.in_quick else "it has no short form"
+    return f"| {item.key} | | | | not yet run: nothing of its full form is stored; {short} | |"
 
 
 def _line(stored: Stored) -> str:
     row = stored.row
     data = [f"[{name}](paper/figures/{name})" for name in row.figures if name.endswith(".csv")]
-    obtained = "; ".join([row.obtained, *([row.note] if row.note else []), *data])
-    cells = (row.claim, row.place, row.says, obtained, row.agreement, f"{row.seconds:.3g}")
+    obtained = "; ".join([*(part for part in (row.obtained, row.note) if part), *data])
+    agreement = f"{row.agreement}; {row.left}" if row.left else row.agreement
+    cells = (row.claim, row.place, row.says, obtained, agreement, f"{row.seconds:.3g}")
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
