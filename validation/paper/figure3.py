@@ -113,7 +113,7 @@ class GrownGrid:
 
     @property
     def side(self) -> str:
-        """On which axis that lies."""
+        """The axis on which that lies."""
         i, j = self.best
         return "k_x = 0" if i == 0 else "k_y = 0" if j == 0 else "k_x, k_y > 0"
 
@@ -237,7 +237,7 @@ def drawn(name: str, grid: GrownGrid) -> str:
 def fill_contours(figure: Any, panel: Any, grid: GrownGrid) -> None:
     """Contours of Re σ where it is above 0, linear between the points, the points, and a bar."""
     levels = np.linspace(0.0, grid.rates.max(), LEVELS + 1)
-    levels[0] = 1e-6 * grid.rates.max()  # chosen: above the 0 of points where nothing grows and no mode was followed
+    levels[0] = 1e-6 * grid.rates.max()  # chosen: the 0 of points where nothing grows and no mode was followed is left out
     held = panel.contourf(grid.kx, grid.ky, grid.rates.T, levels=levels, cmap="viridis")
     panel.contour(grid.kx, grid.ky, grid.rates.T, levels=levels[:1], colors="black", linewidths=0.8)
     panel.plot(*(a.ravel() for a in np.meshgrid(grid.kx, grid.ky)), ".", color="black", markersize=2.0, clip_on=False)

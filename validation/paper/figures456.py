@@ -32,7 +32,7 @@ HEIGHTS, PHASES = 241, 97  # chosen: points of a picture
 ARROWS = (14, 20)  # chosen: arrows upwards and along, of figure 6
 NOTHING = 1e-9  # chosen: part of the largest value that is rounding
 ROOM = {"decay": 0.4, "wave": 0.1}  # chosen: parts of 1/T_∞ and of K within which the decay rates lie at the height where they are taken
-# derived: of the three wavelengths that the paper calls 'around 500 diameters' it calls the longest, 2π/0.0100, 'of the order of 600'
+# derived: the paper calls three wavelengths 'around 500 diameters', and the longest, 2π/0.0100, 'of the order of 600'
 AROUND_500 = 2 * math.pi / 0.0100 / 500.0 - 1.0
 TRUNCATION = 100  # chosen: M of the second look
 SMALL_SLIP = 0.1  # chosen: a slip, as part of the largest |v̂|, that is not seen
