@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -16,7 +17,20 @@ import run
 import scenes
 from claims import Case
 from paper import SCRIPTS, figure3, two_methods
-from paper.rows import AGREES, CONTRADICTS, NOT_REPRODUCED, Item, Reproduction, Row, compared, digits, fingerprint, if_all_hold, load
+from paper.rows import (
+    AGREES,
+    CONTRADICTS,
+    NOT_REPRODUCED,
+    Item,
+    Reproduction,
+    Row,
+    compared,
+    digits,
+    fingerprint,
+    if_all_hold,
+    load,
+    without_docstrings,
+)
 from paper.table import MARK, reproductions, table
 
 import shootstab as st
@@ -155,6 +169,13 @@ def test_the_fingerprint_holds_the_derivations_that_a_script_takes_from_the_test
     monkeypatch.setattr(paper.rows, "DERIVATIONS", Path("nowhere"))
     assert fingerprint("errata") != before
     assert fingerprint("parameters") == fingerprint("parameters")
+
+
+def test_words_about_a_script_are_not_in_its_fingerprint() -> None:
+    bare = ast.dump(without_docstrings(ast.parse("def f(x):\n    return 2 * x\n\nclass A:\n    pass\n")))
+    said = '"""A page."""\n\ndef f(x):\n    """Twice x."""\n    return 2 * x  # exact\n\nclass A:\n    """A noun."""\n'
+    assert ast.dump(without_docstrings(ast.parse(said))) == bare
+    assert ast.dump(without_docstrings(ast.parse(said.replace("2 * x", "3 * x")))) != bare
 
 
 def test_the_short_form_leaves_out_rows_that_wait_for_their_full_form(tmp_path: Path) -> None:
