@@ -18,18 +18,18 @@ from shootstab.core.scaled import EPSILON
 from shootstab.discriminants.continuation import Branch, Continuation
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.method import AdaptiveDiscriminant, Method
+from shootstab.discriminants.recent import continuation_of
 from shootstab.problems.protocol import Problem
 from shootstab.roots.iterations import LEAST_D_ERROR, Root, muller, newton
 from shootstab.roots.search import Zero, moments
 from shootstab.roots.separation import SMALLEST_DISTANCE, Surroundings, separation, surroundings
-from shootstab.roots.winding import wind
+from shootstab.roots.winding import count_around
 
 TIGHTEST = 1e-13  # measured (validation/calibration.py): the local error below which rounding takes over
 LOOSEST = 1e-5  # chosen: the largest local error with which halving the steps still tells the error
 DOUBLE_ATTEMPTS = 3  # chosen: local errors tried; from 1e-5 factors of 100 would need four; tolerance_for begins no mode that far off
 PROOF = 32.0  # chosen: the circle of the proof, in error bounds; the noise of D must be small on it
 WIDEST_PROOF = 1e-2  # chosen: the circle of the proof at most, in the larger of |σ| and the scale, so that it leaves other modes out
-SIXTHS = 6  # derived: a zero in its middle turns D by 60° from one sixth of a circle to the next, below winding.LONGEST_TURN
 LEFT = 1e-3  # chosen: what iterations may leave, in the accuracy asked for
 NEUTRAL = 1e-12  # chosen: the accuracy of a mode at 0 in the scale of D there; four digits above the rounding of a double
 COUNTED_AROUND = (1e-3, 4e-3, 1.6e-2)  # chosen: radii, in |σ|, of circles in which zeros are counted where no iteration arrives at one
@@ -84,8 +84,9 @@ def finite(guess: Any) -> complex:
 
 def _attempt(problem: Problem, guess: complex, rtol: float, method: Method, atol: float | None) -> tuple[Mode, int, bool]:
     """One search with one tolerance, the number of evaluations, and whether a smaller tolerance may do better."""
-    continuation = Continuation(problem, method)
+    continuation = continuation_of(problem, method)
     discriminant = continuation.along(guess)[0]
+    before = discriminant.evaluations
     try:
         try:
             root = find_near(discriminant, guess, LEFT * rtol)
@@ -94,8 +95,8 @@ def _attempt(problem: Problem, guess: complex, rtol: float, method: Method, atol
         mode, evaluations = examine(continuation, root, rtol, atol)
     except ConvergenceError as error:
         lost = Mode(guess, math.inf, UNKNOWN, f"not converged: {error}", method.name, 0, 0.0)
-        return lost, discriminant.evaluations, isinstance(error, Inaccurate)
-    return mode, evaluations + discriminant.evaluations, math.isfinite(mode.error)
+        return lost, discriminant.evaluations - before, isinstance(error, Inaccurate)
+    return mode, evaluations + discriminant.evaluations - before, math.isfinite(mode.error)
 
 
 def tolerance_for(rtol: float) -> float:
@@ -179,16 +180,19 @@ def _simple(continuation: Continuation, root: Root, rtol: float, atol: float | N
             return _among_several(continuation, arrived.sigma, max(arrived.step, LEFT * rtol * abs(arrived.sigma)), rtol, atol)
         coarse_value = coarse.with_derivative(arrived.sigma)
     scale = separation(coarse, coarse_value)
-    fine = coarse.refined()
-    fine_value = fine.with_derivative(coarse_value.sigma)
+    own = coarse.vanishing_at(coarse_value.sigma)
+    own_value = own.with_derivative(coarse_value.sigma)
+    own_scale = scale if own is coarse else separation(own, own_value)
+    fine = own.refined()
+    fine_value = fine.with_derivative(own_value.sigma)
     if not cmath.isfinite(fine_value.D.mantissa):
         halved = f"{continuation.method.name} has no value of D on the mesh with every step halved"
-        raise ConvergenceError(f"{halved}, at sigma = {coarse_value.sigma:.6g}: nothing tells how exactly the zero is known")
-    if abs(fine_value.newton_step) ** 2 > LEFT * rtol * abs(coarse_value.sigma) * scale:  # one step leaves too much
-        better = newton(fine, coarse_value.sigma, LEFT * rtol)
-        coarse_value, fine_value = coarse.with_derivative(better.sigma), fine.with_derivative(better.sigma)
+        raise ConvergenceError(f"{halved}, at sigma = {own_value.sigma:.6g}: nothing tells how exactly the zero is known")
+    if abs(fine_value.newton_step) ** 2 > LEFT * rtol * abs(own_value.sigma) * own_scale:  # one step leaves too much
+        better = newton(fine, own_value.sigma, LEFT * rtol)
+        own_value, fine_value = own.with_derivative(better.sigma), fine.with_derivative(better.sigma)
     sigma = fine_value.sigma + fine_value.newton_step
-    parts = budget(continuation.problem, coarse, coarse_value, fine, fine_value, scale)
+    parts = budget(continuation.problem, own, own_value, fine, fine_value, own_scale)
     if math.isfinite(scale) and abs(sigma) <= EPSILON * scale:  # 0 to rounding, which digits of σ know nothing of
         parts = replace(parts, rounding=parts.rounding + abs(sigma))
     size = max(abs(sigma), scale if math.isfinite(scale) else 0.0) or SMALLEST_DISTANCE  # a zero at 0 of a D that looks linear has none
@@ -197,7 +201,7 @@ def _simple(continuation: Continuation, root: Root, rtol: float, atol: float | N
     # next to a multiple zero the bound means nothing, but there is a circle that tells
     radius = min(max(1e-2 * rtol * abs(sigma), 1e-2 * neutral, PROOF * parts.total), WIDEST_PROOF * size) or WIDEST_PROOF * size
     try:
-        count = wind(coarse, Disc(sigma, radius), SIXTHS).count
+        count = count_around(coarse, Disc(sigma, radius), own_value.sigma + own_value.newton_step)
     except ConvergenceError:
         if alone:
             raise

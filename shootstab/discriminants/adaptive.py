@@ -67,6 +67,11 @@ class SubsystemMeshes:
         return self._spent + sum(made.evaluations for made in self._kept.values() if isinstance(made, Shooting))
 
     @property
+    def count(self) -> int:
+        """How many meshes are kept by now; one that serves several cells is one."""
+        return len({id(made) for made in self._kept.values()})
+
+    @property
     def nodes(self) -> dict[Cell | None, ComplexArray]:
         """The nodes (N + 1,) of the cells that are known by now."""
         return {key: made.sampled.nodes for key, made in self._kept.items() if isinstance(made, Shooting) and not isinstance(key, complex)}
@@ -161,6 +166,11 @@ class Adaptive:
     def evaluations(self) -> int:
         """How often D was computed, on all meshes and for them; of the subsystem that needed it most often."""
         return max(member.evaluations for member in self._members)
+
+    @property
+    def meshes_kept(self) -> int:
+        """How many meshes are kept by now, of all subsystems."""
+        return sum(member.count for member in self._members)
 
     @property
     def meshes(self) -> Meshes:

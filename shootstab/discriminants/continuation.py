@@ -52,6 +52,11 @@ class Continuation:
     def __repr__(self) -> str:
         return f"Continuation({self.problem!r}, {self.method!r})"
 
+    @property
+    def meshes_kept(self) -> int:
+        """How many meshes are kept by now, along all paths."""
+        return sum(along.meshes_kept for along in (self.on_the_axis, *self._deformed.values()))
+
     def distance(self, sigma: complex) -> float:
         """The distance of σ to the continuous spectrum; infinite if there is none."""
         spectra = [s for s in (self.continuum, self.barrier) if s is not None]

@@ -20,8 +20,8 @@ from shootstab.problems.capabilities import KNOTS
 from shootstab.problems.knots import find_knots, pair, with_pairs
 from shootstab.problems.protocol import ComplexArray, Problem
 
-# the bytes of a sampled system: with the halved mesh (2), its other cuts (2) and another base flow (1) 1 GiB in all
-MOST_BYTES = 2**30 // 6  # derived
+# the bytes of a sampled system: with the halved mesh (2), its other cuts (2), another base flow (1) and changed entries (2) 1 GiB in all
+MOST_BYTES = 2**30 // 8  # derived
 MESH_ATTEMPTS = 30  # chosen: attempts at a mesh
 REDISTRIBUTIONS = 3  # chosen: the attempts among them that move every node
 SAME_PLACE = 1e-9  # chosen: nodes nearer to each other than this part of the path are one

@@ -74,6 +74,10 @@ class MeshedDiscriminant(Discriminant, Protocol):
         """The relative error of the far-field frame at σ."""
         ...
 
+    def vanishing_at(self, sigma: complex) -> MeshedDiscriminant:
+        """D of the one independent subsystem whose zero is nearest to σ; itself where there are no subsystems."""
+        ...
+
     def system_at(self, sigma: complex) -> str:
         """What is integrated at σ, in words: the orders of the subsystems, in real or complex numbers."""
         ...
@@ -115,6 +119,11 @@ class AdaptiveDiscriminant(Discriminant, Protocol):
 
     def around(self, centre: complex, radius: float) -> MeshedDiscriminant:
         """D on one mesh that serves a circle. Raises ConvergenceError where none is found."""
+        ...
+
+    @property
+    def meshes_kept(self) -> int:
+        """How many meshes are kept by now."""
         ...
 
     @property

@@ -17,6 +17,18 @@ class Product:
 
     def __init__(self, decoupling: Decoupling, members: tuple[Shooting, ...]) -> None:
         self._decoupling, self.members = decoupling, members
+        self._alone: dict[int, Product] = {}
+
+    def vanishing_at(self, sigma: complex) -> Product:
+        """D of the one subsystem whose zero is nearest to σ, as Newton's step tells: what moves that zero is nothing to the others."""
+        if len(self.members) == 1:
+            return self
+        steps = [abs(member.with_derivative(sigma).newton_step) for member in self.members]
+        place = steps.index(min(steps))
+        if place not in self._alone:
+            alone = replace(self._decoupling, members=self._decoupling.members[place : place + 1])
+            self._alone[place] = Product(alone, (self.members[place],))
+        return self._alone[place]
 
     def __call__(self, sigma: complex) -> Scaled:
         D = Scaled(self._decoupling.factor, 0.0)

@@ -49,6 +49,7 @@ class Shooting:
         self._rows = problem.wall_rows()
         self._known: OrderedDict[tuple[complex, bool], tuple[Propagation, float]] = OrderedDict()
         self._systems: dict[tuple[Problem, bool, int | None], SampledSystem] = {}
+        self._perturbed: dict[tuple[int, float], SampledSystem] = {}
 
     def __call__(self, sigma: complex) -> Scaled:
         return self.propagated(complex(sigma), False).value.D
@@ -117,16 +118,22 @@ class Shooting:
 
         Where C has to be solved with, every entry of C and D is changed besides; a recorded pencil is a formula of its own for C⁻¹D.
         """
-        nodes, sampled = self.sampled.nodes, self.sampled
-        if RECORDED.of(self.problem) is None and solved_with(self.problem, nodes):
-            sampled = sample_system(PerturbedPencil(self.problem, seed, size), nodes)
-        at = np.abs(nodes[:-1])
-        places = [abs(part.offset) + abs(part.scale) * at for part in LAYOUT.of(self.problem)]
-        return self._variant(self._start, sampled.perturbed(seed, size, np.max([at, *places], axis=0)), self.problem)
+        if (seed, size) not in self._perturbed:
+            nodes, sampled = self.sampled.nodes, self.sampled
+            if RECORDED.of(self.problem) is None and solved_with(self.problem, nodes):
+                sampled = sample_system(PerturbedPencil(self.problem, seed, size), nodes)
+            at = np.abs(nodes[:-1])
+            places = [abs(part.offset) + abs(part.scale) * at for part in LAYOUT.of(self.problem)]
+            self._perturbed[seed, size] = sampled.perturbed(seed, size, np.max([at, *places], axis=0))
+        return self._variant(self._start, self._perturbed[seed, size], self.problem)
 
     def on_same_mesh(self, problem: Problem) -> Shooting:
         """D(σ) of another problem, on the same mesh."""
         return self._variant(lambda far: far, self._system(problem, False, None), problem)
+
+    def vanishing_at(self, sigma: complex) -> Shooting:
+        """Itself: it has no subsystems."""
+        return self
 
     def far_error(self, sigma: complex) -> float:
         """The relative error of the far-field frame at σ."""

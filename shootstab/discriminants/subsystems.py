@@ -159,8 +159,13 @@ class Decoupling:
     factor: complex
 
     def applied_to(self, problem: Problem) -> tuple[Subsystem, ...]:
-        """The same subsystems of another problem of the same structure."""
-        return tuple(replace(subsystem, whole=problem) for subsystem in self.members)
+        """The same subsystems of another problem of the same structure, the same objects as long as they are kept."""
+        return _applied(self, problem)
+
+
+@lru_cache(maxsize=16)
+def _applied(decoupling: Decoupling, problem: Problem) -> tuple[Subsystem, ...]:
+    return tuple(replace(subsystem, whole=problem) for subsystem in decoupling.members)
 
 
 @lru_cache(maxsize=64)

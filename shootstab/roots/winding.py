@@ -18,13 +18,15 @@ from numpy.typing import NDArray
 
 from shootstab.core.discriminant import Discriminant, Value
 from shootstab.core.errors import ConvergenceError, Inaccurate
-from shootstab.core.regions import Region
+from shootstab.core.regions import Disc, Region
 from shootstab.core.scaled import Scaled
 
 LONGEST_TURN = 1.2  # chosen, far below π: |Δ ln D| over one segment
 MISMATCH = 0.3  # chosen: the most by which Δ ln D may miss what the slopes at both ends predict
 FLAT_SEGMENT = 1e-2  # chosen: |Δ ln D| by the slopes at both ends: a zero that the slopes do not see would be a hundred segments away
 DEEPEST_SEGMENT = 40  # chosen: halvings of one segment
+WELL_INSIDE = 0.75  # chosen: the part of a disc's radius within which a zero may be divided out: what it leaves is flat on the circle
+FLAT_SEGMENTS = 3  # chosen: segments of a circle on which D without its zero is flat; the slopes at their ends say whether it is
 FIRST_SEGMENTS = 4  # chosen: segments of a circle or of the side of a polygon, before any is halved
 
 Legs = tuple[tuple[int, tuple[Value, ...]], ...]  # the sides of a contour: samples, and the sign with which they count
@@ -70,6 +72,30 @@ class Limited:
         return self.discriminant.with_derivative(sigma)
 
 
+@dataclass(frozen=True)
+class Deflated:
+    """D(σ)/(σ − zero). Inside a curve around the zero it has one zero less than D, and −1 if D has none there: a pole.
+
+    Where the zero is one of D, and others are far, the quotient is flat along the curve, and few samples tell its turns.
+    """
+
+    discriminant: Discriminant
+    zero: complex
+
+    @property
+    def evaluations(self) -> int:
+        return self.discriminant.evaluations
+
+    def __call__(self, sigma: complex) -> Scaled:
+        D = self.discriminant(sigma)
+        return Scaled(D.mantissa / (sigma - self.zero), D.log_scale)
+
+    def with_derivative(self, sigma: complex) -> Value:
+        value, off = self.discriminant.with_derivative(sigma), sigma - self.zero
+        quotient = value.D.mantissa / off
+        return Value(sigma, Scaled(quotient, value.D.log_scale), (value.dD - quotient) / off)
+
+
 def wind(discriminant: Discriminant, region: Region, segments: int = FIRST_SEGMENTS) -> Winding:
     """Count the zeros inside a region on whose closure D is analytic; a smooth boundary is first cut into so many segments.
 
@@ -82,6 +108,16 @@ def wind(discriminant: Discriminant, region: Region, segments: int = FIRST_SEGME
     total = sum(_predicted(a, b) for a, b in pairwise(values))
     moment = power_sums(((1, tuple(values)),), centre, 1.0, 1)[1]
     return Winding(count, abs(total / (2j * math.pi) - count), centre, complex(moment), tuple(values[:-1]))
+
+
+def count_around(discriminant: Discriminant, disc: Disc, zero: complex) -> int:
+    """The zeros in a disc, of which one is taken to lie well inside: it is divided out, and counted where there is one.
+
+    Raises as `wind` does.
+    """
+    if not abs(zero - disc.centre) < WELL_INSIDE * disc.radius:
+        return wind(discriminant, disc).count
+    return 1 + wind(Deflated(discriminant, zero), disc, FLAT_SEGMENTS).count
 
 
 def power_sums(legs: Legs, centre: complex, scale: float, most: int) -> NDArray[np.complex128]:

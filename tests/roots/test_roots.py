@@ -18,7 +18,7 @@ from shootstab.core.scaled import Scaled
 from shootstab.roots.iterations import muller, newton, newton_steps
 from shootstab.roots.search import Arrival, Search, Zero, find, polish
 from shootstab.roots.separation import separation
-from shootstab.roots.winding import power_sums, whole_turns, wind
+from shootstab.roots.winding import Deflated, count_around, power_sums, whole_turns, wind
 
 
 class KnownZeros:
@@ -124,6 +124,29 @@ def test_count_in_a_disc_is_the_number_of_zeros(zeros: list[complex], exponent: 
     winding = wind(KnownZeros(zeros, exponent), disc)
     assert winding.count == sum(disc.contains(z) for z in zeros)
     assert winding.closure < 0.5
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.lists(st.complex_numbers(max_magnitude=2.0, allow_nan=False, allow_infinity=False), max_size=5),
+    st.complex_numbers(max_magnitude=0.9),
+)
+def test_a_zero_that_is_divided_out_is_one_less_and_one_that_is_none_a_pole(zeros: list[complex], known: complex) -> None:
+    disc = Disc(0.2 + 0.1j, 1.2)
+    if any(abs(abs(z - disc.centre) - 1.2) < 1e-3 for z in (*zeros, known)):
+        return
+    inside = sum(disc.contains(z) for z in zeros)
+    for D, count in ((KnownZeros(zeros), inside), (KnownZeros([*zeros, known]), inside + 1)):
+        assert wind(Deflated(D, known), disc).count + 1 == count
+        assert count_around(D, disc, known) == count
+
+
+def test_a_zero_alone_is_counted_by_three_values() -> None:
+    D = KnownZeros([1.0, 3.0 - 1j], exponent=2.0)
+    assert count_around(D, Disc(1.0 + 0j, 1e-6), 1.0 + 1e-9) == 1
+    assert D.evaluations == 3
+    assert count_around(D, Disc(1.0 + 3e-6, 1e-6), 1.0) == 0  # the zero lies outside
+    assert count_around(D, Disc(1.0 + 3e-6, 1e-6), 1.0 + 2.9e-6) == 0  # no zero, but a pole
 
 
 def test_count_in_a_rectangle_with_steep_phase_between_samples() -> None:

@@ -1,0 +1,35 @@
+"""Continuations of the problems that were asked about last, so that a second question about one finds its meshes.
+
+What is kept changes how long an answer takes, and no answer: the mesh that serves σ follows from σ. Kept is only what belongs to a problem
+whose pencil is a recorded formula. A function of the user's own may read what has changed since.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+
+from shootstab.discriminants.continuation import Continuation
+from shootstab.discriminants.method import Method
+from shootstab.problems.capabilities import RECORDED
+from shootstab.problems.protocol import Problem
+
+RECENT = 2  # chosen: continuations that are kept: of one problem that to the tolerance asked for, and a tighter one
+MOST_KEPT_MESHES = 8  # chosen: meshes of one that is kept; with its halved mesh and two base flows each takes some 10 MB
+
+_kept = threading.local()  # every thread has its own: discriminants count and keep their values
+
+
+def continuation_of(problem: Problem, method: Method) -> Continuation:
+    """The continuation of a problem by a method, of late or a new one."""
+    if RECORDED.of(problem) is None:
+        return Continuation(problem, method)
+    recent: OrderedDict[tuple[int, Method], Continuation] = _kept.__dict__.setdefault("recent", OrderedDict())
+    key = id(problem), method
+    known = recent.pop(key, None)  # it holds its problem, so that no other one has the same id
+    if known is None or known.meshes_kept > MOST_KEPT_MESHES:
+        known = Continuation(problem, method)
+    recent[key] = known
+    if len(recent) > RECENT:
+        recent.popitem(last=False)
+    return known
