@@ -30,7 +30,8 @@ TRUNCATIONS, TRUNCATIONS_QUICK = (100, 200, 400), (40, 80)  # chosen: halves and
 NEAR = 1e-2  # chosen: the part of |σ| within which other eigenvalues of the matrices are counted
 LOST = 2.0  # chosen: digits below which an eigenvalue is not told from those of the balloon beside it
 RTOL = 1e-11  # chosen: the accuracy asked of shooting
-DIGITS, TIME = 25, 15.0  # chosen: the digits of the truth, and seconds of processor for it: along the real axis it slows down
+DIGITS, TIME = 18, 60.0  # chosen: the digits of the truth, four more than shooting has, and seconds of processor for it
+BY_DIGITS = 5e-4  # chosen: the distance from which on that truth is asked for; its path is the real axis, and nearer it takes minutes
 POINTS = 4001  # chosen: heights among which the nearest point of the curve is first looked for
 TURNS, ASIDE = 8, 1e-4  # chosen: steps of Newton to it, and of z for the slope of the curve
 
@@ -111,6 +112,8 @@ def eigenvalues(kx: float, M: int, sigma: complex) -> np.ndarray:
 
 def truth(rung: Rung) -> tuple[Any, str]:
     """The mode to DIGITS digits, or None and why not."""
+    if rung.distance < BY_DIGITS:
+        return None, "many digits take minutes here"
     tally, found = Tally("", 0), None
     with limited(tally, f"{DIGITS} digits", TIME):
         found = st.refine(ChuteProblem(problem(SCENE).flow, rung.kx, 0.0), guess=rung.sigma, digits=DIGITS)

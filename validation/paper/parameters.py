@@ -2,7 +2,8 @@
 
 ν_m is a number: its derivative is that of a family of flows of one mass flux. The wall and g0 are choices: what stands here is the
 derivative along the straight way from the paper's choice to the other one. The rows at the wall are affine in the term that (A 14) lacks;
-a step to the other g0 is finite, and first order tells its direction only, so that σ itself is given too.
+a step to the other g0 is finite, and first order tells its direction only, so that σ itself is given too. K* is multiplied by a number s,
+of which the package's own flows know nothing: density_flux.py makes them, and s = 1 must give the package's modes.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from claims import Case
 from scenes import GUESS, problem
 
 import shootstab as st
+from paper.density_flux import scaled, with_flux
 from paper.rows import Item, Reproduction, Row
 from shootstab.models.chute.chute_problem import ChuteProblem
 from shootstab.models.chute.family import steady_by_flux
@@ -26,6 +28,9 @@ ASIDE = 1e-3  # chosen: relative step of ν_m for the difference of modes
 DIFFERENCE = 1e-4  # chosen: relative, what the square of that step may leave
 NAMES = ("nu_max", "e", "e_w", "r", "tan_theta")
 RTOL = 1e-11  # chosen: the accuracy of modes
+OF_CONDUCTION = 5e-3  # chosen: step of the factor of K* for the differences
+DOWN = (0.75, 0.5, 0.25, 0.0)  # chosen: factors of K* over which a mode is followed to none
+OWN = 1e-8  # chosen: relative, within which the factor 1 gives the package's modes
 
 
 def changed(name: str, **changes: object) -> ChuteProblem:
@@ -115,8 +120,48 @@ def radial(quick: bool) -> Row:
     return Row("g0 of Carnahan & Starling instead of Lun & Savage's", "2.1, 3.2", "g0 as in Lun et al.", "; ".join(told), tuple(cases))
 
 
+def conduction(quick: bool) -> Row:
+    """The flux K* ∇ν times s: ∂σ/∂s at s = 1, and the modes at s = 0."""
+    cases, told = [], []
+    for name in ("mid",) if quick else SCENES:
+        own = problem(name)
+        chute, T, waves = own.flow.chute, own.flow.far_temperature, (own.kx, own.ky)
+        z_m = with_flux(chute, FLUX, T, 1.0).z_m
+        here, ahead, behind = (scaled(with_flux(chute, FLUX, T, s), *waves, z_m) for s in (1.0, 1.0 + OF_CONDUCTION, 1.0 - OF_CONDUCTION))
+        found = st.eigenfunction(here, GUESS[name])
+        sigma = complex(found.mode.sigma)
+        first = (found.shift(ahead) - found.shift(behind)) / (2 * OF_CONDUCTION)
+        ends = [complex(st.refine(p, sigma, RTOL).sigma) for p in (ahead, behind)]
+        cases += [
+            Case(f"{name}: σ at s = 1 is the package's", complex(st.refine(own, GUESS[name], RTOL).sigma), sigma, OWN),
+            Case(f"{name}: ∂σ/∂s, adjoint against a difference of modes", (ends[0] - ends[1]) / (2 * OF_CONDUCTION), first, DIFFERENCE),
+        ]
+        last, T_s = sigma, T
+        for s in DOWN:
+            flow = with_flux(chute, FLUX, T_s, s)
+            mode = st.refine(scaled(flow, *waves, flow.z_m), last, RTOL)
+            if not mode.converged:
+                raise RuntimeError(f"{name}, K* times {s:g}: {mode.status}")
+            last, T_s = complex(mode.sigma), flow.far_temperature
+        needed = "yes" if abs((last - sigma).real) > UNIT else "no"
+        cases.append(Case(f"{name}: the printed digits need K*", "yes", needed, 0.0, f"Re σ = {last.real:.7f} at s = 0"))
+        told.append(f"{name} ∂σ/∂s = {first:.4g}, Re σ = {sigma.real:.7f} at s = 1 and {last.real:.7f} at s = 0")
+    return Row(
+        "the heat flux K*∇ν, times s",
+        "(2.5), (2.7), 3.2",
+        "K* = g4 T^(3/2) of Lun et al.; nothing of its weight",
+        "; ".join(told),
+        tuple(cases),
+    )
+
+
 REPRODUCTION = Reproduction(
     "parameters",
     "What the published growth rates depend on, by the adjoint",
-    (*(Item(f"nu_m, {name}", by_number(name), in_quick=name == "mid") for name in SCENES), Item("wall", wall), Item("g0", radial)),
+    (
+        *(Item(f"nu_m, {name}", by_number(name), in_quick=name == "mid") for name in SCENES),
+        Item("wall", wall),
+        Item("g0", radial),
+        Item("K*", conduction),
+    ),
 )

@@ -3,7 +3,8 @@
 The scenes are those of validation/random_chutes.py, with a seed of their own. In each the fastest-growing mode that a QZ of M = 48 holds
 to be converged is the guess of both: of shooting, whose value comes with a bound, and of inverse iteration on the matrices of every M. The
 two share the steady flow and nothing else. Where they agree in fewer than ALIKE digits at the largest M, Taylor series of DIGITS digits,
-which share no line of integration with either, decide.
+which share no line of integration with either, decide. Where shooting and many digits find no mode, a verdict on the guess says whether
+there is one: by a count, not by an iteration.
 
 The table of all scenes is kept in figures/two-methods.csv as it grows, and what stands there is not asked again. One run of the full form
 asks for ONE_RUN of processor time at most; the row says how many scenes are there, and the next run goes on.
@@ -12,6 +13,7 @@ asks for ONE_RUN of processor time at most; the row says how many scenes are the
 from __future__ import annotations
 
 import csv
+import itertools
 import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -27,6 +29,7 @@ from random_chutes import Drawn, Tally, limited, scenes, warm
 import shootstab as st
 from paper.rows import FIGURES, Item, Reproduction, Row, processor_time
 from shootstab.analyses.reference import claims
+from shootstab.core.records import CONFIRMED, INACCURATE
 from shootstab.models.chute import chute_collocation as chute
 
 SEED = 3  # chosen
@@ -42,13 +45,15 @@ MOST = 16.0  # exact: digits of a double, beyond which agreement is not counted
 TABLE = FIGURES / "two-methods.csv"
 NO_FLOW, NO_MODE = "no flow", f"QZ holds no mode at M = {SUGGESTING}"
 SHOOTING, PSEUDOSPECTRAL, BOTH, OPEN = "shooting", "pseudospectral", "both to fewer digits", "not decided"
+NO_VERDICT = "none in time"
 
 
 @dataclass(frozen=True)
 class AskedScene:
     """What one draw came to: skipped, and why, or the mode by shooting with its bound, and the digits in which each M agrees with it.
 
-    judge: where they differ, who is right; its errors are those of shooting and of the largest M against the value of many digits.
+    judge: where they differ, who is right; its errors are those of shooting and of the largest M against the value of many digits. verdict:
+    where that is not decided, what the count about the guess says.
     """
 
     index: int
@@ -62,6 +67,7 @@ class AskedScene:
     error_of_shooting: float = math.nan
     error_of_pseudospectral: float = math.nan
     why: str = ""
+    verdict: str = ""
 
     @property
     def agreement(self) -> list[float]:
@@ -82,17 +88,9 @@ def asked(index: int, drawn: Drawn) -> AskedScene:
     parameters, far_temperature, kx, ky = drawn
     told = ", ".join(f"{k} = {v}" for k, v in {**parameters, "far_temperature": far_temperature, "kx": kx, "ky": ky}.items())
     tally, scene = Tally("", index), AskedScene(index, parameters=told)
-    problem: Any = None
-    guess: complex | None = None
-    with limited(tally, "flow and reference", TIME):
-        try:
-            problem = st.chute.problem(st.chute.steady(far_temperature=far_temperature, **parameters), kx=kx, ky=ky)
-        except st.NoFlowError:
-            return AskedScene(index, NO_FLOW)
-        modes = claims(problem, SUGGESTED_TO, SUGGESTING)
-        if not len(modes):
-            return AskedScene(index, NO_MODE)
-        guess = complex(max(modes, key=lambda s: s.real))
+    problem, guess = posed(drawn, tally)
+    if guess is None and not tally.faults:
+        return AskedScene(index, NO_FLOW if problem is None else NO_MODE)
     if guess is None:
         return replace(scene, judge=OPEN, why=told_of(tally))
     mode: Any = None
@@ -105,6 +103,30 @@ def asked(index: int, drawn: Drawn) -> AskedScene:
     digits = [agreement(value, complex(mode.sigma)) for value in values]
     scene = replace(scene, sigma=f"{complex(mode.sigma):.15g}", bound=float(mode.error), digits=" ".join(f"{d:.1f}" for d in digits))
     return scene if digits[-1] >= ALIKE else decided(problem, scene, mode.sigma, values[-1], tally)
+
+
+def posed(drawn: Drawn, tally: Tally) -> tuple[Any, complex | None]:
+    """The problem of a draw and the fastest-growing mode of the reference; None where there is no flow, no mode, or no time."""
+    parameters, far_temperature, kx, ky = drawn
+    problem: Any = None
+    with limited(tally, "flow and reference", TIME):
+        try:
+            problem = st.chute.problem(st.chute.steady(far_temperature=far_temperature, **parameters), kx=kx, ky=ky)
+        except st.NoFlowError:
+            return None, None
+        modes = claims(problem, SUGGESTED_TO, SUGGESTING)
+        return problem, complex(max(modes, key=lambda s: s.real)) if len(modes) else None
+    return problem, None
+
+
+def with_verdict(scene: AskedScene, drawn: Drawn) -> AskedScene:
+    """A scene that is not decided, with the verdict on the guess to the digits to which the reference believes itself."""
+    tally, told = Tally("", scene.index), NO_VERDICT
+    problem, guess = posed(drawn, tally)
+    with limited(tally, "verdict", TIME):
+        if guess is not None:
+            told = st.verify(problem, [guess], digits=SUGGESTED_TO, missing="none").verdicts[0].verdict
+    return replace(scene, verdict=told)
 
 
 def pseudospectral(problem: Any, guess: complex, M: int, tally: Tally) -> complex:
@@ -153,12 +175,15 @@ def scenes_asked(number: int, table: Path | None, seconds: float = ONE_RUN) -> l
     They are taken from the table, or asked anew and added to it.
     """
     known = {} if table is None else {scene.index: scene for scene in read(table)}
+    warm()
+    for index, drawn in itertools.takewhile(lambda draw: draw[0] <= max(known, default=-1), scenes(SEED)):
+        if index in known and known[index].judge == OPEN and not known[index].verdict:
+            known[index] = with_verdict(known[index], drawn)
     if table is not None:
         table.parent.mkdir(exist_ok=True)
         with table.open("w", newline="", encoding="utf-8") as file:  # a line that was cut short is left out
             csv.writer(file).writerows([[f.name for f in fields(AskedScene)], *(line(scene) for scene in known.values())])
     found: list[AskedScene] = []
-    warm()
     began = processor_time()
     for index, drawn in scenes(SEED):
         if sum(not scene.skipped for scene in found) >= number:
@@ -168,6 +193,8 @@ def scenes_asked(number: int, table: Path | None, seconds: float = ONE_RUN) -> l
             if processor_time() - began > seconds:
                 break
             scene = asked(index, drawn)
+            if scene.judge == OPEN:
+                scene = with_verdict(scene, drawn)
             if table is not None:
                 with table.open("a", newline="", encoding="utf-8") as file:
                     csv.writer(file).writerow(line(scene))
@@ -192,18 +219,28 @@ def row(quick: bool) -> Row:
     left = f"{len(used)} of {asked_for} scenes so far" if len(used) < asked_for else ""
     differ = [scene for scene in used if scene.judge]
     judges = Counter(scene.judge for scene in differ)
+    verdicts = Counter(scene.verdict for scene in differ if scene.judge == OPEN)
     within = sum(scene.error_of_shooting * abs(complex(scene.sigma)) <= scene.bound for scene in differ if scene.sigma and scene.truth)
     of = sum(bool(scene.sigma and scene.truth) for scene in differ)
     cases = [
         Case("scenes asked of both", f"{asked_for}", f"{len(used)}", None, ", ".join(f"{n} draws: {w}" for w, n in skipped.items())),
         Case(f"the median digits grow with M, up to the {asked_of:.0f} asked of shooting", "yes", "yes" if grows(medians) else "no", 0.0),
         Case("where they differ, the pseudospectral value is right and shooting is not", "0", str(judges[PSEUDOSPECTRAL]), 0.0),
+        Case(
+            "where they do not decide, the value of QZ is a mode by the count",
+            "0",
+            str(sum(verdicts[name] for name in (CONFIRMED, INACCURATE))),
+            0.0,
+            ", ".join(f"{n} {verdict}" for verdict, n in sorted(verdicts.items())),
+        ),
         Case("where many digits decide, the bound of shooting holds", f"{of} of {of}", f"{within} of {of}", 0.0 if of else None),
         *by_truncation(table),
     ]
     if not quick:
         draw(table)
     said = ", ".join(f"{n} {judge}" for judge, n in sorted(judges.items())) or "none"
+    if verdicts:
+        said += f" ({', '.join(f'{n} {verdict}' for verdict, n in sorted(verdicts.items()))} by the count about the value of QZ)"
     reached = ", ".join(f"{m:.1f} at M = {M}" for M, m in zip(TRUNCATIONS, medians, strict=True))
     lost = sum(not scene.sigma for scene in used)
     return Row(
