@@ -21,6 +21,7 @@ from shootstab.formulation.conditions import Conditions
 from shootstab.formulation.expression import Expression, number
 from shootstab.formulation.gaussian import Gaussian
 from shootstab.formulation.names import Names
+from shootstab.formulation.system import equations_for
 
 BASE_KEYS = ("unknowns", "equations", "left", "right")  # chosen: the keys that base must have
 BASE_OPTIONS = ("middle", "guess")  # chosen: those that it may have
@@ -54,7 +55,7 @@ def base_flow(table: Mapping[str, Any], names: Names, domain: tuple[float, float
 
     equations = [(f"base equation {i}", read(e, f"base equation {i}")) for i, e in enumerate(table["equations"], 1)]
     if len(equations) != len(unknowns):
-        raise InputError(f"base: {len(equations)} equations for the {len(unknowns)} unknowns {', '.join(unknowns)}: allowed are as many")
+        raise InputError(f"base: {equations_for(len(equations), unknowns)}: allowed are as many")
     highest = solved_for_highest(equations, unknowns)
     states = tuple((name, k) for name in unknowns for k in range(highest[name][0]))
     if len(states) > MOST_BASE_STATES:

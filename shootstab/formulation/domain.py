@@ -29,7 +29,7 @@ class Domain:
     @property
     def points(self) -> NDArray[np.float64]:
         """Points (m,) inside, denser towards the ends."""
-        x = -np.cos(np.pi * (np.arange(LINE_SAMPLES) + 0.5) / LINE_SAMPLES)
+        x = np.sin(0.5 * np.pi * np.arange(1 - LINE_SAMPLES, LINE_SAMPLES, 2) / LINE_SAMPLES)
         if np.isfinite(self.left) and np.isfinite(self.right):
             return np.asarray(0.5 * (self.left + self.right) + 0.5 * (self.right - self.left) * x)
         if np.isfinite(self.left):

@@ -42,8 +42,8 @@ class Names:
                         f"the {kind} {shortened(name)}: allowed is a name of letters, digits and _, not beginning with a digit"
                     )
                 if name in seen:
-                    raise InputError(f"the name {name} is {seen[name]} and a {kind} too: allowed is one meaning")
-                seen[name] = f"a {kind}" if kind != "eigenvalue" else "the eigenvalue"
+                    raise InputError(f"the name {name} is {seen[name]} and {_noun(kind)} too: allowed is one meaning")
+                seen[name] = _noun(kind)
         for name, value in self.parameters.items():
             try:
                 number(value)
@@ -93,3 +93,8 @@ class Names:
     def listed(self) -> str:
         names = [*self.unknowns, *self.where, *self.given, *self.parameters, self.variable, self.eigenvalue, "pi", "i"]
         return ", ".join(names)
+
+
+def _noun(kind: str) -> str:
+    """The kind of a name with its article."""
+    return {"eigenvalue": "the eigenvalue", "unknown": "an unknown"}.get(kind, f"a {kind}")

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
 from shootstab.core.errors import InputError
+from shootstab.core.numerus import number_of
 from shootstab.formulation.atoms import Atom
 from shootstab.formulation.denominators import cleared
 from shootstab.formulation.expression import Expression, number, of_atom
@@ -22,6 +23,11 @@ SIGMA = of_atom(EIGENVALUE)
 def jet(name: str, order: int = 0) -> Expression:
     """The order-th derivative of an unknown."""
     return of_atom(Atom("jet", name, order))
+
+
+def equations_for(count: int, unknowns: Sequence[str]) -> str:
+    """So many equations for the unknowns, in words."""
+    return f"{number_of(count, 'equation')} for {number_of(len(unknowns), 'unknown')}, {', '.join(unknowns)}"
 
 
 def shown(at: Jet) -> str:
@@ -119,7 +125,7 @@ class System:
         read = [row_of(expression, where) for where, expression in equations.items()]
         rows = tuple(row for row, _ in read)
         if len(rows) != len(unknowns):
-            raise InputError(f"{len(rows)} equations for the {len(unknowns)} unknowns {', '.join(unknowns)}: allowed are as many")
+            raise InputError(f"{equations_for(len(rows), unknowns)}: allowed are as many")
         held = orders(rows)
         for name in unknowns:
             if name not in held:

@@ -172,7 +172,7 @@ def test_a_parameter_of_the_flow_is_one_of_the_problem() -> None:
         ({"equations": ["d(f,3) + sigma = 0"]}, "base equation 1 holds sigma"),
         ({"equations": ["d(f,3) + i*f = 0"]}, "base equation 1 is not real"),
         ({"equations": ["f = 1"]}, "no equation holds a derivative of f"),
-        ({"equations": ["d(f,3)", "f"]}, "2 equations for the 1 unknowns f: allowed are as many"),
+        ({"equations": ["d(f,3)", "f"]}, "2 equations for 1 unknown, f: allowed are as many"),
         ({"left": {"at": 0, "conditions": ["f"]}}, "base has 2 conditions: allowed are 3, the order of its equations"),
         (
             {"left": {"at": 0, "conditions": ["f", "d(f,3)"]}},

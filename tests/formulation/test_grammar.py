@@ -104,8 +104,8 @@ def test_what_is_wrong_is_told_with_its_place(text: str, told: str) -> None:
 
 def test_names_mean_one_thing() -> None:
     for words, told in (
-        ((("u", "i"), {}, {}), "the name i is reserved and a unknown too"),
-        ((("u",), {"u": 1}, {}), "the name u is a unknown and a parameter too"),
+        ((("u", "i"), {}, {}), "the name i is reserved and an unknown too"),
+        ((("u",), {"u": 1}, {}), "the name u is an unknown and a parameter too"),
         ((("u",), {"2": 1}, {}), "the parameter '2': allowed is a name"),
         ((("u",), {}, {"A": "B", "B": "A"}), "A uses B uses A"),
     ):

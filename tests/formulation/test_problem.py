@@ -122,7 +122,7 @@ MISTAKES: tuple[tuple[str, dict[str, Any], str], ...] = (
     ("an unknown name", {"where": {}}, "equation 1, column 15, at 'U': unknown name 'U': allowed are u, v, p, R, a, z, sigma"),
     ("a nonlinear term", {"equations": ["sigma*u + u*d(u)", "d(p)", "d(v)"]}, "equation 1 is not linear: it holds u.d.u."),
     ("a term without an unknown", {"equations": ["sigma*u + 1", "d(p)", "d(v)"]}, "equation 1 holds the term 1 without an unknown"),
-    ("an equation forgotten", {"equations": ["d(u) + v", "d(p)"]}, "2 equations for the 3 unknowns u, v, p"),
+    ("an equation forgotten", {"equations": ["d(u) + v", "d(p)"]}, "2 equations for 3 unknowns, u, v, p"),
     ("an unknown that no equation holds", {"equations": ["d(u) + v", "d(v)", "u"]}, "no equation holds the unknown p"),
     (
         "a singular point inside",
