@@ -26,7 +26,7 @@ def jet(name: str, order: int = 0) -> Expression:
 
 
 def equations_for(count: int, unknowns: Sequence[str]) -> str:
-    """So many equations for the unknowns, in words."""
+    """Words for a number of equations and these unknowns."""
     return f"{number_of(count, 'equation')} for {number_of(len(unknowns), 'unknown')}, {', '.join(unknowns)}"
 
 
