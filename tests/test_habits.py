@@ -99,14 +99,69 @@ def test_every_number_says_where_it_comes_from() -> None:
 
 
 def test_a_number_stands_on_the_line_of_its_name() -> None:
-    """No number is put in parentheses for the sake of a long comment, between whose lines neither it nor its origin is seen."""
+    """No number, nor a tuple of them, is put in parentheses for the sake of a long comment, between whose lines neither it nor its origin
+    is seen."""
     wrapped = [
-        f"{path.relative_to(ROOT)}: {ast.unparse(node)}"
+        f"{path.relative_to(ROOT)}:{node.lineno}: {ast.unparse(node)[:60]}"
         for path in SOURCES
         for node in _tree(path).body
-        if isinstance(node, ast.Assign | ast.AnnAssign) and isinstance(node.value, ast.Constant) and node.value.lineno != node.lineno
+        if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None and node.lineno != node.end_lineno
+        if _is_number(node.value) and str(path.relative_to(ROOT / "shootstab")) not in TABLES
     ]
     assert wrapped == []
+
+
+# numbers of formulas: counts, and simple fractions as in ½ (a + b), h/6, T^{5/2}
+EXACT_INTEGERS, EXACT_FRACTIONS = range(11), (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0)
+STYLE = re.compile(r"linewidths?|(?:framea|a)lpha|marker(?:size|edgewidth)|zorder")  # of a picture: nothing rests on them
+# formulas with numbers of their own, each with its source in the docstring
+FORMULAS = {"models/chute/constitutive.py": "the laws of DESIGN and (A 15)"}
+PUBLISHED_DEFAULTS = "models/gallery"  # defaults of its problems: the parameters at which others have published digits
+TABLES = {"kernels/tableau.py"}  # published numbers, a row of a table on each line
+
+
+def _exempt(path: Path) -> Iterator[ast.AST]:
+    """The numbers of a file that need no name: style, sizes of caches, bases of powers, and published parameters as defaults."""
+    gallery = path.is_relative_to(ROOT / "shootstab" / PUBLISHED_DEFAULTS)
+    for node in _nodes(path):
+        if isinstance(node, ast.keyword) and (node.arg == "maxsize" or (node.arg and STYLE.fullmatch(node.arg))):
+            yield from ast.walk(node.value)
+        elif isinstance(node, ast.Dict):
+            for key, value in zip(node.keys, node.values, strict=True):
+                if isinstance(key, ast.Constant) and isinstance(key.value, str) and STYLE.fullmatch(key.value):
+                    yield from ast.walk(value)
+        elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow) and ast.unparse(node.left) == "10.0":
+            yield node.left
+        elif gallery and isinstance(node, ast.arguments):
+            yield from (default for default in (*node.defaults, *node.kw_defaults) if default is not None)
+        elif gallery and isinstance(node, ast.ClassDef):
+            yield from (field.value for field in node.body if isinstance(field, ast.AnnAssign) and field.value is not None)
+
+
+def _hidden(path: Path) -> Iterator[str]:
+    """Numbers in functions and classes of a file that are neither exact nor exempt."""
+    exempt = set(map(id, _exempt(path)))
+    inside = {id(n): n for node in _tree(path).body if not isinstance(node, ast.Assign | ast.AnnAssign) for n in ast.walk(node)}
+    for node in inside.values():
+        if not isinstance(node, ast.Constant) or type(node.value) not in (int, float, complex) or id(node) in exempt:
+            continue
+        if abs(node.value) not in (EXACT_INTEGERS if isinstance(node.value, int) else EXACT_FRACTIONS):
+            yield f"{path.name}:{node.lineno}: {node.value!r}"
+
+
+def test_no_number_hides_in_a_function() -> None:
+    """What was chosen, measured or published has a name and an origin, at the head of a module."""
+    paths = [path for path in SOURCES if str(path.relative_to(ROOT / "shootstab")) not in FORMULAS]
+    hidden = [place for path in paths for place in _hidden(path)]
+    assert hidden == [], "\n".join(hidden)
+
+
+def test_what_hides_in_a_function_is_found(tmp_path: Path) -> None:
+    """A default, a budget, a lambda, a field and a base are seen; a power of ten, a style, a cache and h/6 are not."""
+    text = "X = 5e-7\n@lru_cache(maxsize=64)\ndef f(h, r=1e-7):\n    plot(h / 6, 10.0**-h, linewidth=0.3)\n    return 17 * h + 1.3**r\n"
+    text += "class C:\n    a: float = 0.3\n    g = sorted(x, key=lambda x: 1e-6 * x)\n"
+    (tmp_path / "hiding.py").write_text(text)
+    assert [place.rsplit(" ", 1)[1] for place in _hidden(tmp_path / "hiding.py")] == ["1e-07", "17", "1.3", "0.3", "1e-06"]
 
 
 def test_a_measured_number_names_a_script_that_exists() -> None:

@@ -44,6 +44,7 @@ LARGEST_CERTIFICATE = 2**20  # chosen: bytes of a certificate
 CHECKER_POINTS, CHECKER_BITS = 2, 24
 MOST_FACTORS = 16  # chosen: parts of a certificate
 CERTIFICATE_ATTEMPTS = 3  # chosen: attempts, each with more points and bits, before a proof is said to have no certificate
+MORE_EACH_ATTEMPT = 1.3  # chosen: factor of points and bits from one attempt to the next
 
 
 def certify(problem: Problem, proof: Proof, spare_bits: int = CONTOUR_BITS) -> dict[str, Any]:
@@ -82,8 +83,8 @@ def _certified(problem: Any, proof: Proof, count: int, spare_bits: int) -> dict[
         least = min(float(abs(enclosure(acb(sigma))).log().mid()) for sigma in sampled)
     settings = choose(named, centre, radius, least, nats)
     for attempt in range(CERTIFICATE_ATTEMPTS):
-        points = math.ceil(settings["points"] * 1.3**attempt) + CHECKER_POINTS
-        bits = math.ceil(settings["bits"] * 1.3**attempt) + CHECKER_BITS
+        points = math.ceil(settings["points"] * MORE_EACH_ATTEMPT**attempt) + CHECKER_POINTS
+        bits = math.ceil(settings["bits"] * MORE_EACH_ATTEMPT**attempt) + CHECKER_BITS
         found = {"format": 2, "problem": named, "count": count, "region": region, **settings, "points": points, "bits": bits}
         reason = checker.check(found)
         if reason is None:
@@ -113,7 +114,7 @@ def check(certificate: Any) -> str | None:
 
 
 def read(path: Path) -> Any:
-    """The JSON of a certificate. Raises InputError for a file that cannot be read, is larger than 1 MB or is no JSON."""
+    """The JSON of a certificate. Raises InputError for a file that cannot be read, is larger than LARGEST_CERTIFICATE or is no JSON."""
     try:
         return json_of(text_of(bytes_of(path, LARGEST_CERTIFICATE, "a certificate")), "allowed is a certificate in JSON")
     except InputError:

@@ -12,6 +12,8 @@ NORM_WEIGHTS = 1.1 ** np.arange(-12, 8)  # chosen: weights of the norm in which 
 FARTHEST = 16.0  # chosen: the largest circle on which |D| is bounded, in |σ| or the circle of values; they are tried by factors of two
 ABSOLUTE_BITS = 64  # chosen: bits of the checker's numbers beyond what the growth of their errors takes
 RATE_SAMPLES = 129  # chosen: places at which the rate of growth is sampled
+STEP_PLACES = 6  # chosen: decimals of a step of the integration
+LEAST_ORDER = 24  # chosen: terms of its Taylor series at least, twice what the checker allows
 
 
 def plane_poiseuille(named: Mapping[str, str], centre: complex, radius: float, least: float, nats: float) -> dict[str, Any]:
@@ -42,9 +44,9 @@ def plane_poiseuille(named: Mapping[str, str], centre: complex, radius: float, l
     errors = min(growth(w, radius) for w in (rate * NORM_WEIGHTS).tolist()) - least + nats
     bits = math.ceil(errors / math.log(2)) + ABSOLUTE_BITS
     count = max(2, math.ceil(rate * 8 / bits))
-    step = math.floor(1e6 / count) / 1e6
+    step = math.floor(10.0**STEP_PLACES / count) / 10.0**STEP_PLACES
     order, size = 1, 0.0
-    while size > -bits or order < 24:
+    while size > -bits or order < LEAST_ORDER:
         size += math.log2(2.0 * rate * step / order)
         order += 1
     return {
@@ -53,5 +55,5 @@ def plane_poiseuille(named: Mapping[str, str], centre: complex, radius: float, l
         "points": max(4, math.ceil(needed[weight, wider])),
         "bits": bits,
         "order": order,
-        "steps": [f"{step:.6f}"] * (count - 1),
+        "steps": [f"{step:.{STEP_PLACES}f}"] * (count - 1),
     }

@@ -24,6 +24,8 @@ CONTOUR_BITS, CONTOUR_ATTEMPTS = 24, 3
 RIM = 12  # chosen: values of D on a circle, and on a side of a contour, by which its size is judged
 RECTANGLE_SLACK = 1.0625  # chosen: the disc on which D is one polynomial, over the half diagonal of the rectangle
 OUTER_CIRCLES = (2.0, 4.0, 8.0, 16.0)  # chosen: radii of the disc on which |D| is bounded, over that one; the one that needs fewest points
+MORE_POINTS = 1.25  # chosen: factor of points from one attempt to the next, as MORE_BITS is that of bits
+LEAST_CONTOUR_BITS = 64  # chosen: bits of D on a contour at least, beyond those of a double
 
 
 @dataclass(frozen=True)
@@ -84,7 +86,7 @@ def _followed(form: Enclosable, region: Rectangle, spare: int, progress: Progres
                     raise
             else:
                 return _Followed(count, margin, bits, points, spent)
-        bits, points = math.ceil(MORE_BITS * bits), math.ceil(1.25 * points)
+        bits, points = math.ceil(MORE_BITS * bits), math.ceil(MORE_POINTS * points)
     raise AssertionError("unreachable")
 
 
@@ -118,7 +120,7 @@ def settings(form: Enclosable, corners: Sequence[complex], middle: complex, radi
             for wider in OUTER_CIRCLES
         }
     wider = min(needed, key=lambda x: needed[x])
-    enough = max(bits - known + math.ceil((largest - least) / math.log(2)) + spare, 64)
+    enough = max(bits - known + math.ceil((largest - least) / math.log(2)) + spare, LEAST_CONTOUR_BITS)
     return ContourSettings(enough, math.ceil(needed[wider]), wider, least)
 
 

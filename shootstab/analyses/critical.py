@@ -26,6 +26,9 @@ SHIFT = 1e-3  # chosen: relative change of R for the second circle
 CRITICAL_STEPS = 12  # chosen: steps of Newton in (α, R); from a guess of two digits it takes some 5
 ROUGH_RTOL = 1e-9  # chosen: relative accuracy of the modes on the way
 CRITICAL_RTOL = 1e-12  # chosen: accuracy of the modes
+STILL_ROUGH = 1e3  # chosen: steps above so many accuracies are made with modes that are rough
+LAST_MOVE = 1e2  # chosen: the last step, in accuracies
+ERRORS_OF_MEAN = 1e2  # chosen: error bounds of a mode by which the mean on the circle may miss σ in the middle
 
 
 @dataclass(frozen=True)
@@ -52,7 +55,7 @@ def critical(
     sigma = complex(guess)
     step, change_R = math.inf, np.zeros(2)
     for turn in range(CRITICAL_STEPS):
-        rough = max(rtol, ROUGH_RTOL) if step > 1e3 * rtol else rtol
+        rough = max(rtol, ROUGH_RTOL) if step > STILL_ROUGH * rtol else rtol
         series, error = _circle(family, reynolds, alpha, sigma, rough)
         sigma, g = complex(series[0]), series.real
         if turn < 2:  # a chord does from then on
@@ -62,7 +65,7 @@ def critical(
         move = np.linalg.solve(jacobian, -g[:2])
         reynolds, alpha = reynolds + float(move[0]), alpha + float(move[1])
         step = abs(float(move[0])) / reynolds + abs(float(move[1])) / alpha
-        if rough == rtol and step < 1e2 * rtol:
+        if rough == rtol and step < LAST_MOVE * rtol:
             wrong = np.abs(np.linalg.inv(jacobian)) @ np.array([error, error / (ALPHA_RADIUS * alpha)]) + np.abs(move)
             return Critical(reynolds, alpha, sigma, float(wrong[0]), float(wrong[1]))
     raise ConvergenceError(f"no critical point found near {reynolds:.6g}, {alpha:.6g}: the last step was {step:.1e}")
@@ -90,7 +93,7 @@ def _circle(
     coefficients = np.fft.fft(way.sigmas[-ALPHA_POINTS:]) / ALPHA_POINTS
     # σ^(m) r^m/m! of an analytic function: those of the middle order are small, and the 0th is σ(α) itself, which was computed too
     left, whole = abs(coefficients[0] - way.sigmas[0]), float(np.abs(coefficients[1:3]).max())
-    if left > max(NOT_ANALYTIC * whole, 1e2 * error):
+    if left > max(NOT_ANALYTIC * whole, ERRORS_OF_MEAN * error):
         raise ConvergenceError(
             f"the mode {way.sigmas[0]:.6g} is not followed around alpha = {alpha:.6g} at reynolds = {reynolds:.6g}: "
             f"another one, or a branch point, is as near as the circle of {ALPHA_RADIUS:.0%} of alpha; "

@@ -20,6 +20,7 @@ import numpy as np
 
 from shootstab.analyses.accuracy import Inaccurate, MeshedValue, require_accurate
 from shootstab.core.discriminant import Value
+from shootstab.core.division import BISECTIONS
 from shootstab.core.regions import Disc, Region
 from shootstab.discriminants.continuation import Branch, Continuation, Undecidable
 from shootstab.essential_spectrum.interior import SampledContinuum
@@ -27,6 +28,7 @@ from shootstab.roots.winding import Legs, change, follow, whole_turns
 
 END_RADIUS = 1e-5  # chosen: radius of the circles around the ends, in the extent of the curve
 OFF = 1e-9  # chosen: how far from a crossing, in t or in z, the two sides are told apart
+RIM_OF_END = 16  # chosen: points of such a circle that must all lie in the region
 CLOSURE_SLACK = 1e-2  # chosen: part of a turn, as the legs of the contour meet to OFF only
 
 
@@ -134,7 +136,7 @@ def parts_inside(curve: SampledContinuum, region: Region) -> list[tuple[float, f
 def _crossing(curve: SampledContinuum, region: Region, low: float, high: float) -> float:
     """The z between two samples at which the curve crosses the boundary."""
     at_low = region.contains(curve.at(low))
-    for _ in range(60):
+    for _ in range(BISECTIONS):
         middle = (low + high) / 2
         if region.contains(curve.at(middle)) == at_low:
             low = middle
@@ -158,7 +160,7 @@ def ends_inside(curve: SampledContinuum, region: Region) -> list[tuple[Disc, com
     for disc, order in zip(end_discs(curve), (1, -1), strict=True):
         if not region.contains(disc.centre):
             continue
-        if not all(region.contains(disc.boundary(k / 16)) for k in range(16)):
+        if not all(region.contains(disc.boundary(k / RIM_OF_END)) for k in range(RIM_OF_END)):
             raise Undecidable(f"an end of the continuous spectrum, {disc.centre:.6g}, lies on the boundary of the region")
         found.append((disc, _leaves(curve, disc, order)))
     return found

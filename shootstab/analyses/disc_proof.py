@@ -26,6 +26,8 @@ SMALLER_OUTER = 4.0  # chosen: ratio of an outer circle on which D has no bound 
 WIDEST, NARROWER = 0.125, 1.25
 SECANTS = 80  # chosen: steps towards a zero, which for a simple one are six or so
 SEED = 10  # chosen: digits that a mode in double precision has at least
+FARTHEST_SECANT = 1e3  # chosen: the longest step of a secant, in the accuracy of the seed, that still leads to its zero
+UNTOLD = -200  # chosen: ln |D| that is taken, for a choice of points, where D is not told from 0
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,7 @@ def polished(form: Enclosable, seed: complex, places: int, radius: str) -> Decim
         x = [_number(start), _number(start) + arb(near)]
         D = [enclosure(s).mid() for s in x]
         for _ in range(SECANTS):
-            if D[1] == D[0] or not abs(x[1] - x[0]) < arb(1e3 * near):
+            if D[1] == D[0] or not abs(x[1] - x[0]) < arb(FARTHEST_SECANT * near):
                 break
             step = (D[1] * (x[1] - x[0]) / (D[1] - D[0])).mid()
             x = [x[1], (x[1] - step).mid()]
@@ -176,7 +178,7 @@ def _wide_model(about: _Surrounded, radius: float, size: float) -> TaylorModel:
 def _log_size(enclosure: BoundedDiscriminant, sigma: Any) -> Any:
     """ln |D|; where D is not told from 0 some number, which serves to choose points."""
     found = abs(enclosure(sigma)).log()
-    return found if found.is_finite() else arb(-200)
+    return found if found.is_finite() else arb(UNTOLD)
 
 
 def _alone(model: TaylorModel, count: int, least: float) -> float:

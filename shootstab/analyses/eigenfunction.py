@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, overload
 
 from shootstab.analyses.eigenfunction_double import Eigenfunction, eigenfunction_double
+from shootstab.core.allowed import RTOL
 from shootstab.core.progress import Progress
 from shootstab.core.records import Mode
 from shootstab.problems.protocol import Problem
@@ -24,7 +25,7 @@ def eigenfunction(
 
 
 def eigenfunction(
-    problem: Problem, mode: Mode | complex, rtol: float = 1e-10, progress: Progress | None = None, digits: int | None = None
+    problem: Problem, mode: Mode | complex, rtol: float = RTOL, progress: Progress | None = None, digits: int | None = None
 ) -> Eigenfunction | EigenfunctionInDigits:
     """The eigenfunction of a simple mode, or of the one next to a guess: see eigenfunction_double.py.
 

@@ -20,7 +20,7 @@ import mpmath
 from shootstab.analyses.eigenfunction_double import Eigenfunction, eigenfunction_double
 from shootstab.analyses.refine_digits import CHANGE_SAFETY, DIGIT_ATTEMPTS, SPARE_TO_DIGITS, as_far_off, in_digits, refine_digits
 from shootstab.core.errors import ConvergenceError, InputError
-from shootstab.core.progress import Progress
+from shootstab.core.progress import TOTAL, Progress
 from shootstab.core.records import Budget, Mode
 from shootstab.kernels.step_control import FLOOR
 from shootstab.multiprecision.arithmetic import Arithmetic, exact
@@ -158,8 +158,7 @@ class Variations:
             shooting = TaylorShooting(arithmetic, self._problem.size, settings, integration, lambda: None)
             found = solved(shooting, arithmetic.number(sigma.real) if real else arithmetic.complex(sigma))
             self._done += 1
-            whole = 1000
-            self._progress(round(whole * (SHARE_OF_MODE + (1.0 - SHARE_OF_MODE) * self._done / SOLUTIONS)), whole)
+            self._progress(round(TOTAL * (SHARE_OF_MODE + (1.0 - SHARE_OF_MODE) * self._done / SOLUTIONS)), TOTAL)
             return found, shooting.corrected_base()
 
     def _place(self, own: TaylorSolution) -> tuple[str, str]:

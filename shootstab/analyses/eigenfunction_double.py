@@ -24,6 +24,7 @@ from shootstab.analyses.eigenfunction_budget import Variants
 from shootstab.analyses.on_the_line import OnTheLine, in_unknowns, real_points
 from shootstab.analyses.refine import refine
 from shootstab.analyses.refine_double import tolerance_for
+from shootstab.core.allowed import MODE_HEIGHTS, RTOL
 from shootstab.core.errors import InputError
 from shootstab.core.records import Budget, Mode
 from shootstab.discriminants.back_substitution import solution
@@ -37,7 +38,6 @@ from shootstab.problems.unknowns import Unknowns, unknowns
 
 OUT_OF_SIGHT = 0.03  # chosen: the part of its largest value that an unknown has fallen to where a picture or a file of it ends
 DOUBLINGS = 12  # chosen: doublings of the way from the wall that are tried until it has
-MODE_HEIGHTS = 401  # chosen: heights in a picture or a file; a line through so many points looks smooth
 POLISHED = 1e-10  # chosen: part of a step to which the place of the largest value is found
 
 
@@ -136,7 +136,7 @@ class Eigenfunction:
 
 
 def eigenfunction_double(
-    problem: Problem, mode: Mode | complex, rtol: float = 1e-10, progress: Callable[[int, int], None] | None = None
+    problem: Problem, mode: Mode | complex, rtol: float = RTOL, progress: Callable[[int, int], None] | None = None
 ) -> Eigenfunction:
     """The eigenfunction of a simple mode, or of the one next to a guess, along the real line.
 

@@ -14,6 +14,7 @@ from shootstab.analyses.refine import refine
 from shootstab.analyses.refine_double import require_atol, tightened
 from shootstab.analyses.resonances import find_resonances
 from shootstab.analyses.zeros import MOST_TO_SEPARATE, accurate_count
+from shootstab.core.allowed import FINDING_RTOL, LEAST_MODE_RTOL
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.numerus import number_of
 from shootstab.core.progress import Tick
@@ -30,7 +31,6 @@ from shootstab.roots.winding import Winding
 
 SEARCHING = 1e-9  # chosen: local error of the method on whose meshes zeros are polished, to be refined on others
 KNOWN_WITHIN = 1e-2  # chosen: how well modes are to be known, in the size of their region, for their number to mean something
-LEAST_MODE_RTOL = 1e-14  # derived: what `refine` allows
 LEAST_ON_PART, MORE_ON_PART = 200, 4  # chosen: samples that a part's contour may take in any case, and in those of the whole region
 WIDER_AROUND = 4.0  # chosen: the radius of the next circle around a multiple zero over that of one
 LARGEST_CIRCLE = 1e3  # chosen: the last of them, in the first: beyond, the zero was not multiple to any purpose
@@ -52,7 +52,7 @@ class Found:
 def find(
     problem: Problem,
     region: Region,
-    rtol: float = 1e-8,
+    rtol: float = FINDING_RTOL,
     resonances: bool = False,
     method: Method | str | None = None,
     atol: float | None = None,

@@ -9,12 +9,12 @@ from fractions import Fraction
 from time import perf_counter
 from typing import Any
 
-from shootstab.analyses.contour_proof import RECTANGLE_SLACK, RIM, along, settings
+from shootstab.analyses.contour_proof import LEAST_CONTOUR_BITS, RECTANGLE_SLACK, RIM, along, settings
 from shootstab.analyses.disc_proof import MOST_BITS, disc
 from shootstab.analyses.proof import Proof, lemmas, named
 from shootstab.core.balls import acb, arb
 from shootstab.core.errors import ConvergenceError
-from shootstab.core.progress import Progress
+from shootstab.core.progress import TOTAL, Progress
 from shootstab.core.regions import Rectangle
 from shootstab.multiprecision.enclosable import Enclosable, ball
 from shootstab.multiprecision.enclosure import at_bits, decimal
@@ -58,11 +58,11 @@ def over(make: EnclosableAt, name: str, low: Fraction, high: Fraction, region: R
             continue
         found.append(piece)
         if progress is not None:
-            progress(math.floor(1000 * (b - low) / (high - low)), 1000)
+            progress(math.floor(TOTAL * (b - low) / (high - low)), TOTAL)
     if {piece.count for piece in found} != {at_ends[0]}:
         raise AssertionError("proved counts differ between pieces of an interval and its ends: one of them is computed wrongly")
     corners = [named((repr(v.real), repr(v.imag))) for v in (region.vertices[0], region.vertices[2])]
-    with at_bits(64):
+    with at_bits(LEAST_CONTOUR_BITS):
         own = lemmas([make(acb(ball(low)))])
     return Proof(
         (found[0].count,),

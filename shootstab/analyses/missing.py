@@ -16,6 +16,7 @@ from typing import NamedTuple
 from shootstab.analyses.claims import NEAR_DIGITS, radius_of
 from shootstab.analyses.cut_region import RegionCount
 from shootstab.analyses.find import find_modes, modes_of, without_repetition
+from shootstab.core.allowed import RTOL
 from shootstab.core.division import distance_outside, divided, divisions
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.numerus import number_of
@@ -39,7 +40,7 @@ FEWER = 0.7  # chosen: the part of the claims that stays where the contour aroun
 HULL_POINTS = 6  # chosen: points on the length of the hull at which D is asked what a contour costs
 DEEPEST_CUT = 4  # chosen: cuts of a region that cannot be counted as a whole
 MOST_PARTS = 16  # chosen: parts of it that are tried
-MISSING_RTOL = 1e-10  # chosen: the accuracy to which missing modes are refined
+ABOVE_EDGE = 1e-3  # chosen: where the box around the growing modes begins, in the largest growth rate
 
 
 class Missing(NamedTuple):
@@ -129,7 +130,7 @@ def _searched(
             if not meant(zero.sigma):
                 continue
             try:
-                bounded.append((zero, modes_of(part.continuation, zero, MISSING_RTOL)))
+                bounded.append((zero, modes_of(part.continuation, zero, RTOL)))
             except ConvergenceError as error:
                 undecided += (f"the {number_of(zero.multiplicity, 'mode')} counted near {zero.sigma:.6g}: {error}",)
         modes += without_repetition([zero for zero, _ in bounded], [some for _, some in bounded])
@@ -257,7 +258,7 @@ def _extremes(region: Region) -> tuple[complex, complex]:
 
 def modes_with_bounds(continuation: Continuation, zeros: list[Zero]) -> tuple[Mode, ...]:
     """The zeros as modes with their error bars. Raises ConvergenceError where one has none."""
-    return without_repetition(zeros, (modes_of(continuation, zero, MISSING_RTOL) for zero in zeros))
+    return without_repetition(zeros, (modes_of(continuation, zero, RTOL) for zero in zeros))
 
 
 def unstable_box(problem: Problem, claims: Iterable[complex]) -> Rectangle | None:
@@ -269,4 +270,4 @@ def unstable_box(problem: Problem, claims: Iterable[complex]) -> Rectangle | Non
     edge = 0.0 if curve is None else max(float(curve.sigma.real.max()), 0.0)
     top, low, high = max(c.real for c in unstable), min(c.imag for c in unstable), max(c.imag for c in unstable)
     height = max(high - low, top)
-    return Rectangle(complex(edge + 1e-3 * top, low - 0.5 * height), complex(1.5 * top, high + 0.5 * height))
+    return Rectangle(complex(edge + ABOVE_EDGE * top, low - 0.5 * height), complex(1.5 * top, high + 0.5 * height))

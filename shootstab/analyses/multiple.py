@@ -29,6 +29,7 @@ GOAL = 0.1  # chosen, below ROUCHE_RATIO: what the next circle is made for
 CIRCLES = 12  # chosen: circles tried in all; twelve that are NEXT_CIRCLE reach over ten powers of ten
 WIDEST_CLUSTER = 0.1  # chosen: the widest circle, in the larger of |σ| and the scale of D there: wider ones would hold other modes
 WORTHWHILE = 0.8  # chosen: ratio of a circle to the next one that is still tried
+SMALLEST_NEXT = 1e-3  # chosen: the radius of the next circle over that of one in which zeros are counted, at least
 NEXT_CIRCLE = 8.0  # chosen: the radius of the next circle over that of one that is too small to be counted
 CIRCLE_PROBES = 4  # chosen: samples of a circle at which the errors of D are measured
 POLISHED_STEP = 1e-12  # chosen: relative step with which zeros inside a circle are told apart
@@ -84,7 +85,7 @@ def cluster(continuation: Continuation, centre: complex, radius: float, multipli
             continue
         multiplicity = winding.count
         best = Cluster(disc, moments(winding)[0], winding)
-        smaller = radius * max((off / GOAL) ** (1 / multiplicity), 1e-3)
+        smaller = radius * max((off / GOAL) ** (1 / multiplicity), SMALLEST_NEXT)
         if smaller > WORTHWHILE * radius or best.error <= goal:
             break
         # the mean must not leave the middle of the next circle

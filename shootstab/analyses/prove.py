@@ -17,6 +17,7 @@ from shootstab.analyses.disc_proof import around, polished
 from shootstab.analyses.interval_proof import over
 from shootstab.analyses.proof import Decimals, Proof
 from shootstab.analyses.refine import refine
+from shootstab.core.allowed import MOST_PROOF_DIGITS, PROOF_DIGITS
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.progress import Progress
 from shootstab.core.regions import Rectangle
@@ -30,13 +31,13 @@ from shootstab.problems.protocol import Problem
 SPARE_DIGITS = 6  # chosen: digits of the mode beyond those of the disc around it
 
 
-def prove(problem: Problem, guess: complex, digits: int = 12) -> Proof:
+def prove(problem: Problem, guess: complex, digits: int = PROOF_DIGITS) -> Proof:
     """Exactly one eigenvalue (or m, where it is m-fold) in a disc of radius at most 10^−digits |σ| about the mode next to guess.
 
     Raises InputError for a problem that has no enclosure, ConvergenceError where the mode is not found or the inequality does not hold.
     """
-    if not 1 <= digits <= 1000:
-        raise InputError(f"digits = {digits}: allowed is 1 to 1000")
+    if not 1 <= digits <= MOST_PROOF_DIGITS:
+        raise InputError(f"digits = {digits}: allowed is 1 to {MOST_PROOF_DIGITS}")
     forms, began = factors(problem), perf_counter()
     mode = refine(problem, guess)
     if not mode.converged:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from shootstab.core.allowed import LEAST_TRUNCATION, MOST_TRUNCATION
 from shootstab.core.errors import InputError, ShootstabError
 from shootstab.problems.capabilities import PSEUDOSPECTRAL, Pseudospectral
 from shootstab.problems.protocol import ComplexArray, Problem
 from shootstab.spectral.qz import Spectrum
 
 TRUNCATION = 80  # chosen: order of a pseudospectral reference, as large as QZ is done with in seconds
+DRIFT = 0.1  # chosen: the drift of an eigenvalue that is right to some digits, in a unit of the last of them
 
 
 def spectrum(problem: Problem, M: int | None = None, filtered: bool = True) -> Spectrum:
@@ -18,8 +20,8 @@ def spectrum(problem: Problem, M: int | None = None, filtered: bool = True) -> S
     Raises InputError for a problem that has no bundled reference.
     """
     M = TRUNCATION if M is None else M
-    if not 10 <= M <= 1000:
-        raise InputError(f"M = {M}: allowed is 10 to 1000")
+    if not LEAST_TRUNCATION <= M <= MOST_TRUNCATION:
+        raise InputError(f"M = {M}: allowed is {LEAST_TRUNCATION} to {MOST_TRUNCATION}")
     twin: Pseudospectral = PSEUDOSPECTRAL.required(problem)
     found: Spectrum = twin.spectrum(M, filtered)
     return found
@@ -28,7 +30,7 @@ def spectrum(problem: Problem, M: int | None = None, filtered: bool = True) -> S
 def claims(problem: Problem, digits: int, M: int | None = None) -> ComplexArray:
     """The eigenvalues (m,) that the reference itself holds to be right to so many digits: their drift is a tenth of the last one."""
     found = spectrum(problem, M)
-    return np.asarray(found.eigenvalues[found.drift <= 0.1 * 10.0**-digits * np.abs(found.eigenvalues)])
+    return np.asarray(found.eigenvalues[found.drift <= DRIFT * 10.0**-digits * np.abs(found.eigenvalues)])
 
 
 def eigenvalues(problem: Problem, digits: int) -> ComplexArray:

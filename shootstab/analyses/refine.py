@@ -8,6 +8,7 @@ from typing import Any
 
 from shootstab.analyses.refine_double import finite, refine_double, tolerance_for
 from shootstab.analyses.zeros import zeros_in
+from shootstab.core.allowed import DOUBLE_DIGITS, GUESS_RADIUS, RTOL
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.records import Mode
 from shootstab.core.regions import Disc
@@ -17,17 +18,15 @@ from shootstab.discriminants.method import Method
 from shootstab.discriminants.named import method_named
 from shootstab.problems.protocol import Problem
 
-GUESS_NEIGHBOURHOOD = 0.5  # chosen: how far a mode may lie from the guess that means it, in the larger of the two
 LEFT_OUT = 0.98  # chosen: radius of the circle around the guess that must leave the mode out, in the way to it
 OTHER_MODES_RTOL = 1e-5  # chosen: local error with which other modes are looked for; a count tells whether it is small enough
 MODES_NAMED = 4  # chosen: modes nearer to the guess that are named
-DOUBLE_DIGITS = 12  # derived: 16 of a double less what conditioning and error bound take; more are computed with many digits
 
 
 def refine(
     problem: Problem,
     guess: Any,
-    rtol: float = 1e-10,
+    rtol: float = RTOL,
     digits: int | None = None,
     method: Method | str | None = None,
     progress: Callable[[int, int, float], None] | None = None,
@@ -58,7 +57,7 @@ def refine(
 
 def _placed(problem: Problem, guess: complex, mode: Mode) -> Mode:
     """The mode; where it lies outside the neighbourhood of the guess, with a sentence on those that are nearer."""
-    if not mode.converged or mode.guess_distance <= GUESS_NEIGHBOURHOOD * max(abs(mode.sigma), abs(guess)):
+    if not mode.converged or mode.guess_distance <= GUESS_RADIUS * max(abs(mode.sigma), abs(guess)):
         return mode
     radius = LEFT_OUT * mode.guess_distance
     try:

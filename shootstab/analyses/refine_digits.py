@@ -16,6 +16,7 @@ from typing import Any
 import mpmath
 
 from shootstab.analyses.refine_double import UNKNOWN, refine_double
+from shootstab.core.allowed import GUESS_RADIUS, MOST_DIGITS
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.progress import StageClock, TimedProgress
 from shootstab.core.records import CONVERGED, Budget, Mode
@@ -31,7 +32,6 @@ from shootstab.problems.protocol import Problem
 
 METHOD = "taylor"
 START = 1e-11  # chosen: relative accuracy of the double-precision mode
-GUESS_RADIUS = 0.5  # chosen: how far a mode may lie from the guess that means it, in the larger of the two
 DOUBLE = 12.5  # chosen: digits that it is taken to have
 LOWEST = 20.0  # chosen: digits of the first precision
 RISE = 2.3  # chosen: ratio of digits from one precision to the next; two secants double them and add those of the slope
@@ -43,6 +43,10 @@ CHANGE_SAFETY = 2.0  # chosen: factor on the changes that make the bound
 MODE_WANDER = 100.0  # chosen: double-precision error bounds that the mode may move by
 DIGIT_ATTEMPTS = 2  # chosen: a second one begins from the mode that the first found, with more digits
 SHORT = 15  # derived: decimals of so many digits are what a double stands for
+ROUGHEST_SEED = 1e-6  # chosen: the relative error bound of a mode in double precision from which the iteration may begin
+SEED_ROUNDING = 1e-10  # chosen: the relative distance that the mode may move by whatever the bound in double precision is
+COST_DIGITS, COST_POWER = 20, 2.3  # chosen: fitted to times of integrations; the progress shown rests on them, and nothing else
+LEAST_DOUBLE = 1e-290  # chosen: bounds from here to its inverse are doubles, far from where these end
 
 
 def refine_digits(problem: Problem, guess: Any, digits: int, progress: TimedProgress | None = None, arithmetic: str | None = None) -> Mode:
@@ -58,11 +62,11 @@ def refine_digits(problem: Problem, guess: Any, digits: int, progress: TimedProg
         inner, unit = unscaled
         return _in_other_units(inner, unit, guess, digits, progress, arithmetic)
     began = perf_counter()
-    if not 1 <= digits <= 10_000:
-        raise InputError(f"digits = {digits}: allowed is 1 to 10000")
+    if not 1 <= digits <= MOST_DIGITS:
+        raise InputError(f"digits = {digits}: allowed is 1 to {MOST_DIGITS}")
     guess, numbers, problem_in_digits = complex(guess), choose(arithmetic), in_digits(problem)
     seed = refine_double(problem, guess, rtol=START)
-    if not seed.converged and not seed.error <= 1e-6 * abs(seed.sigma):
+    if not seed.converged and not seed.error <= ROUGHEST_SEED * abs(seed.sigma):
         return _failed(
             seed, f"not converged: double precision finds no mode to start from ({seed.status.removeprefix('not converged: ')})", began
         )
@@ -144,7 +148,7 @@ class DigitSearch:
     def _require_near(self, sigma: Any) -> None:
         seed = self._seed
         moved = abs(sigma - mpmath.mpmathify(seed.sigma))
-        if not moved <= MODE_WANDER * seed.error + 1e-10 * abs(seed.sigma):
+        if not moved <= MODE_WANDER * seed.error + SEED_ROUNDING * abs(seed.sigma):
             raise ConvergenceError(
                 f"in high precision the iteration leaves the mode that double precision found, by {float(moved):.1e} with a bound of "
                 f"{float(seed.error):.1e}"
@@ -208,13 +212,13 @@ def as_far_off(base: BaseFlowNumbers, asked: Sequence[BaseFlowNumbers]) -> BaseF
 
 
 def _cost(digits: float) -> float:
-    """Relative time of one integration: measured to grow about as (digits + 20)^2.3."""
-    return float((digits + 20) ** 2.3)
+    """Relative time of one integration, about (digits + COST_DIGITS)^COST_POWER."""
+    return float((digits + COST_DIGITS) ** COST_POWER)
 
 
 def _plain(x: Any) -> Any:
     """A double where one can hold it."""
-    return float(x) if x == 0 or 1e-290 < x < 1e290 else mpmath.mpf(x)
+    return float(x) if x == 0 or LEAST_DOUBLE < x < 1 / LEAST_DOUBLE else mpmath.mpf(x)
 
 
 def _failed(seed: Mode, status: str, began: float) -> Mode:

@@ -10,6 +10,7 @@ from typing import Any
 
 from shootstab.analyses.error_budget import budget
 from shootstab.analyses.multiple import cluster, count_in, multiple, told_apart
+from shootstab.core.allowed import DOUBLE_DIGITS, LEAST_MODE_RTOL, RTOL
 from shootstab.core.discriminant import Discriminant
 from shootstab.core.errors import ConvergenceError, Inaccurate, InputError
 from shootstab.core.records import CONVERGED, Budget, Mode
@@ -27,18 +28,20 @@ from shootstab.roots.winding import count_around
 
 TIGHTEST = 1e-13  # measured (validation/calibration.py): the local error below which rounding takes over
 LOOSEST = 1e-5  # chosen: the largest local error with which halving the steps still tells the error
+LOCAL_ERROR = 0.1  # chosen: the local error to begin with, in the accuracy of the mode
+TIGHTENED = 1e-2  # chosen: the next local error, in the last one
+CIRCLE_OF_PROOF = 1e-2  # chosen: the circle of the proof at least, in the accuracy asked for
 DOUBLE_ATTEMPTS = 3  # chosen: local errors tried; from 1e-5 factors of 100 would need four; tolerance_for begins no mode that far off
 PROOF = 32.0  # chosen: the circle of the proof, in error bounds; the noise of D must be small on it
 WIDEST_PROOF = 1e-2  # chosen: the circle of the proof at most, in the larger of |σ| and the scale, so that it leaves other modes out
 LEFT = 1e-3  # chosen: what iterations may leave, in the accuracy asked for
 NEUTRAL = 1e-12  # chosen: the accuracy of a mode at 0 in the scale of D there; four digits above the rounding of a double
 COUNTED_AROUND = (1e-3, 4e-3, 1.6e-2)  # chosen: radii, in |σ|, of circles in which zeros are counted where no iteration arrives at one
-FIGURES = 12  # derived: significant digits that double precision gives a mode, with which a place is told
 LARGEST_GUESS = 1e100  # chosen: squares of σ are doubles, and so are those of ten thousand times as large ones
 UNKNOWN = Budget(math.inf, math.inf, math.inf, math.inf, math.inf)
 
 
-def refine_double(problem: Problem, guess: Any, rtol: float = 1e-10, method: Method | None = None, atol: float | None = None) -> Mode:
+def refine_double(problem: Problem, guess: Any, rtol: float = RTOL, method: Method | None = None, atol: float | None = None) -> Mode:
     """The mode next to guess in double precision, with |true − sigma| ≤ error ≤ max(rtol·|sigma|, atol) if its status is 'converged'.
 
     method defaults to orthonormalized shooting with a tolerance chosen from rtol; where the bound misses rtol, any method is tried again
@@ -48,8 +51,8 @@ def refine_double(problem: Problem, guess: Any, rtol: float = 1e-10, method: Met
     """
     began = time.perf_counter()
     guess = near = finite(guess)
-    if not 1e-14 <= rtol < 1.0:
-        raise InputError(f"rtol = {rtol!r}: allowed is a number from 1e-14 to 1")
+    if not LEAST_MODE_RTOL <= rtol < 1.0:
+        raise InputError(f"rtol = {rtol!r}: allowed is a number from {LEAST_MODE_RTOL:g} to 1")
     require_atol(atol)
     tried: Method = method or Frame(rtol=tolerance_for(rtol))
     evaluations = 0
@@ -101,15 +104,15 @@ def _attempt(problem: Problem, guess: complex, rtol: float, method: Method, atol
 
 def tolerance_for(rtol: float) -> float:
     """The local error to begin with where a mode is wanted to rtol."""
-    return min(max(0.1 * rtol, TIGHTEST), LOOSEST)
+    return min(max(LOCAL_ERROR * rtol, TIGHTEST), LOOSEST)
 
 
 def tightened(method: Method) -> Method | None:
-    """The method with a local error smaller by 100, or None where it has none or rounding takes over."""
+    """The method with a local error smaller by TIGHTENED, or None where it has none or rounding takes over."""
     rtol = getattr(method, "rtol", None)
     if rtol is None or rtol <= TIGHTEST or not is_dataclass(method) or isinstance(method, type):
         return None
-    return replace(method, rtol=max(1e-2 * rtol, TIGHTEST))
+    return replace(method, rtol=max(TIGHTENED * rtol, TIGHTEST))
 
 
 def find_near(discriminant: Discriminant, guess: complex, tolerance: float) -> Root:
@@ -199,7 +202,8 @@ def _simple(continuation: Continuation, root: Root, rtol: float, atol: float | N
     neutral = min(rtol, NEUTRAL) * scale if math.isfinite(scale) else 0.0
     allowed = neutral if atol is None else atol
     # next to a multiple zero the bound means nothing, but there is a circle that tells
-    radius = min(max(1e-2 * rtol * abs(sigma), 1e-2 * neutral, PROOF * parts.total), WIDEST_PROOF * size) or WIDEST_PROOF * size
+    least, widest = max(CIRCLE_OF_PROOF * rtol * abs(sigma), CIRCLE_OF_PROOF * neutral), WIDEST_PROOF * size
+    radius = min(max(least, PROOF * parts.total), widest) or widest
     try:
         count = count_around(coarse, Disc(sigma, radius), own_value.sigma + own_value.newton_step)
     except ConvergenceError:
@@ -221,7 +225,7 @@ def _require_a_mode(continuation: Continuation, branch: Branch, sigma: complex, 
 
     A zero on the other side of a spectrum inside that is one of D too, within the radius, belongs to a subsystem that is not singular.
     """
-    told = f"the zero at {sigma:.{FIGURES}g} lies beyond the continuous spectrum"
+    told = f"the zero at {sigma:.{DOUBLE_DIGITS}g} lies beyond the continuous spectrum"
     if continuation.barrier is not None and continuation.barrier.beyond(sigma):
         advice = "if modes of that part of the plane are wanted, reference = a sigma in it names them"
         raise ConvergenceError(f"{told} of an end at infinity: a resonance, not a mode; {advice}")
@@ -267,7 +271,7 @@ def _status(count: int, radius: float, sigma: complex, error: float, distance: f
     if not error < 0.5 * abs(sigma) and not error <= allowed:
         return f"not converged: the error bound {error:.1e} is as large as the mode itself"
     if count == 0:
-        return f"not converged: the iteration stopped at {sigma:.{FIGURES}g}, but no zero lies within {radius:.1e}"
+        return f"not converged: the iteration stopped at {sigma:.{DOUBLE_DIGITS}g}, but no zero lies within {radius:.1e}"
     if distance <= error:
         return f"not converged: the continuous spectrum passes at {distance:.1e}, inside the error bound {error:.1e}"
     if error > allowed:

@@ -18,6 +18,7 @@ import numpy as np
 from shootstab.analyses.accuracy import Tightening
 from shootstab.analyses.count import counted_twice
 from shootstab.analyses.cut_region import RegionCount
+from shootstab.core.allowed import GROWTH_FLOOR, LARGEST_FLOOR
 from shootstab.core.discriminant import Discriminant
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.regions import Rectangle
@@ -31,7 +32,9 @@ from shootstab.problems.protocol import Problem
 ANGLES = np.linspace(-0.5, 0.5, 9) * math.pi
 LAW = 0.05  # chosen: relative departure of q from its law that is allowed on every arc
 OUTWARDS = (1.0, 4.0, 16.0, 64.0)  # chosen: radii, in that of the bound, on which the law is checked
-SMALLEST_RADIUS, LARGEST_RADIUS = 1e-2, 1e6  # chosen: radii between which a bound is looked for
+SMALLEST_RADIUS = LARGEST_FLOOR
+LARGEST_RADIUS = 1e6  # chosen: the radius up to which a bound is looked for
+UNSTABLE_COUNTING = Frame(rtol=1e-8)  # chosen: local error with which growing modes are counted
 MOST_WORK = 20_000  # chosen: steps of all meshes on which a bound is looked for, which take some seconds
 
 
@@ -92,15 +95,15 @@ class Unstable:
     lemma: str = ""
 
 
-def count_unstable(problem: Problem, floor: float = 1e-8, method: Method | None = None) -> Unstable:
+def count_unstable(problem: Problem, floor: float = GROWTH_FLOOR, method: Method | None = None) -> Unstable:
     """The number of modes with Re σ > floor.
 
     Raises Undecidable where the essential spectrum reaches beyond the floor, ConvergenceError where no radius is found beyond which D
     follows its law of growth.
     """
-    if not 0.0 < floor < SMALLEST_RADIUS:
-        raise InputError(f"floor = {floor!r}: allowed is a number above 0 and below {SMALLEST_RADIUS:g}")
-    used = method or Frame(rtol=1e-8)
+    if not 0.0 < floor < LARGEST_FLOOR:
+        raise InputError(f"floor = {floor!r}: allowed is a number above 0 and below {LARGEST_FLOOR:g}")
+    used = method or UNSTABLE_COUNTING
     continuation = Continuation(problem, used)
     if continuation.rightmost > floor:
         raise Undecidable(

@@ -28,6 +28,7 @@ from shootstab.analyses.nearest import with_nearest
 from shootstab.analyses.refine_double import TIGHTEST, require_atol
 from shootstab.analyses.unstable import count_unstable
 from shootstab.analyses.verifier import Sighting, Verifier
+from shootstab.core.allowed import DOUBLE_DIGITS, GROWTH_FLOOR, VERDICT_DIGITS
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.numerus import number_of
 from shootstab.core.progress import Progress, StageClock
@@ -45,12 +46,13 @@ EXTRA_DIGITS = 2  # chosen: digits computed beyond those asked for
 CONFUSED_WITHIN = 3.0  # chosen: radii of the circle of the digits within which zeros are told apart together
 WIDER_THAN_CONFUSED = 2.0  # chosen: a circle around zeros that were confused, in the largest distance from their mean
 SAME_AS = 1e-12  # chosen: relative distance of two modes that are one, beside their error bounds
+BELOW_KNOWN = 1e-3  # chosen: the floor of the count of growing modes, in the least growth rate that is known
 
 
 def verify(
     problem: Problem,
     eigenvalues: Any,
-    digits: int = 6,
+    digits: int = VERDICT_DIGITS,
     region: Region | None = None,
     method: Method | str | None = None,
     progress: Progress | None = None,
@@ -69,11 +71,12 @@ def verify(
     the number of claims in it, and names what could not be searched. With unstable=True the whole half-plane of growing modes is counted
     besides, by a bound on |σ| (see unstable.py), so that "no other unstable mode" is a statement.
 
-    Raises InputError for claims that are not finite numbers, for digits outside 1 to 12, and for a wish that does not go with the region.
+    Raises InputError for claims that are not finite numbers, for no digits or more than DOUBLE_DIGITS, and for a wish that does not go with
+    the region.
     """
     claims = finite_claims(eigenvalues)
-    if not 1 <= digits <= 12:
-        raise InputError(f"digits = {digits}: allowed is 1 to 12")
+    if not 1 <= digits <= DOUBLE_DIGITS:
+        raise InputError(f"digits = {digits}: allowed is 1 to {DOUBLE_DIGITS}")
     wish = require_missing(missing, region)
     require_atol(atol)
     tolerance = max(10.0 ** -(digits + EXTRA_DIGITS), TIGHTEST)
@@ -272,7 +275,7 @@ def _unanswered(missing: Sequence[Mode], verdicts: Sequence[Verdict]) -> tuple[M
 def _unstable(continuation: Continuation, known: list[Zero]) -> tuple[tuple[Mode, ...], str]:
     """The unstable modes that are not known, and what is now known of all of them."""
     growing = [k.sigma.real for k in known if k.sigma.real > 0.0]
-    counted = count_unstable(continuation.problem, min(1e-8, 1e-3 * min(growing, default=1.0)), continuation.method)
+    counted = count_unstable(continuation.problem, min(GROWTH_FLOOR, BELOW_KNOWN * min(growing, default=1.0)), continuation.method)
     many = number_of(counted.count, "mode has", "modes have")
     said = f"in all {many} Re sigma > {counted.floor:.1e}, none with |sigma| > {counted.radius:g}"
     said += f" (by lemma {counted.lemma})" if counted.lemma else ""

@@ -23,7 +23,7 @@ from shootstab.analyses import reference
 from shootstab.analyses.refine import refine
 from shootstab.analyses.refine_double import find_near
 from shootstab.core.errors import ConvergenceError, InputError
-from shootstab.core.progress import Progress
+from shootstab.core.progress import MILLISECONDS, Progress
 from shootstab.discriminants.method import Method
 from shootstab.discriminants.named import METHODS, make
 from shootstab.problems.capabilities import PSEUDOSPECTRAL, Pseudospectral
@@ -38,6 +38,9 @@ MOST_RUNS = 20  # chosen: repetitions of something quick, of which the least tim
 STALLED = 3  # chosen: measurements without a gain of a factor 2 that end a sequence
 FOUND = 1e-2  # chosen: a value with a larger relative error is another number
 TARGETS = (4, 8, 11)  # chosen: digits that the recommendation speaks of
+ITERATED = 0.1  # chosen: the last step of an iteration, in the local error of its mesh
+FINEST_STEP = 1e-14  # chosen: the relative step below which there is rounding only
+WHOLE_FROM = 100.0  # derived: a number from here on has two figures without decimals
 Run = Callable[[Problem, complex], tuple[Any, int]]  # the mode, and how often D was evaluated or a matrix factorized
 
 
@@ -159,7 +162,7 @@ def _shooting() -> Iterator[MethodCurve]:
         def at(rtol: float) -> Run:
             def run(fresh: Problem, guess: complex) -> tuple[Any, int]:
                 discriminant = made(rtol=rtol).on(fresh)
-                return find_near(discriminant, guess, max(0.1 * rtol, 1e-14)).sigma, discriminant.evaluations
+                return find_near(discriminant, guess, max(ITERATED * rtol, FINEST_STEP)).sigma, discriminant.evaluations
 
             return run
 
@@ -248,6 +251,5 @@ def _three_digits(sigma: complex) -> complex:
 
 
 def _time(seconds: float) -> str:
-    if seconds >= 1.0:
-        return f"{seconds:.2g} s" if seconds < 100.0 else f"{seconds:.0f} s"
-    return f"{1e3 * seconds:.2g} ms" if seconds < 0.1 else f"{1e3 * seconds:.0f} ms"
+    size, unit = (seconds, "s") if seconds >= 1.0 else (MILLISECONDS * seconds, "ms")
+    return f"{size:.2g} {unit}" if size < WHOLE_FROM else f"{size:.0f} {unit}"

@@ -1,8 +1,7 @@
 """Check a certificate on modes of plane Poiseuille flow. Run as `python plane_poiseuille.py CERTIFICATE`.
 
 It claims that exactly n even or odd modes, with multiplicity, lie in a disc, or have Re σ ≥ a floor. This file shares nothing with the
-program that wrote it but mpmath, of which it takes cos, sin, exp and π in intervals. All else is integers: a `Ball` (x, y, r) is the disc
-|z − (x + iy) 2^−P| ≤ r 2^−P.
+program that wrote it but mpmath: cos, sin, exp and π in intervals. A `Ball` (x, y, r) of integers is |z − (x + iy) 2^−P| ≤ r 2^−P.
 
 Equation.  (D² − α²)² φ = R [(σ + iαU)(D² − α²) − iαU″] φ with U = 1 − y², that is φ⁗ = p φ″ + q φ with
 
@@ -43,7 +42,11 @@ from mpmath import iv, mp
 
 KEYS = {"format", "problem", "count", "region", "outer", "weight", "points", "bits", "order", "steps"}
 MOST_CHECKING = 10**6  # chosen: points × steps × order, minutes; certificates of a thousand digits take 10⁵
-MOST_BOUNDARY_STEPS = 4000  # chosen: steps along the boundary of all that grows; a step takes some 20 ms with 300 points
+MOST_BOUNDARY_STEPS, MOST_NUMBERS = 4000, 10_000  # chosen: steps along the boundary of all that grows, some 20 ms each; decimals in a file
+LIMITS = {"count": (0, 64), "points": (2, 4096), "bits": (53, 20_000), "order": (12, 5000)}  # chosen: least and most of each
+FIRST_PIECE, SHORTEST_PIECE = Fraction(1, 64), Fraction(1, 2**48)  # chosen: pieces of a side of the boundary
+GRID, WAY_CELLS, TURN_BITS = 2**20, 64, 60  # chosen: steps of 1 for lengths rounded up; cells of the way for a bound; bits of a ratio
+TAIL, LACKING = 52, 0.01  # derived: the 52 under Steps, above; chosen: part of a turn by which a sum of doubles may miss a whole one
 DECIMAL = re.compile(r"-?\d{1,2000}(\.\d{1,2000})?(e-?\d{1,4})?")
 BEGIN = {"even": ((0, 2), 1), "odd": ((1, 3), 3)}  # the free states, and the power of k in the weight of their minor
 
@@ -77,11 +80,10 @@ def _read(certificate: Any) -> None:
     named = set(problem) == {"name", "reynolds", "alpha", "modes"} and problem["name"] == "plane Poiseuille" and problem["modes"] in BEGIN
     if not named or set(region) not in ({"re", "im", "radius"}, {"floor"}):
         raise ValueError("problem, or region")
-    texts = [problem["reynolds"], problem["alpha"], *region.values(), certificate["outer"], certificate["weight"]]
-    texts += certificate["steps"]
-    if len(texts) > 10000 or not all(isinstance(x, str) and DECIMAL.fullmatch(x) for x in texts):
+    texts = [problem["reynolds"], problem["alpha"], *region.values(), certificate["outer"], certificate["weight"], *certificate["steps"]]
+    if len(texts) > MOST_NUMBERS or not all(isinstance(x, str) and DECIMAL.fullmatch(x) for x in texts):
         raise ValueError("a number is no decimal in quotes")
-    for name, low, high in (("count", 0, 64), ("points", 2, 4096), ("bits", 53, 20000), ("order", 12, 5000)):
+    for name, (low, high) in LIMITS.items():
         if type(certificate[name]) is not int or not low <= certificate[name] <= high:
             raise ValueError(f"{name} = {certificate[name]!r}")
     if certificate["points"] * (len(certificate["steps"]) + 1) * certificate["order"] > MOST_CHECKING:
@@ -105,7 +107,7 @@ class Checker:
             self.low, self.high = self.rectangle(self.floor)
             self.centre = ((self.low[0] + self.high[0]) / 2, (self.low[1] + self.high[1]) / 2)
             half = [(b - a) / 2 for a, b in zip(self.low, self.high, strict=True)]
-            self.radius = Fraction(math.isqrt(math.ceil((half[0] ** 2 + half[1] ** 2) * 2**40)) + 2, 2**20)
+            self.radius = Fraction(math.isqrt(math.ceil((half[0] ** 2 + half[1] ** 2) * GRID**2)) + 2, GRID)
 
     def reason(self) -> str | None:
         """Why the certificate does not hold; None where it does."""
@@ -148,7 +150,7 @@ class Checker:
         (left, low), (right, high) = self.low, self.high
         corners, turns, walked = [(left, low), (right, low), (right, high), (left, high)], 0.0, 0
         for begin, end in zip(corners, [*corners[1:], corners[0]], strict=True):
-            here, step = Fraction(0), Fraction(1, 64)
+            here, step = Fraction(0), FIRST_PIECE
             while here < 1:
                 if (walked := walked + 1) > MOST_BOUNDARY_STEPS:
                     return f"the boundary asks for more than {MOST_BOUNDARY_STEPS} steps"
@@ -162,14 +164,14 @@ class Checker:
                     others += ((math.isqrt(x * x + y * y) + 1 + lost) * power >> self.P) + 1
                 if others + 4 * (spread + off[0]) >= math.isqrt(c[0][0] ** 2 + c[0][1] ** 2):
                     step = (ahead - here) / 2
-                    if step < Fraction(1, 2**48):
+                    if step < SHORTEST_PIECE:
                         return f"a mode lies too near to the boundary, {float(here):.3g} of the way from {complex(*map(float, begin)):.6g}"
                     continue
                 ends = [self.shifted(a, sigma, 1)[0] for sigma in (at[0], at[2])]
                 turns += _turn(ends[0], c[0]) + _turn(c[0], ends[1])
                 here, step = ahead, (ahead - here) * 2
         count = turns / (2 * math.pi)
-        return None if abs(count - self.n) < 0.01 else f"{self.n} are claimed, and {count:.3f} counted"
+        return None if abs(count - self.n) < LACKING else f"{self.n} are claimed, and {count:.3f} counted"
 
     def shifted(self, a: list[tuple[int, int]], sigma: list[Fraction], terms: int | None = None) -> list[tuple[int, int]]:
         """The first coefficients of Σ a_k (u + v)^k in powers of v, u that of σ, each rounding below 2 units of the last place."""
@@ -187,7 +189,7 @@ class Checker:
         a = iv.mpf(self.alpha.numerator) / self.alpha.denominator
         root = iv.pi / 2
         top = 2 * a * root / (root**2 + a**2) if (a**2).b < (root**2).a else iv.mpf(1)
-        margin = Fraction(1, 2**20)
+        margin = Fraction(1, GRID)
         return (floor, -self.alpha - margin), (_fraction(top.b) + margin, _fraction((a / (root**2 + a**2)).b) + margin)
 
     def value(self, sigma: Ball) -> Ball | None:
@@ -231,7 +233,7 @@ class Checker:
             f.append(Ball(x // n, y // n, r // n + 3))
             size.append(length(f[-1]))
         A = max(size[m] << m for m in range(self.N - 6, self.N))
-        lack = (52 * A * self.N**3 >> self.N) + 1
+        lack = (TAIL * A * self.N**3 >> self.N) + 1
         ends = []
         for i in range(4):
             weights = [math.perm(m, i) for m in range(self.N)]
@@ -244,12 +246,12 @@ class Checker:
         R, a, k, re, im, rim = (iv.mpf(x.numerator) / x.denominator for x in (self.R, self.alpha, self.k, *centre, outer))
         square = iv.mpf([-rim.b, rim.b])
         sigma, total = iv.mpc(re + square, im + square), iv.mpf(0)
-        for i in range(64):
-            y = iv.mpf([i / 64, (i + 1) / 64])
+        for i in range(WAY_CELLS):
+            y = iv.mpf([i / WAY_CELLS, (i + 1) / WAY_CELLS])
             s = sigma + 1j * a * (1 - y * y)
             p, q = 2 * a**2 + R * s, -(a**4) - R * a**2 * s + 2j * a * R
             rate = 1 + abs(p) / k**2 + abs(q) / k**4
-            total += k * max(2, rate.b) / 64
+            total += k * max(2, rate.b) / WAY_CELLS
         return iv.exp(total) / k**self.power
 
     def exact(self, re: Fraction, im: Fraction = Fraction(0), off: int = 0) -> Ball:
@@ -280,7 +282,7 @@ def _turn(a: tuple[int, int], b: tuple[int, int]) -> float:
     """arg b/a; the ends of pieces are the same numbers for both neighbours, so that what doubles lose is all that the sum loses."""
     x, y = b[0] * a[0] + b[1] * a[1], b[1] * a[0] - b[0] * a[1]
     size = max(abs(x), abs(y))
-    return math.atan2((y << 60) / size, (x << 60) / size)
+    return math.atan2((y << TURN_BITS) / size, (x << TURN_BITS) / size)
 
 
 def main() -> int:
@@ -290,8 +292,7 @@ def main() -> int:
     except (IndexError, OSError, ValueError, RecursionError) as error:
         print(f"{str(__doc__).splitlines()[0]} Not one: {error}")
         return 2
-    reason = check(certificate)
-    print("proved" if reason is None else f"refused: {reason}")
+    print("proved" if (reason := check(certificate)) is None else f"refused: {reason}")
     return int(reason is not None)
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shootstab.cli import commands, values
+from shootstab.core.allowed import BASELINE_DIGITS, DOUBLE_DIGITS
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.numerus import number_of
 from shootstab.io import scenes as scene_files
@@ -20,7 +21,13 @@ def record_options(command: ArgumentParser) -> None:
     command.add_argument("file", type=Path, metavar="FILE", help="the baseline to write")
     command.add_argument("--guess", type=values.guess, action="append", metavar="RE[,IM]", help="a mode; may be given several times")
     command.add_argument("--from", dest="source", metavar="EIGENVALUES", help="a file with a guess of each mode")
-    command.add_argument("--digits", type=values.integer(1, 12), default=8, metavar="N", help="digits to be compared (default 8)")
+    command.add_argument(
+        "--digits",
+        type=values.integer(1, DOUBLE_DIGITS),
+        default=BASELINE_DIGITS,
+        metavar="N",
+        help=f"digits to be compared (default {BASELINE_DIGITS})",
+    )
 
 
 def check_options(command: ArgumentParser) -> None:

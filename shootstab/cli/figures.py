@@ -20,6 +20,7 @@ LETTERS: dict[Any, Any] = {"pdf.fonttype": 42, "ps.fonttype": 42, "svg.fonttype"
 
 NARROWEST = 1.6  # chosen: inches of a panel whose numbers and name stay apart from those of its neighbours
 LEGEND_ENTRY = 1.8  # chosen: inches of a mark with its name
+LARGEST_INCHES = 50.0  # chosen: width and height of a picture
 Size = tuple[float, float]  # width and height in inches
 
 
@@ -61,8 +62,8 @@ def require(path: Path, look: Look = PLAIN) -> None:
     """Raise InputError, before any work is done, if no such picture can be drawn here."""
     if importlib.util.find_spec("matplotlib") is None:
         raise InputError(f"{path}: a plot needs matplotlib: install it with `pip install 'shootstab[plot]'`")
-    if look.size is not None and not all(1.0 <= x <= 50.0 for x in look.size):
-        raise InputError(f"--size {look.size[0]:g},{look.size[1]:g}: allowed are 1 to 50 inches")
+    if look.size is not None and not all(1.0 <= x <= LARGEST_INCHES for x in look.size):
+        raise InputError(f"--size {look.size[0]:g},{look.size[1]:g}: allowed are 1 to {LARGEST_INCHES:g} inches")
     if look.style is not None:
         import matplotlib.style
 

@@ -37,6 +37,7 @@ from shootstab.cli import trade_command as trading
 from shootstab.cli.help import DOORS, STATUSES, epilog, with_nearest
 from shootstab.cli.terminal import Announcement
 from shootstab.core import compilation
+from shootstab.core.allowed import MOST_DIGITS, RTOL
 from shootstab.core.errors import InputError, OutputError, ShootstabError
 from shootstab.core.threads import one_thread_from_here
 from shootstab.discriminants.named import METHODS
@@ -149,8 +150,8 @@ def parser() -> argparse.ArgumentParser:
     _convention(refine)
     refine.add_argument("--guess", type=values.guess, required=True, metavar="RE[,IM]", help="where to start")
     accuracy = refine.add_mutually_exclusive_group()
-    accuracy.add_argument("--rtol", type=values.tolerance, default=1e-10, metavar="X", help="relative accuracy asked for (default 1e-10)")
-    accuracy.add_argument("--digits", type=values.integer(1, 100_000), metavar="N", help="the same in digits")
+    accuracy.add_argument("--rtol", type=values.tolerance, default=RTOL, metavar="X", help=values.RTOL_HELP)
+    accuracy.add_argument("--digits", type=values.integer(1, MOST_DIGITS), metavar="N", help="the same in digits")
     refine.add_argument("--method", choices=METHODS, help="how the determinant is formed (default: as the program chooses)")
 
     mode = _command(subparsers, mode_command.mode, "the eigenfunction of one mode")
@@ -177,7 +178,7 @@ def parser() -> argparse.ArgumentParser:
     steady_command.options(_command(subparsers, steady_command.steady, "the steady flow of the scene"))
 
     spectrum = _command(subparsers, commands.spectrum, "the pseudospectral spectrum")
-    spectrum.add_argument("-M", dest="truncation", type=values.integer(0, 999_999), metavar="N", help="truncation")
+    spectrum.add_argument("-M", dest="truncation", type=values.integer(0), metavar="N", help="truncation")
     figures.options(spectrum, "draw the spectrum")
     spectrum.add_argument("--raw", action="store_true", help="all eigenvalues of the pencil, unfiltered")
 

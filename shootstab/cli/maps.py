@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 MAP_LEVELS = 14  # chosen: contours of a map, at most
 BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "0.55"
 MARKS_ON_A_MAP = 400  # chosen: proved points that are marked on a map; more would hide it
+CURVES_SIZE, MAP_SIZE = (7.2, 6.4), (7.4, 5.6)  # chosen: inches of the pictures
+NOTHING_GROWS = 1e-9  # chosen: the first contour, in the last one, below which nothing is drawn
 
 
 def require(path: Path, axes: Mapping[str, Sequence[float]], look: Look = PLAIN) -> None:
@@ -44,7 +46,7 @@ def draw(found: Swept, scene: Scene) -> Any:
 
     varied = [axis for axis in found.axes if len(axis.values) > 1]
     one = len(varied) == 1
-    figure = Figure(figsize=(7.2, 6.4) if one else (7.4, 5.6), layout="constrained")
+    figure = Figure(figsize=CURVES_SIZE if one else MAP_SIZE, layout="constrained")
     (_curves if one else _map)(figure, found, varied, scene.unit)
     fixed = ", ".join(f"{a.name} = {a.values[0]:g}" for a in found.axes if len(a.values) == 1)
     figure.suptitle(f"{scene.name}{': ' + fixed if fixed else ''}\n{_sentence(found)}", fontsize="medium")
@@ -106,7 +108,7 @@ def _map(figure: Any, found: Swept, varied: Sequence[ParameterAxis], unit: str) 
     if np.isfinite(growth).any():
         filled = np.where(np.isnan(growth), 0.0, growth)
         ticks = MaxNLocator(MAP_LEVELS).tick_values(0.0, float(np.nanmax(growth)))
-        levels = np.concatenate(([1e-9 * ticks[-1]], ticks[1:]))  # nothing is drawn where nothing grows
+        levels = np.concatenate(([NOTHING_GROWS * ticks[-1]], ticks[1:]))  # nothing is drawn where nothing grows
         drawn = panel.contourf(x, y, filled, levels=levels, cmap="viridis")
         panel.contour(x, y, filled, levels=levels[1:], colors="white", linewidths=0.5)
         figure.colorbar(drawn, ax=panel, label=f"growth rate Re σ{_unit(unit)}", ticks=ticks[::2])

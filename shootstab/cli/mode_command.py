@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from shootstab.cli import commands, figures, mode_in_digits, values
+from shootstab.core.allowed import MODE_HEIGHTS, MOST_HEIGHTS, MOST_MODE_DIGITS, RTOL
 from shootstab.core.errors import InputError
 from shootstab.io import scenes as scene_files
 
@@ -17,21 +18,22 @@ if TYPE_CHECKING:
     from shootstab.analyses.eigenfunction_double import Eigenfunction
     from shootstab.analyses.sensitivity import Sensitivity
 
-MOST_MODE_DIGITS = 1000  # chosen: a mode of so many digits takes an hour
 SMALLEST_PLAIN, LARGEST_PLAIN = 1e-3, 1e5  # chosen: the range in which a number of three figures is shorter without an exponent
+SHOWN_OF_DERIVATIVE = 1e-9  # chosen: a derivative is shown to this part of itself at most
 
 
 def options(command: ArgumentParser) -> None:
     """What `mode` may be told."""
     command.add_argument("--guess", type=values.guess, required=True, metavar="RE[,IM]", help="where the mode is")
     accuracy = command.add_mutually_exclusive_group()
-    accuracy.add_argument("--rtol", type=values.tolerance, default=1e-10, metavar="X", help="relative accuracy asked for (default 1e-10)")
+    accuracy.add_argument("--rtol", type=values.tolerance, default=RTOL, metavar="X", help=values.RTOL_HELP)
     many = "values with an error of at most 10^-N of the largest, from Taylor series"
     accuracy.add_argument("--digits", type=values.integer(1, MOST_MODE_DIGITS), metavar="N", help=many)
     command.add_argument(
         "--z", type=values.numbers(2), metavar="LOW,HIGH", help="the heights that are shown (default: until it has decayed)"
     )
-    command.add_argument("--points", type=values.integer(2, 100_000), metavar="N", help="heights in a file (default 401, with --digits 5)")
+    heights = f"heights in a file (default {MODE_HEIGHTS}, with --digits {mode_in_digits.HEIGHTS_IN_DIGITS})"
+    command.add_argument("--points", type=values.integer(2, MOST_HEIGHTS), metavar="N", help=heights)
     said = "derivatives of the mode by parameters of the scene: kx, ky, e, nu_max, …"
     command.add_argument("--sensitivity", metavar="NAME,…", help=said)
     command.add_argument("--export", type=values.table_path, metavar="FILE", help="write the fields into a csv or npz file")
@@ -55,7 +57,6 @@ def mode(options: Namespace) -> int:
         raise InputError("--conjugate: allowed with verify; here give the conjugate guess")
     scene = scene_files.load(options.scene).seen(convention)
     from shootstab.analyses.eigenfunction import eigenfunction
-    from shootstab.analyses.eigenfunction_double import MODE_HEIGHTS
     from shootstab.analyses.refine import refine
     from shootstab.analyses.sensitivity import sensitivities
     from shootstab.io.notation import as_strings
@@ -128,7 +129,7 @@ def _slopes(slopes: Sequence[Sensitivity], scene: scene_files.Scene) -> list[Ren
         return []
     table = tables.ruled("", "parameter", "value", f"∂{scene.symbol}/∂p", numbered=False)
     for s in slopes:
-        table.add_row(s.parameter, f"{s.value:g}", held_complex(s.derivative, max(s.error, 1e-9 * abs(s.derivative))))
+        table.add_row(s.parameter, f"{s.value:g}", held_complex(s.derivative, max(s.error, SHOWN_OF_DERIVATIVE * abs(s.derivative))))
     return [table]
 
 

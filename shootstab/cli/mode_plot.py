@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.cli.figures import Size, columns
+from shootstab.core.allowed import MODE_HEIGHTS
 
 if TYPE_CHECKING:
     from shootstab.analyses.eigenfunction_double import Eigenfunction
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 REAL_PART, IMAGINARY_PART = "#0072B2", "#D55E00"  # Okabe and Ito's, told apart by the colour-blind
 BELOW_ROUNDING = 1e-12  # chosen: an unknown below this part of the largest value of all is shown as zero: that is rounding
 PANEL_WIDTH, PANEL_HEIGHT, PANEL_MARGIN = 2.0, 4.2, 0.9  # chosen: inches of a panel, and of what is beside all of them
+ROW_HEIGHT = 0.6  # chosen: what a second row of panels adds, in the height of a single one
 GREEK = {"nu": r"\nu", "theta": r"\theta", "phi": r"\phi", "psi": r"\psi", "eta": r"\eta", "omega": r"\omega"}
 VARIATION_LEFT = 0.05  # chosen: the part of an unknown's variation that may lie on either side of a layer
 SMALL_PART = 0.05  # chosen: a layer thinner than this part of the heights is not seen among them
@@ -31,14 +33,12 @@ def draw(found: Eigenfunction, scene: Scene, low: float | None = None, high: flo
     """
     from matplotlib.figure import Figure
 
-    from shootstab.analyses.eigenfunction_double import MODE_HEIGHTS
-
     extent = found.extent
     z = np.linspace(extent[0] if low is None else low, extent[1] if high is None else high, MODE_HEIGHTS)
     values: Mapping[str, Any] = found(z)
     small = layer(z, values)
     heights = [z] if small is None else [z, np.linspace(*small, MODE_HEIGHTS)]
-    size = inches or (PANEL_MARGIN + PANEL_WIDTH * max(len(values), 2), PANEL_HEIGHT * (0.4 + 0.6 * len(heights)))
+    size = inches or (PANEL_MARGIN + PANEL_WIDTH * max(len(values), 2), PANEL_HEIGHT * (1.0 - ROW_HEIGHT + ROW_HEIGHT * len(heights)))
     across = columns(len(values), size[0])
     lines = math.ceil(len(values) / across)
     figure = Figure(figsize=size, layout="constrained")

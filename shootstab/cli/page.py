@@ -41,6 +41,7 @@ GREY_LINE = "#7d7d7d"  # readable on white and on black
 LEGEND = {"orientation": "h", "y": -0.25}  # chosen: a place below the numbers and the name of the axis, also on a phone
 UNBROKEN = re.compile(r"\d\.\d+e[-+]\d+")  # a browser breaks lines at a hyphen
 CONFIGURATION = {"responsive": True, "displaylogo": False, "scrollZoom": True}
+PAGE_HEIGHTS = 201  # chosen: heights of an eigenfunction on a page, which is loaded over a network
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,7 +182,7 @@ def _eigenfunctions(page: Page) -> str:
 
 def _shape(found: Eigenfunction) -> dict[str, Any]:
     """The unknowns of an eigenfunction over z, upwards: real parts solid, imaginary ones dashed; those but the first two on demand."""
-    z, values = found.sampled(201)
+    z, values = found.sampled(PAGE_HEIGHTS)
     traces = []
     for i, (name, f) in enumerate(values.items()):
         colour = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")[i % 6]

@@ -26,6 +26,12 @@ SECOND_PANEL = 5.0  # chosen: what reaches this many times further than the magn
 LEAST_MAGNIFIED = 2  # chosen: the number of modes nearest to the tip that the magnified panel always shows
 LINEAR_UP_TO = 2.0  # chosen: times the linear part, what reaches no further needs no decades
 ROOM = 0.08  # chosen: the part of an axis that is left free at its ends
+ONE_PANEL, TWO_PANELS = (6.4, 5.4), (11.0, 5.2)  # chosen: inches of the pictures
+HALF_EXTENT = 0.6  # chosen: half the width and height of a box, in those of the points in it: a tenth is free on every side
+LEAST_EXTENT = 0.4  # chosen: the same at least, in the radius that holds the points
+LONE_RADIUS = 0.1  # chosen: that radius in |σ|, where there is one point only
+HAIR_OF_RADIUS = 1e-9  # chosen: relative, so that rounding leaves none of them out
+LINEAR_ROOM, DECADE_ROOM = 0.2, 1.6  # chosen: what is free beyond a limit: in the linear part, or as a factor
 NARROWEST_PLANE = 3.4  # chosen: inches of one of two panels side by side
 LETTERS_PER_INCH = 12  # chosen: letters of a title in a font of medium size
 BALLOON = 10.0  # chosen: claims that the continuous spectrum blurs are shown up to this many times the distance of the nearest mode
@@ -60,7 +66,7 @@ def picture(scene: Scene, groups: Sequence[Group], near: Box, title: str, outlin
         centre, width, height = near
         if line is not None and not ((np.abs(line.real - centre.real) < width) & (np.abs(line.imag - centre.imag) < height)).any():
             line = None  # out of sight, and nothing for a legend
-    size = inches or ((11, 5.2) if two else (6.4, 5.4))
+    size = inches or (TWO_PANELS if two else ONE_PANEL)
     across = columns(1 + two, size[0], NARROWEST_PLANE)
     figure = Figure(figsize=size, layout="constrained")
     panels = figure.subplots((1 + two) // across, across, squeeze=False).ravel()
@@ -84,7 +90,7 @@ def in_view(points: Points, near: Box) -> tuple[bool, Box]:
     if _spreads(points, near):
         return True, near
     centre, width, height = near
-    corners = [centre + complex(a * width, b * height) / 1.2 for a, b in ((-1, -1), (1, 1))]
+    corners = [centre + complex(a * width, b * height) / (2 * HALF_EXTENT) for a, b in ((-1, -1), (1, 1))]
     return False, around(np.concatenate([points, corners]), 0.0)
 
 
@@ -146,15 +152,15 @@ def magnified(scene: Scene, modes: Points, claims: Points, blurred: Points) -> B
         radius = max(radius, min(balloon.max(), BALLOON * distances[0]))
     growing = modes[growth(scene, modes) > 0.0]
     radius = max(radius, float(np.abs(growing - tip).max(initial=0.0)))
-    radius = float(radius) or 0.1 * abs(tip) or 1.0
+    radius = float(radius) or LONE_RADIUS * abs(tip) or 1.0
     near = np.concatenate([[tip], shown, claims])
-    return around(near[np.abs(near - tip) <= radius * (1 + 1e-9)], 0.4 * radius)
+    return around(near[np.abs(near - tip) <= radius * (1 + HAIR_OF_RADIUS)], LEAST_EXTENT * radius)
 
 
 def around(points: Points, least: float) -> Box:
     """A box that holds the points (m,) with room to spare, and is not flat."""
     low, high = complex(points.real.min(), points.imag.min()), complex(points.real.max(), points.imag.max())
-    width, height = (max(0.6 * extent, least) for extent in ((high - low).real, (high - low).imag))
+    width, height = (max(HALF_EXTENT * extent, least) for extent in ((high - low).real, (high - low).imag))
     return (low + high) / 2, width, height
 
 
@@ -214,8 +220,8 @@ def _beyond(limit: float, linear: float, upwards: bool = False) -> float:
     """A little further out than the limit, on a symlog axis."""
     outwards = (limit > 0) == upwards
     if abs(limit) < linear:
-        return limit + (0.2 if upwards else -0.2) * linear
-    return limit * (1.6 if outwards else 1 / 1.6)
+        return limit + (LINEAR_ROOM if upwards else -LINEAR_ROOM) * linear
+    return limit * (DECADE_ROOM if outwards else 1 / DECADE_ROOM)
 
 
 def label(part: str, scene: Scene) -> str:

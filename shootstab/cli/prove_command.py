@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shootstab.cli.commands import BAD_NEWS, DONE, answer
+from shootstab.core.allowed import MOST_PROOF_DIGITS, PROOF_DIGITS
 from shootstab.core.errors import InputError
 from shootstab.core.regions import Rectangle
 from shootstab.io import documents, scenes
@@ -28,7 +29,13 @@ def options(parser: argparse.ArgumentParser, guess: Callable[[str], complex], nu
     what.add_argument("--region", type=numbers(4), metavar="RE0,IM0,RE1,IM1", help="how many lie in this rectangle")
     what.add_argument("--growing", type=numbers(1), metavar="X", help="how many have Re σ ≥ X, where a theorem bounds all of them")
     parser.add_argument("--over", metavar="NAME=LOW,HIGH", help="for every value of this parameter; beside --region and --growing")
-    parser.add_argument("--digits", type=integer(1, 1000), default=12, metavar="N", help="of the disc about the mode (default 12)")
+    parser.add_argument(
+        "--digits",
+        type=integer(1, MOST_PROOF_DIGITS),
+        default=PROOF_DIGITS,
+        metavar="N",
+        help=f"of the disc about the mode (default {PROOF_DIGITS})",
+    )
     parser.add_argument("--certificate", type=Path, metavar="FILE", help="write the certificate, for `shootstab check`")
 
 

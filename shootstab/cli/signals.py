@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from types import FrameType
 
 ENDING_SIGNALS = ("SIGTERM", "SIGHUP")  # SIGINT is Python's own KeyboardInterrupt
+SIGNAL_STATUS = 128  # defined by the shell: the exit status of a program that a signal ended, less its number
 
 
 class Ended(KeyboardInterrupt):
@@ -18,7 +19,7 @@ class Ended(KeyboardInterrupt):
 
     def __init__(self, number: int) -> None:
         super().__init__(f"ended by {signal.Signals(number).name}")
-        self.status = 128 + number
+        self.status = SIGNAL_STATUS + number
 
 
 @contextmanager

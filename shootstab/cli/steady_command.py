@@ -6,6 +6,7 @@ from argparse import ArgumentParser, Namespace
 from typing import TYPE_CHECKING, Any
 
 from shootstab.cli import commands, figures, values
+from shootstab.core.allowed import MOST_HEIGHTS
 from shootstab.core.errors import InputError
 from shootstab.io import scenes as scene_files
 
@@ -29,7 +30,7 @@ def options(command: ArgumentParser) -> None:
     command.add_argument("--export", type=values.table_path, metavar="FILE", help="write the profiles into a csv or npz file")
     command.add_argument(
         "--points",
-        type=values.integer(2, 100_000),
+        type=values.integer(2, MOST_HEIGHTS),
         default=PROFILE_HEIGHTS,
         metavar="N",
         help=f"heights in a file (default {PROFILE_HEIGHTS})",

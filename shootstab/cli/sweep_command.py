@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from shootstab.cli import figures
 from shootstab.cli.commands import BAD_NEWS, DONE, answer
 from shootstab.cli.lines import numbered
+from shootstab.core.allowed import COUNT_EVERY, GROWTH_FLOOR, LARGEST_FLOOR, MOST_EVERY, MOST_SWEEP_DIGITS, MOST_WORKERS, SWEEP_DIGITS
 from shootstab.core.errors import InputError
 from shootstab.core.numerus import number_of
 from shootstab.io import scenes as scene_files
@@ -42,11 +43,25 @@ def options(parser: argparse.ArgumentParser, integer: Callable[[int, int], Any])
         parser.add_argument(p.option, dest=p.name, type=_values, metavar="A:B:N", help=f"{p.meaning}: N values from A to B, or one value")
     named = "a parameter of a scene in equations, likewise; may be given for several"
     parser.add_argument("--over", type=_named_values, action="append", default=[], metavar="NAME=A:B:N", help=named)
-    parser.add_argument("--digits", type=integer(1, 11), default=8, metavar="N", help="digits of σ at every point (default 8)")
-    parser.add_argument("--every", type=integer(1, 1000), default=12, metavar="N", help="count modes at every N-th point (default 12)")
-    parser.add_argument("--floor", type=_floor, default=1e-8, metavar="X", help="a mode grows if Re σ > X (default 1e-8)")
+    parser.add_argument(
+        "--digits",
+        type=integer(1, MOST_SWEEP_DIGITS),
+        default=SWEEP_DIGITS,
+        metavar="N",
+        help=f"digits of σ at every point (default {SWEEP_DIGITS})",
+    )
+    parser.add_argument(
+        "--every",
+        type=integer(1, MOST_EVERY),
+        default=COUNT_EVERY,
+        metavar="N",
+        help=f"count modes at every N-th point (default {COUNT_EVERY})",
+    )
+    parser.add_argument(
+        "--floor", type=_floor, default=GROWTH_FLOOR, metavar="X", help=f"a mode grows if Re σ > X (default {GROWTH_FLOOR:g})"
+    )
     where = parser.add_mutually_exclusive_group()
-    where.add_argument("--workers", type=integer(1, 1024), metavar="N", help="processes (default: one a core)")
+    where.add_argument("--workers", type=integer(1, MOST_WORKERS), metavar="N", help="processes (default: one a core)")
     where.add_argument("--dask", metavar="ADDRESS", help="the scheduler of a Dask cluster that does the work")
     parser.add_argument("--out", type=Path, metavar="FILE", help="SQLite file for the results; one that exists is completed")
     parser.add_argument("--export", type=_export_path, metavar="FILE", help="write the results as csv or npz")
@@ -236,8 +251,8 @@ def _floor(text: str) -> float:
         (value,) = floats_from(text, 1)
     except ValueError:
         value = 0.0
-    if not 0.0 < value < 1e-2:
-        raise argparse.ArgumentTypeError(f"{text!r}: allowed is a number above 0 and below 0.01")
+    if not 0.0 < value < LARGEST_FLOOR:
+        raise argparse.ArgumentTypeError(f"{text!r}: allowed is a number above 0 and below {LARGEST_FLOOR:g}")
     return value
 
 

@@ -15,6 +15,7 @@ from shootstab.cli.lines import GAP, PAGE, filled, with_i
 from shootstab.cli.reasons import told
 from shootstab.cli.selection import rows
 from shootstab.cli.verdict_looks import MISSING_LOOK, VERDICT_LOOKS
+from shootstab.core.allowed import DOUBLE_DIGITS
 from shootstab.core.numerus import number_of
 from shootstab.core.records import (
     CONFIRMED,
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 
 ABSENT = "–"
 MORE_DIGITS = 2  # chosen: digits shown beyond those asked for
+ROUNDED_DIGITS = 1e-9  # chosen: what rounding makes of two equal numbers of digits
 # headings of columns of numbers, which stand on the right
 OF_NUMBERS = ("error", "digits", "times", "drift", "tail", "z", "ν", "T", "u", "time", "memory", "work")
 FLOW_DIGITS = 1e-12  # chosen: the relative accuracy of a steady flow
@@ -110,7 +112,7 @@ def _agreement(verdict: Verdict) -> str:
     if verdict.digits_agreed is None or verdict.sigma is None:
         return ABSENT
     known = digits_between(verdict.error or 0.0, abs(verdict.sigma))
-    return f"≥{known:.1f}" if verdict.digits_agreed >= known - 1e-9 else f"{verdict.digits_agreed:.1f}"
+    return f"≥{known:.1f}" if verdict.digits_agreed >= known - ROUNDED_DIGITS else f"{verdict.digits_agreed:.1f}"
 
 
 def sentence(found: Report) -> str:
@@ -211,7 +213,7 @@ def spectrum(found: Any, raw: bool, scene: Scene) -> Parts:
     if raw:
         table = ruled("unfiltered", in_symbol("σ", scene))
         for number, sigma in enumerate(found.raw, 1):
-            table.add_row(str(number), held_complex(complex(sigma), abs(complex(sigma)) * 1e-12 or None))
+            table.add_row(str(number), held_complex(complex(sigma), abs(complex(sigma)) * 10.0**-DOUBLE_DIGITS or None))
         return [
             heading(scene),
             table,

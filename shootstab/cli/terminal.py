@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from shootstab.core import compilation
+from shootstab.core.numerus import PERCENT
 from shootstab.core.progress import Progress
 
 if TYPE_CHECKING:
@@ -101,7 +102,7 @@ def _heartbeat(task: str) -> Iterator[Progress]:
 
     def told(count: int, total: int) -> None:
         nonlocal done
-        done = f", {100 * count // total} %"
+        done = f", {PERCENT * count // total} %"
 
     def beat() -> None:
         while not over.wait(HEARTBEAT):

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from shootstab.cli import figures
 from shootstab.cli.commands import DONE, answer
+from shootstab.core.progress import MILLISECONDS
 from shootstab.io import scenes as scene_files
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ STYLES = {
 TRADE_SIZE = (11, 5.4)  # chosen: inches
 NARROWEST_DIAGRAM = 3.4  # chosen: inches of one of two diagrams side by side
 OTHER_STYLE = ("#000000", "x", "--")  # the style of a method that is not named here
+MILLION = 1e6  # exact: bytes in a MB as plots and disks count them
 
 
 def options(parser: argparse.ArgumentParser, guess: Callable[[str], complex]) -> None:
@@ -97,7 +99,7 @@ def tables(found: WorkPrecision, scene: Scene) -> list[RenderableType]:
         if last and r.method != last:
             table.add_section()
         error = f"{'< ' if r.by_bound else ''}{r.relative:.1e}"
-        memory = f"{r.memory / 1e6:.1f} MB" if r.memory else "–"
+        memory = f"{r.memory / MILLION:.1f} MB" if r.memory else "–"
         table.add_row(r.method, resolution(r), error, duration(r.seconds), memory, str(r.work))
         last = r.method
     said = "Errors are relative. Work: evaluations of D, or factorizations of a matrix."
@@ -106,7 +108,7 @@ def tables(found: WorkPrecision, scene: Scene) -> list[RenderableType]:
 
 def duration(seconds: float) -> str:
     """Three figures, in ms below a second."""
-    return f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else f"{seconds:.3g} s"
+    return f"{MILLISECONDS * seconds:.3g} ms" if seconds < 1.0 else f"{seconds:.3g} s"
 
 
 def resolution(measurement: Measurement) -> str:
@@ -131,7 +133,7 @@ def draw(found: WorkPrecision, scene: Scene, size: figures.Size | None = None) -
         errors = [r.relative for r in measurements]
         left.plot(errors, [r.seconds for r in measurements], **style)
         if all(r.memory for r in measurements):
-            right.plot(errors, [r.memory / 1e6 for r in measurements], **style)
+            right.plot(errors, [r.memory / MILLION for r in measurements], **style)
     for panel, label in ((left, "time / s"), (right, "peak memory / MB")):
         panel.set_xscale("log")
         panel.set_yscale("log")

@@ -7,7 +7,11 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+from shootstab.core.allowed import LARGEST_TOLERANCE, LEAST_MODE_RTOL, RTOL
 from shootstab.io.notation import complex_from, floats_from
+
+LARGEST_INTEGER = 999_999_999  # chosen: nine digits, more than anything is counted in
+RTOL_HELP = f"relative accuracy asked for (default {RTOL:g})"
 
 
 def refused(text: str, allowed: str) -> argparse.ArgumentTypeError:
@@ -15,11 +19,11 @@ def refused(text: str, allowed: str) -> argparse.ArgumentTypeError:
     return argparse.ArgumentTypeError(f"{text!r}: allowed is {allowed}")
 
 
-def integer(least: int, most: int) -> Callable[[str], int]:
+def integer(least: int, most: int = LARGEST_INTEGER) -> Callable[[str], int]:
     """A parser of integers in this range."""
 
     def parse(text: str) -> int:
-        if not re.fullmatch(r"\d{1,9}", text, re.ASCII) or not least <= int(text) <= most:
+        if not re.fullmatch(rf"\d{{1,{len(str(LARGEST_INTEGER))}}}", text, re.ASCII) or not least <= int(text) <= most:
             raise refused(text, f"an integer from {least} to {most}")
         return int(text)
 
@@ -55,8 +59,8 @@ def guess(text: str) -> complex:
 def tolerance(text: str) -> float:
     """A relative accuracy."""
     value = numbers(1)(text)[0]
-    if not 1e-14 <= value <= 0.1:
-        raise refused(text, "a number from 1e-14 to 0.1")
+    if not LEAST_MODE_RTOL <= value <= LARGEST_TOLERANCE:
+        raise refused(text, f"a number from {LEAST_MODE_RTOL:g} to {LARGEST_TOLERANCE:g}")
     return value
 
 

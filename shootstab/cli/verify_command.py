@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from shootstab.cli import commands, figures, values
 from shootstab.cli.selection import SORTS
+from shootstab.core.allowed import DOUBLE_DIGITS, VERDICT_DIGITS
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.records import VERDICTS, Report
 from shootstab.io import scenes as scene_files
@@ -32,11 +33,13 @@ def options(command: ArgumentParser) -> None:
     formats = "csv, text, json, npy, npz, MATLAB, HDF5 or Legolas"
     command.add_argument("eigenvalues", nargs="?", metavar="EIGENVALUES", help=f"{formats} (default: the bundled reference)")
     command.add_argument("--dataset", metavar="NAME", help="the array that is meant, in a file that holds several")
+    command.add_argument("--row", type=values.integer(1), metavar="N", help="the spectrum that is meant, in an array of several")
     command.add_argument(
-        "--row", type=values.integer(1, 999_999_999), metavar="N", help="the spectrum that is meant, in an array of several"
-    )
-    command.add_argument(
-        "--digits", type=values.integer(1, 12), default=6, metavar="N", help="digits that an eigenvalue must have (default 6)"
+        "--digits",
+        type=values.integer(1, DOUBLE_DIGITS),
+        default=VERDICT_DIGITS,
+        metavar="N",
+        help=f"digits that an eigenvalue must have (default {VERDICT_DIGITS})",
     )
     command.add_argument("--prove", action="store_true", help="prove what is confirmed, and that nothing lies near what is spurious")
     command.add_argument("--strict", action="store_true", help="`continuum` is bad news too")
@@ -44,7 +47,7 @@ def options(command: ArgumentParser) -> None:
     command.add_argument("--only", choices=("bad", *VERDICTS), metavar="VERDICT", help=f"{shown}; bad: all but confirmed and continuum")
     command.add_argument("--sort", choices=SORTS, help="the order of the table (default: that of the file)")
     figures.options(command, "draw the complex plane")
-    command.add_argument("-M", dest="truncation", type=values.integer(0, 999_999), metavar="N", help="truncation of the bundled reference")
+    command.add_argument("-M", dest="truncation", type=values.integer(0), metavar="N", help="truncation of the bundled reference")
     command.add_argument("--region", type=values.numbers(4), metavar="RE0,IM0,RE1,IM1", help="look for missing modes in this rectangle")
     wishes = "none, within the claims (the default for a list), or in the --region"
     command.add_argument("--missing", choices=("none", "within", "region"), help=f"where missing modes are looked for: {wishes}")

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+QUOTED = 40  # chosen: characters of a value that a refusal quotes
+LISTED = 200  # chosen: characters of a list of what there is, in a refusal
+
 
 class ShootstabError(Exception):
     """Base of all errors that shootstab raises on purpose; its text is one line meant for the user."""
@@ -29,7 +32,7 @@ class Undecidable(ConvergenceError):  # noqa: N818 - it is a finding, not a faul
     """D cannot be continued over a part of the σ-plane, for the reason given: a continuous spectrum is in the way."""
 
 
-def shortened(value: Any, longest: int = 40) -> str:
+def shortened(value: Any, longest: int = QUOTED) -> str:
     """A value as a refusal quotes it: its repr, not longer than a line can bear; of one that has none, what it is."""
     try:
         text = repr(value)

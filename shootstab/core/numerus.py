@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+PERCENT = 100  # exact
+
 
 def number_of(count: int, one: str, many: str | None = None) -> str:
     """The count and what is counted: `one` where it is 1, else `many`, which is `one` with an s where it is not given."""

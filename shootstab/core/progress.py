@@ -11,6 +11,7 @@ Progress = Callable[[int, int], None]  # done, total
 TimedProgress = Callable[[int, int, float], None]  # done, total, seconds left
 TOTAL = 1000  # chosen: what a finished command reports, in thousandths
 USUAL = 40  # chosen: ticks of a stage; after so many, 1 − 1/e of it counts as done
+MILLISECONDS = 1e3  # exact
 
 
 class StageClock:

@@ -14,6 +14,7 @@ from shootstab.core.errors import InputError, shortened
 
 MOST_KEY_PARTS = 100  # chosen: dots between the parts of a key, in one line
 _PARTS = re.compile(r"\.(?!\d)|\.\d+(?=\.)")  # dots that are not the point of a number
+MEGABYTE = 2**20  # defined by the IEC: bytes in one
 
 
 def bytes_of(path: Path, largest: int, what: str) -> bytes:
@@ -36,7 +37,7 @@ def bytes_of(path: Path, largest: int, what: str) -> bytes:
             raise
         raise InputError(f"{shortened(str(path))}: not the name of a file") from error  # a NUL in it
     if len(data) > largest:
-        raise InputError(f"{path}: larger than {largest / 2**20:.3g} MB: allowed is a smaller file")
+        raise InputError(f"{path}: larger than {largest / MEGABYTE:.3g} MB: allowed is a smaller file")
     return data
 
 

@@ -18,6 +18,7 @@ SPURIOUS = "spurious"
 CONTINUUM = "continuum"
 UNRESOLVED = "unresolved"
 VERDICTS = (CONFIRMED, INACCURATE, SPURIOUS, CONTINUUM, UNRESOLVED)
+ALL_DIGITS = 99.0  # chosen: the digits on which two equal numbers agree, more than doubles have
 
 
 @dataclass(frozen=True)
@@ -85,11 +86,11 @@ class Mode:
 
 
 def digits_between(difference: Any, size: Any) -> float:
-    """−log10(difference/size) of doubles or mpmath reals, 99 when the two are the same; 0 when nothing agrees."""
+    """−log10(difference/size) of doubles or mpmath reals, ALL_DIGITS when the two are the same; 0 when nothing agrees."""
     if not size > 0 or not difference < math.inf:
         return 0.0
     if difference == 0:
-        return 99.0
+        return ALL_DIGITS
     if isinstance(difference, float) and isinstance(size, float):
         return max(0.0, math.log10(size) - math.log10(difference))
     from mpmath import log10, mpf

@@ -22,6 +22,7 @@ DISC_REACH = 0.3  # chosen: the singular points of a disc must stay within this 
 SCALES = math.sqrt(2.0)  # chosen: ratio of the scales that paths have
 REAL = "real"
 SPACING = 0.25  # chosen: distance of the centres that paths of one scale have, in their half width
+ON_CONTINUUM = 1e-9  # chosen: a zero whose singular point is this near to the real line, in the scale of the curve, lies on the spectrum
 
 
 @dataclass(frozen=True)
@@ -82,7 +83,7 @@ class Continuation:
             return True
         assert self.continuum is not None
         z = self.continuum.singular_point(zero)
-        if z is None or abs(z.imag) < 1e-9 * self.continuum.scale(z.real):
+        if z is None or abs(z.imag) < ON_CONTINUUM * self.continuum.scale(z.real):
             raise Undecidable(f"a zero of D lies on the continuous spectrum, at {zero:.12g}")
         return (z.imag > 0.0) == (branch.side > 0)
 

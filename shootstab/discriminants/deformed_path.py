@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from shootstab.problems.protocol import ComplexArray
 
 FIRST_STEPS = 3  # chosen: first steps on each leg
+CLEAR_OF_CORNER = 1e-9  # chosen: nodes nearer to a corner of the detour than this part of its half width are that corner
 
 
 @dataclass(frozen=True)
@@ -32,8 +33,8 @@ class DeformedPath:
         """The nodes (N,) of a mesh with the detour in it, (M,); the ends stay where they are, and a leg that would overshoot ends there."""
         along = 1.0 if nodes[-1] > nodes[0] else -1.0
         leave, apex, back = self.corners(nodes)
-        before = nodes[along * nodes < along * leave.real - 1e-9 * self.half_width]
-        behind = nodes[along * nodes > along * back.real + 1e-9 * self.half_width]
+        before = nodes[along * nodes < along * leave.real - CLEAR_OF_CORNER * self.half_width]
+        behind = nodes[along * nodes > along * back.real + CLEAR_OF_CORNER * self.half_width]
         out = np.linspace(leave, apex, FIRST_STEPS + 1)
         inward = np.linspace(apex, back, FIRST_STEPS + 1)[1:]
         return np.concatenate((before, out, inward, behind)).astype(np.complex128)

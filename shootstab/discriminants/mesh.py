@@ -14,6 +14,7 @@ OFF_MIDDLE = 0.02  # chosen: the part of a step by which a cut misses its middle
 MOVED = 1e-9  # chosen: the part of a step by which a node is moved for other roundings: far above them, and the error of the step stays
 LONGER, STEP_CUTS = 4.0, 6  # chosen: the most that a step grows, and the most parts it is cut into, as the law of errors holds near only
 KNOT_STEP = 1e-14  # chosen: the part of the largest |z| that a step over a knot may be long; tens of roundings
+TURNED = 1e-9  # chosen: the change of direction from step to step, in radians, that rounding does not make
 
 
 def redistribute(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolerance: float) -> NDArray[np.complex128]:
@@ -84,7 +85,7 @@ def across_knots(nodes: NDArray[np.complex128]) -> NDArray[np.bool_]:
 def _legs(h: NDArray[np.complex128], knots: NDArray[np.bool_]) -> list[tuple[int, int]]:
     """Ranges of steps that run in one direction and over no knot, or over one only."""
     direction = h / np.abs(h)
-    turns = np.flatnonzero((np.abs(np.diff(direction)) > 1e-9) | knots[1:] | knots[:-1]) + 1
+    turns = np.flatnonzero((np.abs(np.diff(direction)) > TURNED) | knots[1:] | knots[:-1]) + 1
     bounds = [0, *turns.tolist(), len(h)]
     return list(itertools.pairwise(bounds))
 

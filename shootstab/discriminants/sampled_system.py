@@ -32,6 +32,7 @@ from shootstab.problems.recorded_pencil import RecordedPencil, ReducedPencil
 
 STEPS_AT_A_TIME = 1024  # chosen: steps sampled together: what is needed on the way takes ten times the memory of what is kept
 LARGE_COMPLETION = 1e8  # chosen: entries of V beyond which unit vectors complete C badly; half the digits of a double are lost there
+BYTES_OF_ENTRY = 24  # derived: 8 of a real number and 16 of a complex one
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +55,7 @@ class SampledSystem:
     @property
     def bytes_of_a_step(self) -> int:
         """How much memory one step takes in real and in complex numbers."""
-        return sum(24 * a.size for a in self.made.numbers) // (len(self.nodes) - 1)
+        return sum(BYTES_OF_ENTRY * a.size for a in self.made.numbers) // (len(self.nodes) - 1)
 
     def numbers(self, sigma: complex, *arrays: ComplexArray) -> tuple[Any, ...]:
         """The system, σ and copies of arrays for a kernel: as real numbers where all of them are, and complex ones otherwise."""

@@ -22,6 +22,7 @@ from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil, Problem
 from shootstab.problems.recorded_pencil import I_POWERS, RecordedPencil, Selection
 
 PATTERN_SAMPLES = 9  # chosen: points, beside those of the first mesh, at which the pencil is asked which entries it has
+FAR_START = 1e-14  # chosen: the accuracy of the far field at the beginning of the interval that is sampled, so that it holds every mesh
 
 
 class Coupled(InputError):  # noqa: N818 - it is a finding, not a fault
@@ -212,7 +213,7 @@ def _entries(problem: Problem) -> tuple[ComplexArray, ComplexArray, ComplexArray
     A problem whose decaying space does not exist at every σ names one at which it does.
     """
     sigma = GENERIC.of(problem)
-    start = problem.start(sigma, 1e-14)
+    start = problem.start(sigma, FAR_START)
     mesh = problem.mesh(start)
     z = np.concatenate((mesh[0] + (mesh[-1] - mesh[0]) * np.linspace(0.0, 1.0, PATTERN_SAMPLES), mesh))
     pencil = problem.pencil(z.astype(np.complex128))

@@ -9,6 +9,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from shootstab.core import polynomial
+from shootstab.core.scaled import TINY
 from shootstab.essential_spectrum.curves import Curve
 from shootstab.problems.splitting import AsymptoticPencil
 
@@ -17,11 +18,13 @@ RATE_DECADES = 5  # chosen: decades of ℓ on either side of the rates' own size
 TRUE = 1e-6  # chosen: relative residual in ℓ; an infinite σ comes out as a large finite one, with none of the rates asked for
 # the largest distance, in their size, of σ of neighbouring ℓ on one curve; 5 times what σ ~ ℓ^p makes of it, p ≤ 4
 NEIGHBOURS_APART = 0.3  # chosen
+INFINITE_SIGMA = 1e-14  # chosen: an eigenvalue α/β of the pencil with a smaller |β/α| is infinite but for rounding
+LEAST_RATE = 1e-3  # chosen: a smaller rate, in the largest of its σ, is known to rounding of so large a one
 
 
 def essential_curve(limit: AsymptoticPencil) -> Curve:
     """The curves of an end, for ℓ = 0 and ℓ from far below to far above the size of the rates, both signs."""
-    size = max(float(np.abs(limit.pencil.D0).max()), 1e-300) / max(float(np.abs(limit.pencil.C0).max()), 1e-300)
+    size = max(float(np.abs(limit.pencil.D0).max()), TINY) / max(float(np.abs(limit.pencil.C0).max()), TINY)
     size = float(np.sqrt(size)) if size > 1.0 else size
     sizes = size * 10.0 ** np.arange(-RATE_DECADES, RATE_DECADES, 1.0 / PER_DECADE)
     ells = np.concatenate((-sizes[::-1], [0.0], sizes))
@@ -54,11 +57,11 @@ def on_curve(limit: AsymptoticPencil, ells: NDArray[np.float64], smallest: float
     pairs = polynomial.companion([D - 1j * ells[:, None, None] * C for C, D in zip(limit.pencil.C, limit.pencil.D, strict=True)])
     found = [scipy.linalg.eig(a, b, right=False, homogeneous_eigvals=True) for a, b in zip(*pairs, strict=True)]
     alpha, beta = (np.array([pair[i] for pair in found]) for i in (0, 1))
-    finite = np.abs(beta) > 1e-14 * np.abs(alpha)
+    finite = np.abs(beta) > INFINITE_SIGMA * np.abs(alpha)
     sigma = alpha[finite] / beta[finite]
     rates = limit.direction * limit.rates_at(sigma)
     wanted = np.broadcast_to(ells[:, None], finite.shape)[finite]
-    allowed = TRUE * np.maximum(np.maximum(np.abs(wanted), smallest), 1e-3 * np.abs(rates).max(axis=1))
+    allowed = TRUE * np.maximum(np.maximum(np.abs(wanted), smallest), LEAST_RATE * np.abs(rates).max(axis=1))
     kept = np.abs(rates - 1j * wanted[:, None]).min(axis=1) <= allowed
     owners = np.nonzero(finite)[0][kept]
     return [sigma[kept][owners == i].tolist() for i in range(len(ells))]

@@ -18,6 +18,7 @@ SIGMA_ROUNDING = 1e-14  # chosen: part of |σ| and of the curve's scale; eigenva
 EIGHTHS = np.arange(8) / 8.0  # derived: an arc of a circle up to this long is nowhere farther from its middle than at its ends
 SAGITTA = 0.9  # chosen: the curve lies no farther from a segment than a tenth of its length; 1 percent where σ ~ ℓ^p
 SHORTEST_TOUCH = 1e-9  # chosen: the length of boundary, in the size of a region, on which a curve counts as touching it
+SLOPE_STEP = 1e-4  # chosen: the step of a central difference of a curve, in its scale: its square and the rounding over it are small
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +99,7 @@ class Curve:
     @staticmethod
     def _to_curve(at: Callable[[float], list[complex]], sigma: complex, parameter: float, width: float) -> float:
         """The least |σ_c − σ| met by Gauss–Newton, Re (σ_c − σ)* (σ_c + σ_c′ δ − σ) = 0, from a parameter on."""
-        best, step = np.inf, 1e-4 * width
+        best, step = np.inf, SLOPE_STEP * width
         for _ in range(NEAREST_STEPS):
             here = _nearest(at(parameter), sigma)
             if not abs(here - sigma) < 0.5 * best:

@@ -10,11 +10,14 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from shootstab.essential_spectrum.curves import SLOPE_STEP
 from shootstab.problems.capabilities import INTERIOR, Continuum
 from shootstab.problems.protocol import ComplexArray, Problem
 
 CURVE_SAMPLES = 2001  # chosen: samples of the curve; its scale and slope are differences of them
 CURVE_NEWTON_STEPS = 30  # chosen: the most steps of Newton; each is held to half the curve's scale
+SINGULAR_SETTLED = 1e-12  # chosen: the last step to a singular point, in the scale of the curve
+SINGULAR_KNOWN = 1e-6  # chosen: the last step with which one is known, where rounding lets it get no smaller
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +78,7 @@ class SampledContinuum:
         """z_s with σ_c(z_s) = σ, continued from the nearest real height by Newton; None if that leads nowhere."""
         z = complex(self.nearest(sigma)[1])
         scale = self.scale(z.real)
-        step = 1e-4 * scale
+        step = SLOPE_STEP * scale
         for _ in range(CURVE_NEWTON_STEPS):
             here, ahead, behind = self.curve(np.array([z, z + step, z - step]))
             slope = (ahead - behind) / (2 * step)
@@ -86,9 +89,9 @@ class SampledContinuum:
             z += change
             if abs(z.imag) > 2 * scale:
                 return None
-            if abs(change) < 1e-12 * scale:
+            if abs(change) < SINGULAR_SETTLED * scale:
                 return z
-        return z if abs(change) < 1e-6 * scale else None
+        return z if abs(change) < SINGULAR_KNOWN * scale else None
 
     def _offsets(self, sigma: complex) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The distance of each segment of the curve to σ, and the height of the nearest point on it."""

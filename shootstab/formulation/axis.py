@@ -20,6 +20,7 @@ AXIS_SIGMAS = (COMPLEX_GENERIC_SIGMA, -COMPLEX_GENERIC_SIGMA, 1j * COMPLEX_GENER
 WORST_START = 1e-11  # chosen: relative error of a frame beyond which nothing is begun; what is below counts in the budget
 LAST_TERM = 1e-19  # chosen: the series ends where its terms are so small against the first ones
 TERM_ROUNDING = 4e-16  # chosen: the relative rounding of one term of the series, two units
+NEARER_START = 0.7  # chosen: the next place of the start, in the distance of the last
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,5 +119,5 @@ def starting_distance(end: RegularSingularEnd, length: float, where: str) -> flo
         with suppress(ConvergenceError):  # too far for the series: nearer is tried
             if all(RegularSpace(end, x, where).frame(sigma).error <= START_ROUNDING for sigma in AXIS_SIGMAS):
                 return x
-        x *= 0.7
+        x *= NEARER_START
     raise ConvergenceError(f"at {where} the series of the regular solutions holds nowhere")

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.errors import ConvergenceError
+from shootstab.core.scene_keys import LARGEST_NUMBER
 from shootstab.formulation.base_flow import BaseFlow, fixed_at_origin
 from shootstab.formulation.evaluation import Given, on_arrays
 from shootstab.formulation.expression import Expression
@@ -91,7 +92,7 @@ def _solved(flow: BaseFlow, lengths: dict[int, float], last: Any = None) -> Any:
 
     def slopes(t: Reals, y: Reals) -> Reals:
         out = [length * _at(flow, origin + length * t, y[i * n : i * n + n], flow.slopes) for i, (origin, length) in enumerate(ways)]
-        return np.nan_to_num(np.concatenate(out), nan=1e300, posinf=1e300, neginf=-1e300)
+        return np.nan_to_num(np.concatenate(out), nan=LARGEST_NUMBER, posinf=LARGEST_NUMBER, neginf=-LARGEST_NUMBER)
 
     def conditions(start: Reals, end: Reals) -> Reals:
         out = [_at(flow, np.array([ways[0][0]]), start[:n, None], flow.origin.conditions)[:, 0]] if flow.origin.conditions else []
@@ -99,7 +100,7 @@ def _solved(flow: BaseFlow, lengths: dict[int, float], last: Any = None) -> Any:
         for i, ((origin, length), (_, at)) in enumerate(zip(ways, flow.ends, strict=True)):
             if at.conditions:
                 out.append(_at(flow, np.array([origin + length]), end[i * n : i * n + n, None], at.conditions)[:, 0])
-        return np.nan_to_num(np.concatenate(out), nan=1e300, posinf=1e300, neginf=-1e300)
+        return np.nan_to_num(np.concatenate(out), nan=LARGEST_NUMBER, posinf=LARGEST_NUMBER, neginf=-LARGEST_NUMBER)
 
     from scipy.integrate import solve_bvp  # half a second, for those who need it
 

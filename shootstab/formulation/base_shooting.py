@@ -29,6 +29,8 @@ UNSETTLED_SHARE = 0.25  # chosen: part of the way that a decay would take, by wh
 LOST_UNSEEN = 2.0  # chosen: digits that may be lost beside those set aside, out of the guard digits
 MOST_LOST = 2000.0  # chosen: digits lost at which a flow is given up
 PLACE_DENOMINATOR = 1024  # chosen: fractions of a reach
+A_LITTLE_FARTHER = 1.05  # chosen: the last step over the way that is wanted, so that rounding leaves none after it
+MOST_PLACES = 64  # chosen: steps of the whole way at most
 
 Reaches = Mapping[int, Fraction]  # reaches by the direction of the end
 
@@ -163,7 +165,7 @@ class FlowShooting:
             safe = max(SAFE_GROWTH - level, 1.0) / way.rate
             if not self._places:  # where nothing is sought, nothing has to be safe
                 safe = wanted if level < SAFE_GROWTH else UNSETTLED_SHARE * wanted
-            most = min(most, Fraction(max(min(1.05 * wanted, safe), float(distance) / 64)))
+            most = min(most, Fraction(max(min(A_LITTLE_FARTHER * wanted, safe), float(distance) / MOST_PLACES)))
         unit = distance / PLACE_DENOMINATOR
         return reach + direction * max(1, round(most / unit)) * unit
 

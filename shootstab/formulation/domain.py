@@ -14,6 +14,7 @@ from shootstab.formulation.vanishing import Vanishing
 
 LINE_SAMPLES = 801  # chosen: points of the domain at which a function is looked at; a zero in between of a hundredth of the domain is seen
 FAR_SAMPLE = 1e3  # chosen: the z at which samples towards infinity end
+NEAR_SAMPLE = 1e-6  # chosen: the distance from a finite end at which they begin
 FINITE = 4.0  # chosen: length that stands for an infinite one where a function is tested for being zero
 ZERO_TOLERANCE = 1e-9  # chosen: what is no larger than this, against the median of all values, is a zero, and what is so much larger a pole
 
@@ -33,10 +34,10 @@ class Domain:
         if np.isfinite(self.left) and np.isfinite(self.right):
             return np.asarray(0.5 * (self.left + self.right) + 0.5 * (self.right - self.left) * x)
         if np.isfinite(self.left):
-            return np.asarray(self.left + np.geomspace(1e-6, FAR_SAMPLE, LINE_SAMPLES))
+            return np.asarray(self.left + np.geomspace(NEAR_SAMPLE, FAR_SAMPLE, LINE_SAMPLES))
         if np.isfinite(self.right):
-            return np.asarray(self.right - np.geomspace(FAR_SAMPLE, 1e-6, LINE_SAMPLES))
-        half = np.geomspace(1e-6, FAR_SAMPLE, LINE_SAMPLES // 2)
+            return np.asarray(self.right - np.geomspace(FAR_SAMPLE, NEAR_SAMPLE, LINE_SAMPLES))
+        half = np.geomspace(NEAR_SAMPLE, FAR_SAMPLE, LINE_SAMPLES // 2)
         return np.concatenate((-half[::-1], [0.0], half))
 
     @property

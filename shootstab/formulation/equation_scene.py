@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from shootstab.core.errors import InputError, shortened
+from shootstab.core.errors import LISTED, InputError, shortened
 from shootstab.core.scene_keys import LARGEST_NUMBER, require_keys
 from shootstab.formulation.conditions import Axis, Conditions, End, Periodic
 from shootstab.formulation.problem import EquationProblem, equations
@@ -76,7 +76,7 @@ def _end(given: Any, side: str) -> End:
             raise InputError(f"[problem] {side}: decaying = {shortened(decaying)}: allowed is a count")
         return Infinity(decaying=decaying, start=None if start is None else float(start))
     if set(given) != {"at", "conditions"}:
-        raise InputError(f"[problem] {side} has the keys {', '.join(given)[:200] or 'none'}: {allowed}")
+        raise InputError(f"[problem] {side} has the keys {', '.join(given)[:LISTED] or 'none'}: {allowed}")
     return Conditions(given["at"], given["conditions"])
 
 

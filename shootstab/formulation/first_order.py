@@ -18,6 +18,8 @@ from shootstab.formulation.vanishing import Vanishing
 
 ExpressionEntries = dict[tuple[int, int], Expression]
 MOST_SUBSTITUTIONS = 2000  # chosen: substitutions in one expression, more than any needs
+NO_DERIVATIVE = 1e6  # chosen: price of a row for an unknown whose highest derivative it has not, above all others
+PRICE_OF_DEGREE = 100.0  # chosen: price of a power of σ in the factor of that derivative, above that of any number of its terms
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,12 +103,12 @@ def first_order(system: System, vanishing: Vanishing, regular: object) -> FirstO
 
 def _in_order(reduction: Reduction, names: list[str], tops: dict[str, int]) -> list[EquationRow]:
     """The rows so that each has its own unknown's highest derivative, alone with the factor 1 where it is a number that stands there."""
-    price = np.full((len(names), len(names)), 1e6)
+    price = np.full((len(names), len(names)), NO_DERIVATIVE)
     for i, row in enumerate(reduction.rows):
         for j, name in enumerate(names):
             if (name, tops[name]) in row:
                 c = row[name, tops[name]]
-                price[j, i] = 0.0 if c.constant is not None else 1.0 + len(c.terms) + 100.0 * degree(c)
+                price[j, i] = 0.0 if c.constant is not None else 1.0 + len(c.terms) + PRICE_OF_DEGREE * degree(c)
     _, chosen = linear_sum_assignment(price)
     rows = [reduction.rows[i] for i in chosen]
     out = []

@@ -29,6 +29,8 @@ LEMMA = "P3"
 DIRECTIONS = ((4, 3, 5), (3, 4, 5), (5, 12, 13), (7, 24, 25), (0, 1, 1))  # chosen: cos θ, sin θ as rational numbers, over the last one
 SAMPLES = 65  # chosen: points at which the form is looked at for b
 LARGEST_BOUND = 1e12  # chosen: a larger b is no bound to any purpose
+SMALLEST_BOUND, NEXT_BOUND = 1e-6, 10.0  # chosen: the b that is tried first, and the factor to the next
+BOUND_KNOWN = 1.01  # chosen: the ratio of two b, one too small, at which the larger is known well enough
 WIDENED = 1.01  # chosen: b against that of the samples
 PROOF_TRIES, WIDER = 6, 1.3  # chosen: how often b is widened where the proof fails, and by how much
 RATIOS = (0.25, 4.0)  # chosen: steps with which weights of groups of equations are tried
@@ -132,13 +134,13 @@ def _smallest(weights: NDArray[np.float64], S: NDArray[np.complex128], L: NDArra
         size[size == 0.0] = 1.0
         return bool(np.linalg.eigvalsh(P / size[:, None] / size[None, :]).min() > 0.0)
 
-    high = 1e-6
+    high = SMALLEST_BOUND
     while not positive(high):
-        high *= 10.0
+        high *= NEXT_BOUND
         if high > LARGEST_BOUND:
             return math.inf
-    low = 0.1 * high
-    while high > 1.01 * low:
+    low = 1 / NEXT_BOUND * high
+    while high > BOUND_KNOWN * low:
         middle = math.sqrt(low * high)
         low, high = (low, middle) if positive(middle) else (middle, high)
     return high

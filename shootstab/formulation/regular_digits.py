@@ -17,6 +17,7 @@ from shootstab.multiprecision.settings import Settings
 from shootstab.multiprecision.taylor import Taylor, real_series
 
 MOST_SERIES_TERMS = 4000  # chosen: terms of a series
+BITS_OF_DIGIT = 3.33  # chosen: bits of a digit, a little more than log2 10
 
 SeriesEntries = Mapping[tuple[int, int], list[Any]]  # coefficients by entry
 
@@ -55,7 +56,7 @@ class RegularStart:
             powers.append(power)
             size = max(arithmetic.log2(power * value) for row in phi[m] for value in row)
             largest, last = max(largest, size) if m else size, [*last[1 - TAIL_TERMS :], size]
-            if m > family.count + TAIL_TERMS and max(last) < largest - settings.far_tolerance * 3.33:
+            if m > family.count + TAIL_TERMS and max(last) < largest - settings.far_tolerance * BITS_OF_DIGIT:
                 return [[arithmetic.rounded(value * x ** (rho + shifts[i])) for value in row] for i, row in enumerate(total)]
         raise ConvergenceError("at a regular singular end the series of the regular solutions does not hold where the integration begins")
 

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from shootstab.core import polynomial
 from shootstab.core.errors import InputError
+from shootstab.core.scaled import TINY
 from shootstab.formulation.expression import VARIABLE, Expression, Z, number
 from shootstab.formulation.first_order import ExpressionEntries
 from shootstab.formulation.state_pencil import Powers, StatePencil
@@ -40,6 +41,11 @@ RADII = (0.7, 19.0)  # chosen: radii of two circles in σ, far apart, on which t
 MOST_TERMS = 80  # chosen: the series has so many terms at most
 FIRST_TERMS = 12  # chosen: the number of terms of the coefficients that tells the length
 COMPLEX_GENERIC_SIGMA = GENERIC_SIGMA * (1 + 0.37j)  # chosen: a complex σ of no property
+OTHER_SIGMA = 2.3  # chosen: size of another σ of no property, in the first one, for exponents that must not depend on it
+SHORTEST_SERIES = 1e-12  # chosen: the length of the series is sought down to here
+SCATTERED = 1e-3  # chosen: a computed exponent this near to an integer is that, as multiple eigenvalues scatter
+INDEPENDENT = 1e-6  # chosen: singular values below this make rows of a basis dependent
+ANALYTIC_NOISE = 1e-8  # chosen: Fourier coefficients that a polynomial has not are below this part of the largest
 
 ScaledPencil = tuple[Powers, Powers]  # Ĉ and D̂
 SeriesArrays = tuple[list[NDArray[np.complex128]], list[NDArray[np.complex128]]]  # the same, (terms, n, n) for every power of σ
@@ -104,7 +110,7 @@ def _end(system: StatePencil, z0: Fraction, direction: int, bounded: Sequence[in
     parts, shifts = _scaled(system, z0, direction, where)
     length = _length(parts, system.size)
     exponents = _exponents(parts, shifts, COMPLEX_GENERIC_SIGMA, where)
-    other = _exponents(parts, shifts, -2.3 * COMPLEX_GENERIC_SIGMA.conjugate(), where)
+    other = _exponents(parts, shifts, -OTHER_SIGMA * COMPLEX_GENERIC_SIGMA.conjugate(), where)
     if np.abs(exponents - other).max() > INTEGER_TOLERANCE * (1.0 + np.abs(exponents).max()):
         raise InputError(f"at {where} the exponents depend on the eigenvalue: that is not offered")
     families = []
@@ -191,7 +197,7 @@ def _length(parts: ScaledPencil, n: int) -> float:
     arrays = coefficient_arrays(parts, n, FIRST_TERMS)
     sizes = [float(max(np.abs(array[q]).max() for part in arrays for array in part)) for q in range(FIRST_TERMS)]
     x = 1.0
-    while sum(a * x**q for q, a in enumerate(sizes[1:], 1)) > sizes[0] and x > 1e-12:
+    while sum(a * x**q for q, a in enumerate(sizes[1:], 1)) > sizes[0] and x > SHORTEST_SERIES:
         x *= 0.5
     return x
 
@@ -207,7 +213,7 @@ def _exponents(parts: ScaledPencil, shifts: Sequence[int], sigma: complex, where
     if np.linalg.cond(C) > 1 / RANK_TOLERANCE:
         raise InputError(f"at {where} the highest derivatives are dependent: that is not offered")
     found = np.linalg.eigvals(np.linalg.solve(C, D) - np.diag(np.array(shifts, dtype=float)))
-    rounded = np.where(np.abs(found - np.round(found.real)) < 1e-3, np.round(found.real), found)  # multiple ones scatter
+    rounded = np.where(np.abs(found - np.round(found.real)) < SCATTERED, np.round(found.real), found)  # multiple ones scatter
     return np.asarray(rounded[np.lexsort((rounded.imag, rounded.real))])
 
 
@@ -244,7 +250,7 @@ def _candidates(basis: NDArray[np.complex128], k: int) -> list[list[int]]:
         chosen: list[int] = []
         for i in [*range(start, len(basis)), *range(start)]:
             trial = basis[[*chosen, i]]
-            if np.linalg.matrix_rank(trial, tol=1e-6) == len(trial):
+            if np.linalg.matrix_rank(trial, tol=INDEPENDENT) == len(trial):
                 chosen.append(i)
             if len(chosen) == k:
                 break
@@ -265,6 +271,6 @@ def _is_polynomial(matrix: object, rows: list[int], free: list[int]) -> bool:
                 return False
             values.append(np.linalg.solve(M[:, dependent], -M[:, free]))
         waves = np.fft.fft(np.array(values), axis=0)
-        if np.abs(waves[SIGMA_SAMPLES // 2 :]).max(initial=0.0) > 1e-8 * np.abs(waves).max(initial=1e-300):
+        if np.abs(waves[SIGMA_SAMPLES // 2 :]).max(initial=0.0) > ANALYTIC_NOISE * np.abs(waves).max(initial=TINY):
             return False
     return True

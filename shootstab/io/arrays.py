@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from shootstab.core.errors import shortened
+from shootstab.core.errors import LISTED, shortened
 
 if TYPE_CHECKING:
     import numpy as np
@@ -98,7 +98,7 @@ def choose(arrays: Mapping[str, StoredArray], dataset: str | None, there: Sequen
 
     Raises ValueError that lists what is there.
     """
-    listed = shortened(", ".join(there) or "none", 200).strip("'\"")
+    listed = shortened(", ".join(there) or "none", LISTED).strip("'\"")
     if dataset is not None:
         if dataset in arrays:
             return dataset

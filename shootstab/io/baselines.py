@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from shootstab import __version__
+from shootstab.core.allowed import DOUBLE_DIGITS
 from shootstab.core.errors import InputError, shortened
 from shootstab.core.reading import toml_of
 from shootstab.io.files import write_text
@@ -32,7 +33,6 @@ from shootstab.io.readers import INFINITE
 WHAT = "a baseline as `shootstab baseline record` writes it"
 LARGEST_BASELINE = 2**17  # chosen: bytes of a file
 MOST_MODES = 1000  # chosen: the most modes in a file
-MOST_DIGITS = 12  # chosen: what double precision proves
 GUARD = 2  # chosen: digits written beyond those that are compared, so that rounding of the text decides nothing
 HEAD = "# shootstab baseline: the digits of these modes are proved; `shootstab baseline check` compares\n"
 
@@ -121,8 +121,8 @@ def load(path: Path) -> Baseline:
     """Read a file. Raises InputError, which names what is wrong with it."""
     document = toml_of(path, LARGEST_BASELINE, WHAT)
     digits, modes = document.get("digits"), document.get("mode")
-    if type(digits) is not int or not 1 <= digits <= MOST_DIGITS:
-        raise InputError(f"{path}: digits = {shortened(digits)}: allowed is an integer from 1 to {MOST_DIGITS}")
+    if type(digits) is not int or not 1 <= digits <= DOUBLE_DIGITS:
+        raise InputError(f"{path}: digits = {shortened(digits)}: allowed is an integer from 1 to {DOUBLE_DIGITS}")
     if not isinstance(modes, list) or not 1 <= len(modes) <= MOST_MODES:
         raise InputError(f"{path}: no [[mode]]: allowed are 1 to {MOST_MODES}, each with re, im and error, as {WHAT} has them")
     words = {key: document.get(key, "") for key in ("scene", "eigenvalue", "version")}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from shootstab.core.errors import shortened
+from shootstab.core.errors import LISTED, shortened
 from shootstab.core.reading import json_of
 from shootstab.io.arrays import EIGENVALUE_NAMES, Wanted, pairs
 from shootstab.io.text import MOST_EIGENVALUES, Placed, decoded, is_text, joined
@@ -60,5 +60,5 @@ def _list_in(document: dict[str, Any], dataset: str | None) -> Any:
     if len(joined_lists) == 1:
         return next(iter(joined_lists.values()))
     if len(lists) > 1:
-        raise ValueError(f"lists in it: {shortened(', '.join(lists), 200)}: {ALLOWED_JSON}, or --dataset NAME")
+        raise ValueError(f"lists in it: {shortened(', '.join(lists), LISTED)}: {ALLOWED_JSON}, or --dataset NAME")
     return next(iter(lists.values()), None)

@@ -23,6 +23,7 @@ MAGIC_OLD = b"datfile_version"
 GEOMETRIES = (b"Cartesian", b"cylindrical")
 UNITS_OLD = 11  # defined by the format: normalizations in a file that does not name them
 ALLOWED_LEGOLAS = "allowed is a file of Legolas, version 1 or 2"
+BEFORE_PARAMETERS = 14  # defined by the format: integers between the cooling curve and the parameters
 
 
 class _Stream:
@@ -69,7 +70,7 @@ def from_legolas(data: bytes, _: object = None) -> NDArray[np.complex128]:
     import numpy as np
 
     stream, count = _named(data) if data.startswith(LEGOLAS_MAGIC) else _unnamed(data)
-    values = np.frombuffer(stream.take(16 * count), dtype=f"{stream.order}c16")
+    values = np.frombuffer(stream.take(np.dtype(np.complex128).itemsize * count), dtype=f"{stream.order}c16")
     return np.asarray(values, dtype=np.complex128)
 
 
@@ -170,6 +171,6 @@ def _header_2(stream: _Stream, version: tuple[int, ...]) -> None:
     stream.reals()
     stream.integers(3)
     stream.text()  # cooling curve
-    stream.integers(14)
+    stream.integers(BEFORE_PARAMETERS)
     stream.table(8)  # parameters
     stream.table()  # equilibrium arrays

@@ -71,7 +71,7 @@ def _collect(name: str, value: Any, into: dict[str, StoredArray], depth: int) ->
 
 def _require_small(data: bytes, largest: int) -> None:
     """Raise ValueError if what is compressed unpacks to more than this, all of it together."""
-    order = ">" if data[126:128] == b"MI" else "<"
+    order = ">" if data[HEADER - 2 : HEADER] == b"MI" else "<"
     at, unpacked, elements = HEADER, 0, 0
     while at + 8 <= len(data):
         elements += 1

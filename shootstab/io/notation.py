@@ -20,6 +20,8 @@ _BOTH = re.compile(rf"([+-]?(?:{_SIZE}))\s*([+-]\s*-?)\s*({_SIZE})?\s*\*?\s*[ij]
 LONGEST_NUMERAL = 1000  # chosen: characters of a number
 LONGEST_FIXED = 6  # chosen: decimal exponents of numbers that are printed without one, from SMALLEST_FIXED to below it
 SMALLEST_FIXED = -4  # chosen, as Python prints: 0.0001 and not 1e-4
+DIGITS_OF_DOUBLE = 17  # derived: decimals of so many digits stand for one double each
+HAIR_OF_UNIT = 1e-6  # chosen: an error so little above a power of ten, as a part of that, is still it
 
 
 def complex_from(text: str) -> complex:
@@ -77,7 +79,7 @@ def _many_digits(x: Any, error: float | None) -> str:
 
     digits: int = mpmath.mp.dps
     if error is not None and 0.0 < error < math.inf and x != 0:
-        digits = max(17, math.ceil(mpmath.log10(abs(x) / error)) + 3)
+        digits = max(DIGITS_OF_DOUBLE, math.ceil(mpmath.log10(abs(x) / error)) + 3)
     return str(mpmath.nstr(x, digits, strip_zeros=False))
 
 
@@ -90,9 +92,9 @@ def held(x: Any, error: float | None) -> str:
         return "0"
     exponent = math.floor(_log10(abs(x)))
     if error is None or not 0.0 < error < math.inf:
-        return _digits(x, 6 if error == math.inf else 17, exponent)
+        return _digits(x, 6 if error == math.inf else DIGITS_OF_DOUBLE, exponent)
     # a hair more than the unit is still the unit: 1.0000001e-12 leaves twelve places
-    places = math.floor(-math.log10(error) + 1e-6)
+    places = math.floor(-math.log10(error) + HAIR_OF_UNIT)
     count = exponent + places + 1
     return _digits(x, count, exponent) if count > 0 else "0"
 
@@ -117,7 +119,7 @@ def _digits(x: Any, count: int, exponent: int) -> str:
         import mpmath
 
         return str(mpmath.nstr(x, count, strip_zeros=False))
-    count = min(count, 17)
+    count = min(count, DIGITS_OF_DOUBLE)
     if SMALLEST_FIXED <= exponent < LONGEST_FIXED and count > exponent:
         return f"{float(x):.{count - exponent - 1}f}"
     return f"{float(x):.{count - 1}e}"

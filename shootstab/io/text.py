@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from shootstab.core.errors import shortened
-from shootstab.core.reading import text_of
+from shootstab.core.reading import MEGABYTE, text_of
 from shootstab.io.arrays import pairs
 from shootstab.io.notation import complex_from
 
@@ -24,6 +24,7 @@ _SPLIT = re.compile(r"\s*[,;\t]\s*")
 _DECIMAL_COMMA = re.compile(r"([+−-]?\d+),(\d+(?:[ed][+-]?\d+)?)", re.IGNORECASE | re.ASCII)
 _RE = re.compile(r"(?<![a-z])re(al)?(?![a-z])", re.IGNORECASE)
 _IM = re.compile(r"(?<![a-z])im(ag|aginary)?(?![a-z])", re.IGNORECASE)
+LOOKED_AT = 65_536  # chosen: bytes at the beginning that tell text from a binary file
 
 
 def from_text(data: bytes) -> Placed:
@@ -50,7 +51,7 @@ def from_text(data: bytes) -> Placed:
 def is_text(data: bytes) -> bool:
     """Whether it begins as UTF-8 and holds no NUL."""
     try:
-        codecs.getincrementaldecoder("utf-8-sig")().decode(data[:65536])
+        codecs.getincrementaldecoder("utf-8-sig")().decode(data[:LOOKED_AT])
     except UnicodeDecodeError:
         return False
     return b"\0" not in data
@@ -59,7 +60,7 @@ def is_text(data: bytes) -> bool:
 def decoded(data: bytes) -> str:
     """The text. Raises ValueError where it is too long, or is no UTF-8 further on."""
     if len(data) > LARGEST_TEXT:
-        raise ValueError(f"more than {LARGEST_TEXT >> 20} MB of text: allowed is less text, or a binary file")
+        raise ValueError(f"more than {LARGEST_TEXT / MEGABYTE:.3g} MB of text: allowed is less text, or a binary file")
     return text_of(data)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from shootstab.core.scaled import TINY
 from shootstab.kernels.elimination import LANES, factorize, substitute
 
 
@@ -143,7 +144,7 @@ def row_sizes(P, sizes):  # type: ignore[no-untyped-def]
     for m in range(terms):
         sizes[m] = 0.0
     for a in range(n):
-        base = 1e-300
+        base = TINY
         for q in range(k):
             base = max(base, abs(P[0, a, q]))
         for m in range(terms):

@@ -11,12 +11,13 @@ from shootstab.kernels.tableau import ORDER
 
 FLOOR = 1e-9  # chosen: part of the largest row; smaller rows count as so large
 MARGIN = 0.9  # chosen: part of the step that would just meet the tolerance; without it every other step is rejected
+SHARE_OF_THIRD = 0.01  # published: part of the estimate of order 3 in (10.18)
 
 
 @njit(cache=True, error_model="numpy", inline="always")
 def local_error(fifth, third):  # type: ignore[no-untyped-def]
     """e5/√(e5 + e3/100) of the squares of the estimates of order 5 and 3: Hairer, Nørsett & Wanner, II.10, (10.18). 0 if e5 is 0."""
-    return 0.0 if fifth == 0.0 else fifth / np.sqrt(fifth + 0.01 * third)
+    return 0.0 if fifth == 0.0 else fifth / np.sqrt(fifth + SHARE_OF_THIRD * third)
 
 
 def factor(error: Any) -> Any:

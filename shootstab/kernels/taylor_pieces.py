@@ -18,10 +18,8 @@ from shootstab.kernels.recorded_programs import carry_out
 LEAST_RADIUS = 1e-13  # chosen: a piece so much shorter than the first one stands at a singularity
 MOST_STEPS = 4000  # chosen: pieces from one point to the next; a path that needs more runs into a singularity
 LOOKS = 4  # chosen: parts of a piece at whose ends the function that stops is looked at
-FALSE_POSITIONS, CLOSED_PLACE = (
-    100,
-    4e-16,
-)  # chosen, more than are ever needed, and derived: two units in the last place of an end
+FALSE_POSITIONS = 100  # chosen: steps of the search for a place, more than are ever needed
+CLOSED_PLACE = 4e-16  # derived: two units in the last place of an end
 OWN_PIECE = 1.0 + 1e-9  # chosen: part of a radius: the end of a piece, where the next one begins, is its own to rounding
 SAME_SHEET = 1e-6  # chosen: a continued solution that agrees so well with a piece is the solution of that piece
 

@@ -23,6 +23,7 @@ import numpy as np
 
 from shootstab.core.balls import acb, acb_mat, arb, ctx
 from shootstab.core.errors import ConvergenceError
+from shootstab.core.scaled import TINY
 from shootstab.multiprecision.enclosable import EnclosableSystem, ball
 from shootstab.multiprecision.growth import log_bound, weights
 from shootstab.multiprecision.minors import MinorEntries, at_sigma, compound, solved
@@ -33,6 +34,9 @@ ENCLOSURE_STEPS = 20_000  # chosen, a budget: some minutes for one D
 SHORTEST_ENCLOSURE = 2.0**-40  # chosen: a step below this part of the whole way means a singular point of the coefficients
 # chosen: subintervals over which the growth of |y| is bounded; more make the bound tighter, fewer looser, none wrong
 GROWTH_SUBINTERVALS = 96
+OUTER, MOST_POINTS = 0.5, 96  # chosen: the largest disc about σ on which |D| is bounded, in |σ|, and the values of D that it may take
+FEWEST_TERMS = 12  # chosen: terms of the series of a step
+WEIGHED_AT = (0.1, 0.5, 0.9)  # chosen: places on the way at which the weights of the norm are chosen
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +44,8 @@ class BetweenEnds:
     """See enclosable.Enclosable: a system between two ends."""
 
     system: EnclosableSystem
-    outer: float = 0.5  # chosen
-    most_points: int = 96  # chosen
+    outer: float = OUTER
+    most_points: int = MOST_POINTS
     premise: str = ""
 
     @property
@@ -64,9 +68,9 @@ class Enclosure:
 
     @property
     def terms(self) -> int:
-        """N: (ρh)^N/N! falls below 2^−bits for the longest step; at least 12."""
+        """N: (ρh)^N/N! falls below 2^−bits for the longest step; at least FEWEST_TERMS."""
         n, reach, size = 1, self.reach, 0.0
-        while size > -self.bits or n < 12:
+        while size > -self.bits or n < FEWEST_TERMS:
             size += math.log2(reach / n)
             n += 1
         return n
@@ -94,7 +98,7 @@ class Enclosure:
         """An upper bound on ln |D| over the whole ball σ: the logarithmic norm of A^(k) integrated along the way (theory, lemma E4)."""
         start, wall = self.problem.ends()
         n, k, length = self.problem.size, self.problem.decaying, (wall - start) / GROWTH_SUBINTERVALS
-        samples = (self._system(acb(start + (wall - start) * part), acb(sigma.mid())) for part in (0.1, 0.5, 0.9))
+        samples = (self._system(acb(start + (wall - start) * part), acb(sigma.mid())) for part in WEIGHED_AT)
         places = (acb((start + length * i).union(start + length * (i + 1))) for i in range(GROWTH_SUBINTERVALS))
         cells = ((length, self._system(z, sigma)) for z in places)
         return log_bound(n, k, cells, self.problem.start(sigma), self.problem.wall(sigma), weights(n, k, samples))
@@ -111,7 +115,7 @@ class Enclosure:
             if carried is not None:
                 return carried, float(h.mid()), last
             length = 0.5 * min(length, whole)
-            if length < SHORTEST_ENCLOSURE * max(whole, 1e-300):
+            if length < SHORTEST_ENCLOSURE * max(whole, TINY):
                 raise ConvergenceError(
                     f"no step is short enough for an enclosure at z = {float(here.mid()):.6g}: the coefficients are singular"
                 )
@@ -123,7 +127,7 @@ class Enclosure:
         dense = np.zeros((size, size))
         for (i, j), entry in A.items():
             dense[i, j] = float(abs(entry).mid())
-        return self.reach / max(float(np.abs(np.linalg.eigvals(dense)).max()), 1e-300)
+        return self.reach / max(float(np.abs(np.linalg.eigvals(dense)).max()), TINY)
 
     def _carried(self, sigma: Any, y: Any, here: Any, h: Any) -> Any:
         """y at the end of the step, or None where its tail cannot be bounded."""

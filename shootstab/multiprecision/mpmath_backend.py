@@ -16,6 +16,7 @@ from shootstab.multiprecision.arithmetic import TAIL_TERMS, Matrix, Payloads
 from shootstab.multiprecision.integer_series import Block, conv, fixed, inverse_conv, power_conv, shifted, trimmed
 
 GUARD_BITS = 40  # chosen: bits of the integers beyond the working precision: one exponent serves a whole series
+SPARE_OF_SUM = 16  # chosen: bits of a sum of products below those asked for
 
 
 class MpmathArithmetic:
@@ -71,7 +72,7 @@ class MpmathArithmetic:
                     top = e + f + c + d
         if top is None:
             return mp.zero
-        low = top - mp.prec - 16
+        low = top - mp.prec - SPARE_OF_SUM
         total = 0
         for value, exponent in products:
             lift = exponent - low

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 
 STEP_SHRINK = 1.5  # derived: a step is about e^−1.5 of the radius of convergence: cheapest per length when a product costs order²
 GUARD_DIGITS = 8  # chosen: digits that recurrences and eliminations may eat
+LIMIT_SLACK = 0.02  # chosen: log2 of how far below its limit a step stays, so that rounding does not take it over
+FINER_PART = 12  # chosen: one more term for so many, and a few, makes another integration
 
 
 @dataclass(frozen=True)
@@ -34,7 +36,7 @@ class Settings:
 
     def finer(self) -> Settings:
         """The settings with a higher order and shorter steps."""
-        return replace(self, tolerance=self.tolerance + 3, order=self.order + max(4, self.order // 12))
+        return replace(self, tolerance=self.tolerance + 3, order=self.order + max(4, self.order // FINER_PART))
 
     def with_loss(self, lost: float) -> Settings:
         """The settings in which as much is left after so many digits have been lost on the way."""
@@ -44,7 +46,8 @@ class Settings:
 
     def farther(self) -> Settings:
         """The settings with more terms in the far field and a start farther out."""
-        return replace(self, far_tolerance=self.far_tolerance + 3, far_terms=self.far_terms + max(8, self.far_terms // 12), far_shift=1.0)
+        terms = self.far_terms + max(8, self.far_terms // FINER_PART)
+        return replace(self, far_tolerance=self.far_tolerance + 3, far_terms=terms, far_shift=1.0)
 
 
 def step_limit(last: list[float], terms: int, scale: float, tolerance: float) -> float:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
 from shootstab.core.errors import ConvergenceError
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
+
+LARGEST_BINARY = 1000.0  # derived: powers of two up to this are doubles, which end at 2^1024
 
 
 def product(arithmetic: Arithmetic, A: Matrix, B: Matrix) -> Matrix:
@@ -55,7 +58,7 @@ def inverse(arithmetic: Arithmetic, A: Matrix) -> Matrix:
 def _unit(arithmetic: Arithmetic, numbers: Sequence[Any]) -> Any:
     """The power of two that brings the largest of the numbers to about one."""
     size = max(map(arithmetic.log2, numbers))
-    return arithmetic.number(2.0 ** -round(size)) if -1000.0 < size < 1000.0 else arithmetic.number(1)
+    return arithmetic.number(2.0 ** -round(size)) if -LARGEST_BINARY < size < LARGEST_BINARY else arithmetic.number(1)
 
 
 def eliminated(arithmetic: Arithmetic, A: Matrix) -> Matrix:
@@ -86,7 +89,7 @@ def determinant(arithmetic: Arithmetic, A: Matrix) -> Any:
     det: Any = arithmetic.number(1)
     for i in range(n):
         sizes = [arithmetic.log2(rows[r][i]) - max(arithmetic.log2(x) for x in rows[r]) for r in range(i, n)]
-        best = i + max(range(n - i), key=lambda r: sizes[r] if sizes[r] == sizes[r] else -1e300)
+        best = i + max(range(n - i), key=lambda r: sizes[r] if sizes[r] == sizes[r] else -math.inf)
         if vanishes(rows[best][i]):
             return arithmetic.number(0)
         if best != i:

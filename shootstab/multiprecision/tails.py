@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 
 from shootstab.core.balls import arb, ctx
+from shootstab.core.scaled import TINY
 from shootstab.multiprecision.arithmetic import Matrix
 from shootstab.multiprecision.tailed_series import NO_TAIL, TailedSeries
 
@@ -31,6 +32,7 @@ Sums = Mapping[tuple[int, int], Sequence[Any]]  # sums Σ_{j≥m} of an entry fo
 TailedEntries = Mapping[tuple[int, int], TailedSeries]
 BOUND_BITS = 64  # chosen: bits of bounds, whose radii are always added
 SLACK = 2.0**-20  # chosen: part of the largest R that is added to all, and of w: above the rounding of doubles, without weight in a bound
+ABOVE_RADIUS, OF_LARGEST_ENTRY = 1.05, 1e-3  # chosen: the scale, over the spectral radius and at least in the largest entry
 
 
 class Beyond:
@@ -157,14 +159,14 @@ def spectral_radius(G: Matrix) -> float:
 
 
 def perron(dense: np.ndarray[Any, Any]) -> list[float]:
-    """w > 0 with A w ≤ 1.05 ρ w, about, for A = dense (n, n) ≥ 0 of spectral radius ρ: Σ_k (A/1.05 ρ)^k 1, a choice in doubles.
+    """w > 0 with A w ≤ r w, about, for A = dense (n, n) ≥ 0 and r = ABOVE_RADIUS times its spectral radius: Σ_k (A/r)^k 1, a choice.
 
     Of a matrix that is not finite ones, since what it weighs is not finite either.
     """
     size = len(dense)
     if not np.isfinite(dense).all():
         return [1.0] * size
-    scale = max(1.05 * float(np.abs(np.linalg.eigvals(dense)).max()), 1e-3 * float(dense.max(initial=0.0)), 1e-300)
+    scale = max(ABOVE_RADIUS * float(np.abs(np.linalg.eigvals(dense)).max()), OF_LARGEST_ENTRY * float(dense.max(initial=0.0)), TINY)
     w = np.linalg.solve(np.eye(size) - dense / scale, np.ones(size))
     return [max(float(x), 1.0) for x in w]
 

@@ -16,7 +16,7 @@ from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
 from shootstab.multiprecision.integration import BaseFlowNumbers, Expansion, Integration, UnknownRows
 from shootstab.multiprecision.linear_step import at_sigma, carried
-from shootstab.multiprecision.settings import Settings, step_limit
+from shootstab.multiprecision.settings import LIMIT_SLACK, Settings, step_limit
 
 MOST_TAYLOR_STEPS = 5000  # chosen: a budget of some minutes for one D
 TRIALS = 40  # chosen: lengths of one step that are tried, each half of the one before
@@ -102,9 +102,9 @@ class TaylorShooting:
             limit = self._limit(Y, last)
             here = self.arithmetic.log2(step.h)
             if limit * self.settings.order >= -TERM_SLACK:
-                self._next = 2.0 ** (here + min(limit, STEP_GROWTH) - 0.02)
+                self._next = 2.0 ** (here + min(limit, STEP_GROWTH) - LIMIT_SLACK)
                 return step, end
-            longest = 2.0 ** (here + limit - 0.02)
+            longest = 2.0 ** (here + limit - LIMIT_SLACK)
         raise ConvergenceError("no Taylor step is short enough: sigma lies on the continuous spectrum, or next to it")
 
     def _at_wall(self, sigma: Any, Y: Matrix, det: Any) -> Any:

@@ -51,6 +51,7 @@ FIT_LENGTHS = (32, 16, 8)  # chosen: lengths beside an interval with a knot over
 FIT_ROUNDINGS = 16.0  # chosen: roundings by which two fits that reach into the interval may differ and be one
 # chosen: lengths beside a knot, in that to which it is located, over which smoothness is asked for
 BESIDE_KNOT = (32, 64, 128, 256, 512, 1024)
+BISECTED = 0.1  # chosen: the part of a hair to which the place of a jump is bisected
 
 
 @dataclass(frozen=True)
@@ -196,7 +197,7 @@ def _residuals(coefficients: CoefficientFunction, low: Reals, high: Reals, size:
 
 def _bisected(coefficients: CoefficientFunction, span: float, low: float, high: float, size: Reals) -> Reals:
     """Where the coefficients jump (1,) between two points that are some hairs apart."""
-    while (middle := 0.5 * (low + high)) not in (low, high) and high - low > 0.1 * hair(middle, span):
+    while (middle := 0.5 * (low + high)) not in (low, high) and high - low > BISECTED * hair(middle, span):
         at = coefficients(np.array([low, middle, high]))
         with np.errstate(invalid="ignore", divide="ignore"):
             left, right = (np.where(size > 0.0, np.abs(at[i + 1] - at[i]) / size, 0.0).max() for i in (0, 1))

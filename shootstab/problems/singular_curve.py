@@ -23,14 +23,14 @@ from shootstab.core.errors import InputError
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray
 
-PROBE_SIGMAS = np.array(
-    [0.83 + 1.31j, -1.17 + 0.59j, 0.41 - 1.73j]
-)  # chosen: σ of no property, in the scale that the sizes of C0, C1, … give
+# chosen: σ of no property, in the scale that the sizes of C0, C1, … give
+PROBE_SIGMAS = np.array([0.83 + 1.31j, -1.17 + 0.59j, 0.41 - 1.73j])
 TRACE_NOISE = 1e-9  # chosen: relative, what is told from 0 or from another number in the trace; a solve of a good C leaves 1e-14
 CURVE_PROBES = 65  # chosen: points of a subdomain at which the pencil is asked for curves
 DIFFERENCE_STEP = 1e-5  # chosen: step, in the subdomain, by which derivatives along and across the real axis are compared
 ANALYTIC_TOLERANCE = 1e-4  # chosen: relative; differences err by DIFFERENCE_STEP² and by rounding over DIFFERENCE_STEP
 COMPARED_AT = (0.137, 0.419, 0.731)  # chosen: places in the subdomain at which they are compared
+MULTIPLICITY_NOISE = 1e-6  # chosen: the distance of a multiplicity from a whole number, and of the trace from its pole, that rounding makes
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +97,7 @@ def singular_curves(function: PencilFunction, z: ComplexArray) -> SingularCurve 
         sigma = PROBE_SIGMAS[0] - m / t[0]
         off = np.abs(t[2] - m / (PROBE_SIGMAS[2] - sigma)) / np.abs(t[2])
     multiplicity = round(float(m[0].real)) if np.isfinite(m[0]) else 0
-    if multiplicity < 1 or not (np.abs(m - multiplicity) < 1e-6).all() or not (off < 1e-6).all():
+    if multiplicity < 1 or not (np.abs(m - multiplicity) < MULTIPLICITY_NOISE).all() or not (off < MULTIPLICITY_NOISE).all():
         return _several(C)
     if np.ptp(np.abs(sigma - sigma[0])) > TRACE_NOISE * max(1.0, float(np.abs(sigma).max())) and _analytic(function, z):
         return SingularCurve(function, scale, multiplicity)

@@ -12,6 +12,7 @@ from shootstab.problems.pencil_function import PencilFunction
 POINT_PROBES = 65  # chosen: points of a line at which the sign of det C is looked at
 REAL_SIGMAS = (0.83, -1.17)  # chosen: two real σ of no property, in the scale that the sizes of C0, C1, … give
 HALVINGS_TO_POINT = 30  # chosen: halvings of the step between two probes, to nine digits
+ONE_PLACE = 1e-6  # chosen: two zeros of det C nearer to each other than this part of the step between probes are one, whatever σ is
 
 
 def require_regular(function: PencilFunction, line: NDArray[np.complexfloating]) -> None:
@@ -27,7 +28,7 @@ def require_regular(function: PencilFunction, line: NDArray[np.complexfloating])
     changes = [_signs(function, z, size * sigma) for sigma in REAL_SIGMAS]
     for i in np.flatnonzero((np.diff(changes[0]) != 0) & (np.diff(changes[1]) != 0)):
         places = [_zero(function, z[i].real, z[i + 1].real, size * sigma) for sigma in REAL_SIGMAS]
-        if abs(places[0] - places[1]) <= 1e-6 * abs(z[i + 1] - z[i]):
+        if abs(places[0] - places[1]) <= ONE_PLACE * abs(z[i + 1] - z[i]):
             raise InputError(
                 f"C is singular at z = {places[0]:.6g}, whatever sigma is: allowed is a C that is regular between the ends, with equations "
                 "divided by what vanishes in all their terms there, or an end of the interval at that point"

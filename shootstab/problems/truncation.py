@@ -39,6 +39,8 @@ SCAN_BLOCKS = 30  # chosen: blocks of one octave each in which the scan is compu
 LIMIT_ROUNDING = 4 * float(np.finfo(float).eps)  # chosen: some roundings of an entry's limit: less does not say that the limit is left
 WAY = 9  # chosen: points at which the gap is sampled between a frozen end and half the way
 LARGEST_SIGMA = 1e6  # chosen: times the reference, the largest σ for which coefficients are to be at their limit
+TURNING_STEP = 1e-3  # chosen: relative step of the difference that tells how fast the decaying space turns
+ZERO_ROW = 1e-8  # chosen: the least size of a row of the decaying frame, in the largest
 
 
 def limit_at(pencil: PencilFunction, direction: int, given: tuple[object, ...] | None, where: str) -> AsymptoticPencil:
@@ -157,7 +159,7 @@ def frozen_error(
     pencil: PencilFunction, limit: AsymptoticPencil, origin: float, z: float, split: SpectralSplitting, k: int, sigma: complex
 ) -> float:
     """The relative error that the frozen space at z makes after half the way to the origin, damped by the gap."""
-    step = 1e-3 * (z - origin)
+    step = TURNING_STEP * (z - origin)
     near = AsymptoticPencil(pencil.at(z - step), limit.direction).matrix(sigma)[0]
     turning = np.abs(split.left2 @ (split.A - near) @ split.X) / abs(step)
     way = np.linspace(1.0, 0.5, WAY)
@@ -167,10 +169,10 @@ def frozen_error(
 
 
 def _relative(split: SpectralSplitting, moved: NDArray[np.float64]) -> float:
-    """|V| moved against the size of X, row by row; rows of X that are as good as zero count as 1e−8 of the largest."""
+    """|V| moved against the size of X, row by row; rows of X that are as good as zero count as ZERO_ROW of the largest."""
     rows = np.linalg.norm(split.X, axis=1)
     change = (np.abs(np.concatenate((split.X, split.X2), axis=1)) @ moved).max(axis=1)
-    return float((change / np.maximum(rows, 1e-8 * rows.max())).max())
+    return float((change / np.maximum(rows, ZERO_ROW * rows.max())).max())
 
 
 def _survey(pencil: PencilFunction, direction: int, origin: float) -> tuple[NDArray[np.float64], Pencil | None]:

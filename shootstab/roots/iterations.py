@@ -16,6 +16,9 @@ STEP_NOISE = 1e-6  # chosen, far above the 1e-13 of D and D′: see `_run`
 LEAST_D_ERROR = 1e-14  # chosen: the least error of D against D one step away; by its m-th root an m-fold zero is off
 SAME_MULTIPLICITY = 0.1  # chosen: two estimates of a multiplicity that differ by less are the same
 MOST_FOLD = 8  # chosen: the largest multiplicity that an iteration suspects; 1/(1 − q) of the next ones differ too little
+MOST_NEWTONS = 40  # chosen: steps of Newton at most
+MOST_MULLERS = 60  # chosen: those of Muller, whose order is 1.84
+FIRST_SPREAD = 1e-3  # chosen: distance of the first three points of Muller, in the guess
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,7 @@ class Step(NamedTuple):
     multiplicity: int = 1
 
 
-def newton(discriminant: Discriminant, guess: complex, tolerance: float, most: int = 40) -> Root:
+def newton(discriminant: Discriminant, guess: complex, tolerance: float, most: int = MOST_NEWTONS) -> Root:
     """Newton's iteration with the exact derivative, each step improved by what the last two D and D′ tell of the curvature of σ(D).
 
     It ends where the next step would be below tolerance·|σ|, or in the noise of D. Far from a zero the steps are −D/D′; where they
@@ -54,7 +57,7 @@ def newton(discriminant: Discriminant, guess: complex, tolerance: float, most: i
     return _run(newton_steps(discriminant, complex(guess)), tolerance, most)
 
 
-def muller(discriminant: Discriminant, guess: complex, tolerance: float, most: int = 60) -> Root:
+def muller(discriminant: Discriminant, guess: complex, tolerance: float, most: int = MOST_MULLERS) -> Root:
     """Muller's iteration: the nearer zero of the parabola through the last three values. Needs no derivative."""
     return _run(_muller_steps(discriminant, complex(guess)), tolerance, most)
 
@@ -125,7 +128,7 @@ def _curvature(a: Value, b: Value) -> complex:
 
 
 def _muller_steps(discriminant: Discriminant, guess: complex) -> Iterator[Step]:
-    spread = 1e-3 * (abs(guess) or 1.0)
+    spread = FIRST_SPREAD * (abs(guess) or 1.0)
     points = [guess - spread, guess + spread * 1j, guess]
     values: list[Scaled] = [discriminant(p) for p in points]
     while True:

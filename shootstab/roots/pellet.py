@@ -25,6 +25,7 @@ TAIL_NATS = 7.0  # chosen: the rest of a Taylor series on a circle lies below D 
 # chosen: fewest values on a circle, and those beyond what the tail asks for where the series is to serve on smaller circles too
 LEAST_POINTS, SPARE_POINTS = 2, 4
 FIRST_LENGTH, SHORTEST_LENGTH = 1 / 64, 2.0**-48  # chosen: parts of a side of a polygon
+STEP_OF_MARGIN = 0.7  # chosen: the next step over the last one, in the margin of that
 EnclosedDiscriminant = Callable[[Any], Any]  # σ ↦ an enclosure of D(σ)
 
 
@@ -169,7 +170,7 @@ class PolynomialModel:
                     continue
                 values += [self(a), self((a + b) / 2)]  # either half turns the phase by less than a quarter: no branch is in doubt
                 least = min(least, margin)
-                here, length = ahead, (ahead - here) * min(2.0, max(1.0, 0.7 * margin))
+                here, length = ahead, (ahead - here) * min(2.0, max(1.0, STEP_OF_MARGIN * margin))
         return values, least
 
 

@@ -38,6 +38,7 @@ SMALLEST_REGION = 1e-9  # chosen: what is left in a part so small against the fi
 UNDIVIDED = 1e-3  # chosen: part of the first region that may stay one multiple zero where D is too inaccurate for a cut inside
 RESOLVED_SIGMA = 1e-12  # chosen, some thousand times the rounding of σ: nothing smaller than this part of |σ| is divided or told apart
 WIDER_CIRCLE = 8.0  # chosen: the radius of the next circle over that of one in which D is not accurate enough for a count
+WIDEST_TO_NEXT = 0.3  # chosen: radius of a circle around zeros that belong together, in the distance to the next others
 
 
 class Counted(Protocol):
@@ -244,7 +245,7 @@ def _circle(search: Search, region: Region, group: list[Arrival], others: list[l
     Raises ConvergenceError where there is none.
     """
     centre = sum(a.sigma for a in group) / len(group)
-    widest = 0.3 * min((abs(a.sigma - centre) for g in others for a in g), default=size(region))
+    widest = WIDEST_TO_NEXT * min((abs(a.sigma - centre) for g in others for a in g), default=size(region))
     spread = max(abs(a.sigma - centre) + a.off for a in group)
     radius = min(widest, max(3 * spread, close * size(region), 3 * _rounding(region)))
     while True:

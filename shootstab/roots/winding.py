@@ -28,6 +28,7 @@ DEEPEST_SEGMENT = 40  # chosen: halvings of one segment
 WELL_INSIDE = 0.75  # chosen: the part of a disc's radius within which a zero may be divided out: what it leaves is flat on the circle
 FLAT_SEGMENTS = 3  # chosen: segments of a circle on which D without its zero is flat; the slopes at their ends say whether it is
 FIRST_SEGMENTS = 4  # chosen: segments of a circle or of the side of a polygon, before any is halved
+TURN_SLACK = 1e-6  # chosen: part of a turn by which a sum of phases may miss a whole number, from rounding
 
 Legs = tuple[tuple[int, tuple[Value, ...]], ...]  # the sides of a contour: samples, and the sign with which they count
 
@@ -141,7 +142,7 @@ def power_sums(legs: Legs, centre: complex, scale: float, most: int) -> NDArray[
     return sums / (2j * math.pi)
 
 
-def whole_turns(phase: float, slack: float = 1e-6) -> int:
+def whole_turns(phase: float, slack: float = TURN_SLACK) -> int:
     """The change of phase around closed curves as a number of turns.
 
     Raises ConvergenceError if it is not a whole one to the slack.

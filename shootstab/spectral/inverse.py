@@ -12,6 +12,8 @@ from shootstab.spectral.qz import DenseMatrix
 
 INVERSE_SETTLED = 1e-14  # chosen: a step below this part of |σ| ends the iteration
 HELD = 3  # chosen: iterations with the guess as shift, so that the mode nearest to the guess wins
+MOST_QUOTIENTS = 40  # chosen: iterations at most, of which some five are needed next to an eigenvalue
+STALLED_STEP = 1e-9  # chosen: relative step below which one that does not shrink is rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +31,7 @@ class Refined:
     vector: DenseMatrix
 
 
-def refine(A: DenseMatrix, B: DenseMatrix, guess: complex, max_iterations: int = 40) -> Refined:
+def refine(A: DenseMatrix, B: DenseMatrix, guess: complex, max_iterations: int = MOST_QUOTIENTS) -> Refined:
     """The eigenvalue of A, B (n, n) next to guess by two-sided Rayleigh quotient iteration: x ← (A − σB)⁻¹Bx, y ← (A − σB)⁻ᴴBᴴy,
     σ ← σ + yᴴ(A − σB)x/(yᴴBx). A step falls as the cube of the one before.
 
@@ -55,7 +57,7 @@ def refine(A: DenseMatrix, B: DenseMatrix, guess: complex, max_iterations: int =
         yB = y.conj() @ B
         following = (y.conj() @ (A @ x)) / (yB @ x)
         change, sigma = abs(following - sigma), following
-        stalled = change >= previous and change <= 1e-9 * abs(sigma)
+        stalled = change >= previous and change <= STALLED_STEP * abs(sigma)
         if iteration > HELD and (change <= INVERSE_SETTLED * abs(sigma) or stalled):
             return Refined(complex(sigma), iteration, _residual(A, B, sigma, x), float(change), x)
         previous = change

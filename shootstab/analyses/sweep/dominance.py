@@ -11,6 +11,7 @@ from shootstab.analyses.find import find_modes
 from shootstab.analyses.reference import spectrum
 from shootstab.analyses.sweep.following import land
 from shootstab.analyses.unstable import LAW, OUTWARDS, HalfDisc, bound, departure_from_law
+from shootstab.core.allowed import GROWTH_FLOOR
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.numerus import number_of
 from shootstab.discriminants.continuation import Continuation
@@ -18,14 +19,11 @@ from shootstab.discriminants.frame import Frame
 from shootstab.problems.protocol import Problem
 from shootstab.roots.search import Zero
 
-GROWTH_FLOOR = 1e-8  # chosen: the growth rate, in the units of the problem, below which a suggested mode is not taken to grow
 DECAY_NOISE = 1e-7  # chosen: growth rates below this part of the frequencies of the continuous spectrum are not told from decay
 SHARE = 0.5  # chosen: modes above this part of the dominant growth rate are counted and followed
 NUDGES = (1.0, 0.83, 0.61)  # chosen: factors on a floor on which a mode lies
-RAISE, HIGHEST_FLOOR = (
-    30.0,
-    1e-4,
-)  # chosen: too near the continuous spectrum for a count, the floor rises by this factor up to this
+RAISE = 30.0  # chosen: factor by which the floor rises where it is too near the continuous spectrum for a count
+HIGHEST_FLOOR = 1e-4  # chosen: the floor up to which it does
 SWEEP_COUNTING = Frame(rtol=1e-6)  # chosen: a phase needs few digits
 SUGGESTING_TRUNCATIONS = (40, 64)  # chosen: orders of the pseudospectral spectra that suggest modes
 SUGGESTED = 12  # chosen: suggested modes that are tried, the fastest first

@@ -19,6 +19,7 @@ from shootstab.analyses.sweep.outcomes import OUTCOMES, Outcome
 from shootstab.analyses.sweep.store import Store
 from shootstab.analyses.sweep.walk import WalkSettings, walk
 from shootstab.analyses.sweep.workers import on_cluster, serially
+from shootstab.core.allowed import COUNT_EVERY, GROWTH_FLOOR, MOST_WORKERS, SWEEP_DIGITS
 from shootstab.core.errors import InputError
 from shootstab.core.progress import Progress
 from shootstab.core.records import UNRESOLVED
@@ -88,9 +89,9 @@ class Swept:
 def sweep(
     problem: Problem,
     axes: Mapping[str, Any],
-    digits: int = 8,
-    every: int = 12,
-    floor: float = 1e-8,
+    digits: int = SWEEP_DIGITS,
+    every: int = COUNT_EVERY,
+    floor: float = GROWTH_FLOOR,
     workers: int | None = 1,
     cluster: str | None = None,
     out: str | Path | None = None,
@@ -112,8 +113,8 @@ def sweep(
     cannot be written.
     """
     family_of = FAMILY.required(problem)
-    if workers is not None and not 1 <= workers <= 1024:
-        raise InputError(f"workers = {workers}: allowed is 1 to 1024")
+    if workers is not None and not 1 <= workers <= MOST_WORKERS:
+        raise InputError(f"workers = {workers}: allowed is 1 to {MOST_WORKERS}")
     settings = WalkSettings(digits, every, floor)
     family = family_of(tuple(axes))
     grid = SweepGrid.of(axes, family)

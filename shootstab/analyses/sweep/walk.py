@@ -17,6 +17,7 @@ from shootstab.analyses.sweep.dominance import SAME_MODE, DominantModes, count_d
 from shootstab.analyses.sweep.following import ARRIVED, LOST, FollowedMode, follow, land
 from shootstab.analyses.sweep.grid import GridLine
 from shootstab.analyses.sweep.outcomes import FOLLOWED, NONE_GROWS, PROVED, Outcome
+from shootstab.core.allowed import COUNT_EVERY, GROWTH_FLOOR, LARGEST_FLOOR, MOST_EVERY, MOST_SWEEP_DIGITS, SWEEP_DIGITS
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.records import UNRESOLVED
 from shootstab.discriminants.frame import Frame
@@ -27,23 +28,24 @@ from shootstab.problems.protocol import Problem
 SPREAD = 10.0  # chosen: factor on the parts of the error that are measured at two points of a line only
 AUDITS, TRIES = 2, 8  # chosen: points of a line at which all parts of the error are to be measured, and how many are tried
 MESH = 1e-8  # chosen: local errors on the meshes, unless the digits ask for smaller ones
+NEGLIGIBLE_STEP = 1e-3  # chosen: a step of Newton below this part of the accuracy needs no other one to tell what it leaves
 
 
 @dataclass(frozen=True)
 class WalkSettings:
     """What is asked of every point: digits of σ; a count at every `every`-th point of a line; the Re σ above which a mode counts."""
 
-    digits: int = 8
-    every: int = 12
-    floor: float = 1e-8
+    digits: int = SWEEP_DIGITS
+    every: int = COUNT_EVERY
+    floor: float = GROWTH_FLOOR
 
     def __post_init__(self) -> None:
-        if not 1 <= self.digits <= 11:
-            raise InputError(f"digits = {self.digits}: allowed is 1 to 11")
-        if not 1 <= self.every <= 1000:
-            raise InputError(f"every = {self.every}: allowed is 1 to 1000")
-        if not 0.0 < self.floor < 1e-2:
-            raise InputError(f"floor = {self.floor!r}: allowed is a number above 0 and below 0.01")
+        if not 1 <= self.digits <= MOST_SWEEP_DIGITS:
+            raise InputError(f"digits = {self.digits}: allowed is 1 to {MOST_SWEEP_DIGITS}")
+        if not 1 <= self.every <= MOST_EVERY:
+            raise InputError(f"every = {self.every}: allowed is 1 to {MOST_EVERY}")
+        if not 0.0 < self.floor < LARGEST_FLOOR:
+            raise InputError(f"floor = {self.floor!r}: allowed is a number above 0 and below {LARGEST_FLOOR:g}")
 
 
 @dataclass
@@ -192,7 +194,7 @@ class _Walk:
             fine = here.at(sigma).refined()
             step = fine.with_derivative(sigma).newton_step
             sigma += step
-            rest = abs(fine.with_derivative(sigma).newton_step) if abs(step) > 1e-3 * self._rtol * abs(sigma) else 0.0
+            rest = abs(fine.with_derivative(sigma).newton_step) if abs(step) > NEGLIGIBLE_STEP * self._rtol * abs(sigma) else 0.0
         except ConvergenceError as error:
             return Outcome(f"{UNRESOLVED}: {error}", floor=place.floor)
         spent = here.evaluations + fine.evaluations + place.evaluations

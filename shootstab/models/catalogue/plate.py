@@ -9,6 +9,9 @@ from shootstab.core.scene_keys import Description
 from shootstab.models.catalogue.entry import Entry, Maker, Published, keys
 
 MACK_VISCOSITY = 2 / 15  # derived: second coefficient of viscosity, in μ, for Mack's ratio 1.2
+RANKINES = 1.8  # exact: degrees Rankine in a kelvin
+# published: Malik (1990): Mach number, stagnation temperature in degrees Rankine, Reynolds number and wave of his cases
+MALIK_CASES = {3: (2.5, 600.0, 3000.0, {"alpha": 0.06, "beta": 0.1}), 6: (4.5, 1100.0, 1500.0, {"omega": 0.23})}
 
 
 def _describe(values: Mapping[str, Any]) -> Description:
@@ -19,8 +22,12 @@ def _describe(values: Mapping[str, Any]) -> Description:
     return Description(8, "u, u′, v, p, θ, θ′, w, w′", "half line y > 0, all modes", scales, eigenvalue)
 
 
-_MALIK_3 = {"second": MACK_VISCOSITY, "mach": 2.5, "far_temperature": 600 / 1.8 / 2.25, "reynolds": 3e3, "alpha": 0.06, "beta": 0.1}
-_MALIK_6 = {"second": MACK_VISCOSITY, "mach": 4.5, "far_temperature": 1100 / 1.8 / 5.05, "reynolds": 1.5e3, "omega": 0.23}
+def _malik(case: int) -> dict[str, float]:
+    mach, stagnant, reynolds, wave = MALIK_CASES[case]
+    far_temperature = stagnant / RANKINES / (1 + mach**2 / 5)  # γ = 7/5
+    return {"second": MACK_VISCOSITY, "mach": mach, "far_temperature": far_temperature, "reynolds": reynolds, **wave}
+
+
 ENTRIES = (
     Entry(
         name="plate",
@@ -31,8 +38,8 @@ ENTRIES = (
         ),
         describe=_describe,
         scenes={
-            "malik-3": ("compressible flat plate, M = 2.5, temporal: Malik's case 3, Mack's bulk viscosity", _MALIK_3),
-            "malik-6": ("compressible flat plate, M = 4.5, spatial: Malik's case 6, Mack's bulk viscosity", _MALIK_6),
+            "malik-3": ("compressible flat plate, M = 2.5, temporal: Malik's case 3, Mack's bulk viscosity", _malik(3)),
+            "malik-6": ("compressible flat plate, M = 4.5, spatial: Malik's case 6, Mack's bulk viscosity", _malik(6)),
         },
         published=(
             Published(

@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from shootstab.core.errors import NoFlowError
+from shootstab.core.numerus import PERCENT
 from shootstab.models.chute.family import SCOUTING, solve_between
 from shootstab.models.chute.parameters import Chute
 from shootstab.models.chute.registry import CHUTE, names
@@ -20,6 +21,7 @@ from shootstab.models.chute.steady_flow import Flow, descend
 ASIDE = 1e-4  # chosen: step of x for d ln Q0/dx; scouting flows of 1e-9 leave five digits of it
 LONGEST_STEP = 0.1  # |Δx| of one step: chosen, a tenth of what separates the branches of the paper's flows where they are nearest
 STEADY = 2.0  # chosen: ratio of the slopes d ln Q0/dx at the ends of a step, at most: next to a fold steps shrink with the way left to it
+TO_THE_FOLD = 0.7  # chosen: part of the way to the fold, as it is seen from here, that one step takes at most
 SMALLEST_STEP = 1e-6  # step, of the whole way: a fold lies no farther ahead than a few of these (chosen)
 # chosen: steps of Newton to a point of the branch, and the relative step that ends them; more mean a shorter step along it
 BRANCH_NEWTONS, BRANCH_SETTLED = 4, 1e-8
@@ -43,7 +45,7 @@ def continued(flow: Flow, chute: Chute, mass_flux: float) -> Flow:
             flatter = (found[1] / slope) ** 2
             (x, slope), place = found, ahead
             # the square of the slope falls linearly towards a fold
-            step = min(2 * done, 0.7 * done * flatter / (1 - flatter)) if flatter < 1.0 else 2 * done
+            step = min(2 * done, TO_THE_FOLD * done * flatter / (1 - flatter)) if flatter < 1.0 else 2 * done
             continue
         step /= 2
         if step < SMALLEST_STEP:
@@ -81,6 +83,6 @@ def _settled(chute: Chute, mass_flux: float, x: float) -> tuple[float, float] | 
 
 def _ended(place: float, mass_flux: float) -> Any:
     raise NoFlowError(
-        f"the branch of the scene's flow ends on the way there, after {100 * place:.3g} % of it, at mass_flux = {mass_flux:.6g}: "
+        f"the branch of the scene's flow ends on the way there, after {PERCENT * place:.3g} % of it, at mass_flux = {mass_flux:.6g}: "
         "in a fold of the family, or where its flows end"
     )

@@ -34,6 +34,7 @@ from shootstab.spectral.qz import DenseMatrix, Spectrum
 Way = Callable[[int, complex], tuple[complex, int]]
 FIELDS = 5  # exact: ν, u, v, w, T
 PHASE = 1j  # exact: v̂ = PHASE · (the unknown)
+CHUTE_TRUNCATION = 60  # chosen: the order that resolves the modes of the paper's flows
 
 
 def window(
@@ -129,7 +130,7 @@ def spectrum(
     flow: Flow,
     kx: float,
     ky: float,
-    M: int = 60,
+    M: int = CHUTE_TRUNCATION,
     filtered: bool = True,
     z_max: float | None = None,
     z_half: float | None = None,

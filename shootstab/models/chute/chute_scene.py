@@ -21,11 +21,12 @@ def _keys(table: str, parameters: tuple[str, ...], either: tuple[str, ...] = ())
 
 FLOW_KEYS = _keys("flow", (*names(CHUTE), *names(FLOW)), either=("mass_flux", "far_temperature"))
 WAVE_KEYS = _keys("wave", names(WAVE))
+PAPER = {"e": 0.8, "e_w": 0.8, "r": 0.6, "tan_theta": 0.3, "mass_flux": 3.0}  # published: the flows of Woodhouse & Hogg (2010)
 
 
 def _paper(what: str, branch: str, kx: float, ky: float) -> BuiltIn:
-    flow = {"e": 0.8, "e_w": 0.8, "r": 0.6, "tan_theta": 0.3, "mass_flux": 3.0, "branch": branch}
-    return BuiltIn(f"granular chute, {branch} flow at Q0 = 3, {what}", {"flow": flow, "wave": {"kx": kx, "ky": ky}})
+    said = f"granular chute, {branch} flow at Q0 = {PAPER['mass_flux']:g}, {what}"
+    return BuiltIn(said, {"flow": {**PAPER, "branch": branch}, "wave": {"kx": kx, "ky": ky}})
 
 
 SCENES = {

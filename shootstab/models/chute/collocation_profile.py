@@ -18,6 +18,8 @@ from shootstab.spectral.chebyshev import RealArray
 NU_TRUNCATED = 1e-14  # chosen: ν0(z_m); (2.20)–(2.22) cost a relative error in σ of 10 to 1500 ν0(z_m) on the paper's flows
 FOCI = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0)  # chosen: foci of candidate grids, among which the profile decides
 COMPARED_DEGREE = 64  # chosen: the degree at which candidate grids are compared
+CANDIDATE_HALVES = (0.05, 0.7, 13)  # chosen: heights below which half the nodes lie, in z_m: from, to, and how many
+LEAST_COEFFICIENT = 1e-13  # chosen: coefficients below this part of the largest are rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,11 +92,11 @@ def clustering(
 ) -> tuple[float, float]:
     """(z_h, β) of the grid on which flow and perturbation have the fastest falling Chebyshev coefficients; what is given stays.
 
-    Compared is the area under log10 |a_n|, down to 1e−13 of the largest, of ν0, T0, u0, q0/ν0, exp(−Kz), and c/(c + s) with
+    Compared is the area under log10 |a_n|, down to LEAST_COEFFICIENT of the largest, of ν0, T0, u0, q0/ν0, exp(−Kz), and c/(c + s) with
     c = ν0(a0 K0 + b0 K0*)/(K0(ξ0 + 4η0/3)) = −Re σ_c of (2.13): its poles at complex z are where a likely mode makes det C
     vanish, s = K√T_∞/10 + ik_x(u0 − Q0/M0).
     """
-    heights = z_max * np.geomspace(0.05, 0.7, 13) if z_half is None else [z_half]
+    heights = z_max * np.geomspace(*CANDIDATE_HALVES) if z_half is None else [z_half]
     pairs = product(heights, FOCI if focus is None else (focus,))
     best = min(pairs, key=lambda pair: _area(flow, chebyshev.malik(COMPARED_DEGREE, z_max, *pair).z, kx, ky))
     return float(best[0]), float(best[1])
@@ -106,4 +108,4 @@ def _area(flow: Flow, z: RealArray, kx: float, ky: float) -> float:
     resonance = c / (c + K * flow.far_temperature**0.5 / 10 + 1j * kx * (s.u - mean))
     sizes = np.abs(chebyshev.coefficients(np.array([s.nu, s.T, s.u, s.q / s.nu, np.exp(-K * z), resonance])))
     sizes /= sizes.max(axis=1, keepdims=True)
-    return float(np.log10(np.maximum(sizes, 1e-13).max(axis=0)).sum())
+    return float(np.log10(np.maximum(sizes, LEAST_COEFFICIENT).max(axis=0)).sum())

@@ -29,18 +29,13 @@ from shootstab.multiprecision.tailed_pencil import BALLS, TailedPencil
 LEMMAS = ("C1", "C2", "C3", "C4", "C5", "E11")  # lemmas of the guide's page on proofs
 FIRST_START, FLUX_START = 2.0**-9, 2.0**-9  # chosen: ν0 from which on a start of the far field is looked for
 TAIL_CONTRACTION = 0.38  # chosen: spectral radius with which the bounds of tails contract; longer steps ask for more terms
-REUSED, REGION_ROOM = (
-    1.5,
-    1.25,
-)  # chosen: bits over those asked for with which an enclosure serves again, and the region it holds for over the one asked for
+REUSED = 1.5  # chosen: bits, over those asked for, with which an enclosure serves again
+REGION_ROOM = 1.25  # chosen: the region that an enclosure holds for, over the one asked for
 NO_BRACKET = "no bracket of the far temperature is proved to hold a flow of this mass flux: take more bits"
 LEAST_DIGITS = 12.0  # chosen: fewest digits of a flow
 LEAST_FAR_TERMS = 64  # chosen: the tail of the far field contracts by |A_0|/N at best
-FLUX_ROOM, BRACKET_WIDER, WIDENINGS = (
-    1e3,
-    1e3,
-    3,
-)  # chosen: half width of the bracket of T_∞ over 10^−digits of it, and how often it is widened
+FLUX_ROOM = 1e3  # chosen: half width of the bracket of T_∞, over 10^−digits of it
+BRACKET_WIDER, WIDENINGS = 1e3, 3  # chosen: factor by which the bracket is widened, and how often it is
 
 
 class ChutePath:

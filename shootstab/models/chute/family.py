@@ -18,6 +18,9 @@ SCAN = (1e-2, 1e3, 121)  # chosen: T_∞ from, to, points: 24 a decade
 SCOUTING = 1e-9  # chosen: the tolerance of flows that only tell where to look
 OVERSHOOT = 4.0  # chosen: an extremum between points of the scan surely exceeds them by fewer of the differences next to it
 DOUBT = 1e-5  # chosen: where a scouting flow comes nearer to the mass flux than this part, its error could decide whether a flow is there
+END_BISECTIONS = 40  # chosen: halvings of the way to the end of the family, to twelve digits of a step of the scan
+FOLD_KNOWN = 1e-9  # chosen: how well ln T_∞ of an extremum of Q0 is sought
+FLUX_STEP = 1e-5  # chosen: relative step of T_∞ for dQ0/d ln T_∞, in which one step of Newton is taken
 
 
 def flows(chute: Chute, mass_flux: float) -> list[Flow]:
@@ -108,7 +111,7 @@ def _flux(chute: Chute, log_temperature: float, tolerance: float) -> float:
 
 def _last_member(misfit: Callable[[float], float], inside: float, outside: float) -> float:
     """The ln T_∞ next to the end of the family between inside, where a flow exists, and outside, where none does."""
-    for _ in range(40):
+    for _ in range(END_BISECTIONS):
         middle = (inside + outside) / 2
         if np.isfinite(misfit(middle)):
             inside = middle
@@ -130,7 +133,7 @@ def _fold_between(misfit: Callable[[float], float], logs: np.ndarray, at: np.nda
     sign = np.sign(at[i])
     from scipy.optimize import minimize_scalar
 
-    best = minimize_scalar(lambda x: sign * misfit(x), bounds=(logs[i], logs[i + 1]), method="bounded", options={"xatol": 1e-9})
+    best = minimize_scalar(lambda x: sign * misfit(x), bounds=(logs[i], logs[i + 1]), method="bounded", options={"xatol": FOLD_KNOWN})
     return [float(best.x)]
 
 
@@ -165,6 +168,6 @@ def _last_bit(x: float, rng: np.random.Generator) -> float:
 @lru_cache(maxsize=8)
 def _flux_rate(flow: Flow) -> float:
     """dQ0/d ln T_∞."""
-    step = 1e-5
+    step = FLUX_STEP
     ahead = descend(flow.chute, flow.far_temperature * (1 + step))
     return (ahead.mass_flux - flow.mass_flux) / step

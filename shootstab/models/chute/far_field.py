@@ -30,6 +30,7 @@ from shootstab.problems.protocol import ComplexArray
 
 Terms = NDArray[np.inexact]
 FAR_TERMS = 12  # chosen: more cost more than the steps they save
+LARGEST_START = 1e-2  # chosen: ν0 at which an integration begins at most
 # Multiplying v̂ and all that goes with it by i makes a series that is real where k_x and σ's imaginary part are zero
 TURNED_STATES, TURNED_EQUATIONS, TURNED_SOLUTIONS = [2, 6], [2, 6], [1]  # exact: what of states, equations and solutions goes with v̂
 
@@ -128,7 +129,7 @@ class FarField:
         m = np.arange(FAR_TERMS - 4, FAR_TERMS)
         with np.errstate(divide="ignore"):
             bounds = np.where(sizes[m] > 0.0, (tolerance / sizes[m]) ** (1.0 / m), np.inf)
-        return float(min(bounds.min(), 1e-2))
+        return float(min(bounds.min(), LARGEST_START))
 
     def at(self, nu: float, sigma: complex) -> tuple[ComplexArray, ComplexArray, float]:
         """Σ P_m ν0^m and its σ-derivative, each (8, 4), and a bound on its relative error from the last terms."""

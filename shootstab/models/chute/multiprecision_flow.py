@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from shootstab.core.errors import ConvergenceError
+from shootstab.core.scaled import TINY
 from shootstab.core.series import Series
 from shootstab.models.chute import constitutive as law
 from shootstab.models.chute.balance import slip, slopes
@@ -22,6 +23,7 @@ from shootstab.multiprecision.relaxed_series import RelaxedSeries, RelaxedSystem
 from shootstab.multiprecision.settings import Settings, step_limit
 
 FLOW_NEWTONS = 60  # chosen: the most steps of Newton; each doubles the digits
+PLACED = 0.9  # chosen: part of the digits that the last step of Newton to a place leaves as they are
 HIGHEST_START = -7.0  # chosen: log2 of the ν0 at which the way down begins, at most
 FLUX = 4  # exact: the place of Φ in a state (ν, T, u, Q, Φ)
 State = list[Any]
@@ -118,7 +120,7 @@ class Descent:
         arithmetic = self.arithmetic
         x = arithmetic.number(-self.remaining)
         slopes_of = [[m * c for m, c in enumerate(y)][1:] for y in series[:4]]
-        goal = -0.9 * arithmetic.log2(arithmetic.number(10)) * self.settings.digits + math.log2(abs(self.remaining) + 1e-300)
+        goal = -PLACED * arithmetic.log2(arithmetic.number(10)) * self.settings.digits + math.log2(abs(self.remaining) + TINY)
         best = math.inf
         for _ in range(FLOW_NEWTONS):
             pairs = [Series((evaluate(arithmetic, y, x), evaluate(arithmetic, s, x))) for y, s in zip(series, slopes_of, strict=False)]

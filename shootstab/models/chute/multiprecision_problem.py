@@ -14,7 +14,7 @@ from shootstab.core.series import Series
 from shootstab.models.chute import first_order_system as system
 from shootstab.models.chute.background import Background, background, fields
 from shootstab.models.chute.multiprecision_far import SPANWISE, leading, turned, wavenumber
-from shootstab.models.chute.multiprecision_flow import FLOW_NEWTONS, Descent, FlowAtBase, descend, evaluate, far_series, start_of
+from shootstab.models.chute.multiprecision_flow import FLOW_NEWTONS, PLACED, Descent, FlowAtBase, descend, evaluate, far_series, start_of
 from shootstab.models.chute.parameters import Chute
 from shootstab.models.chute.perturbations import PERTURBED, Perturbations
 from shootstab.models.chute.wall import wall_rows
@@ -24,12 +24,13 @@ from shootstab.multiprecision.integration import BaseFlowNumbers, Expansion, Unk
 from shootstab.multiprecision.linear_step import at_sigma
 from shootstab.multiprecision.regular_singular_end import decaying_series
 from shootstab.multiprecision.secant import Secant, Values
-from shootstab.multiprecision.settings import Settings, step_limit
+from shootstab.multiprecision.settings import LIMIT_SLACK, Settings, step_limit
 from shootstab.multiprecision.taylor import Taylor, real_series
 
 RESPONSE_DIGITS = 0.72  # chosen: the response of a flow to T_∞ is found first with this part of its digits
 FLOW_WANDER = 1e-6  # chosen: relative change of T_∞ beyond which the double-precision flow was another one
 FLATTEST = 1e-5  # chosen: |d ln Q0/d ln T_∞| below which a flow lies at a fold of the family: doubles cannot tell there which one is meant
+GUESSED_DIGITS, GUESSED_TERM = 14, 18  # chosen: a guess that is too near is moved out, and one too far costs a few steps
 
 
 class ChuteDigits:
@@ -128,14 +129,14 @@ class ChuteIntegration:
             limit = self._limit(self._decaying(sigma))
             if limit >= 0.0:
                 break
-            log_start += limit - 0.02
+            log_start += limit - LIMIT_SLACK
         state = [evaluate(self.arithmetic, c, self._start) for c in self._series]
         self._descent = Descent(self.arithmetic, self.chute, self.settings, state, flow.height(2.0**log_start))
 
     def _guess(self, sigma: Any) -> float:
-        """log2 of a start: doubles, whose last terms (16th to 19th) lie below 10^−14, see the radius as about 10^(14/18) times theirs."""
-        z = self._problem.start(complex(self.arithmetic.to_mpmath(sigma)), 1e-14)
-        gain = 14 / 18 - self.settings.far_tolerance / self.settings.far_terms
+        """log2 of a start: where term m of a series is 10^−d, its radius is 10^(d/m) times as far; the d and m of doubles are GUESSED_…."""
+        z = self._problem.start(complex(self.arithmetic.to_mpmath(sigma)), 10.0**-GUESSED_DIGITS)
+        gain = GUESSED_DIGITS / GUESSED_TERM - self.settings.far_tolerance / self.settings.far_terms
         return float(self._problem.flow.states_at(z)[0].real) / math.log(2) + gain * math.log2(10) - self.settings.far_shift
 
     def _limit(self, terms: list[Matrix]) -> float:
@@ -221,7 +222,7 @@ class ChuteIntegration:
                 height, slope = height + lengths[m] * (power - 1) / m, slope + lengths[m] * power
             step = arithmetic.rounded((height - distance) / slope)
             x = arithmetic.rounded(x - step)
-            if arithmetic.log2(step) < -0.9 * math.log2(10) * self.settings.digits:
+            if arithmetic.log2(step) < -PLACED * math.log2(10) * self.settings.digits:
                 return x
         raise ConvergenceError(f"no volume fraction is found at a distance of {float(arithmetic.to_mpmath(distance)):.3g} above the start")
 

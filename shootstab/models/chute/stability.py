@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from shootstab.analyses.refine import refine
-from shootstab.analyses.sweep.dominance import GROWTH_FLOOR, DominantModes, count_dominant, lowest_floor, suggested
+from shootstab.analyses.sweep.dominance import DominantModes, count_dominant, lowest_floor, suggested
+from shootstab.core.allowed import GROWTH_FLOOR
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.records import UNRESOLVED, Mode
 from shootstab.models.chute.chute_problem import ChuteProblem

@@ -30,6 +30,7 @@ TOLERANCE = 1e-16  # chosen: what a polynomial leaves out, relative; below the r
 BEGINNING = 1e-2  # chosen: ν0 where the integration begins, in the tolerance; what the first order in ν0 leaves out is below it
 NU_TOP = BEGINNING * TOLERANCE
 HEIGHT_NEWTONS = 30  # chosen: the most steps of Newton to a height, each of which doubles its digits
+HEIGHT_KNOWN = 1e-12  # chosen: the last step to a height, in T_∞ and the height
 MOST_PIECES = 500  # chosen: the most pieces of a flow; the paper's flows have some 60
 HOTTEST = 1e5  # chosen: T in T_∞ beyond which it rises with depth without end, and z some 1e4 T_∞ down has lost four digits
 
@@ -146,7 +147,7 @@ class Flow:
             rate = slopes(np.exp(y[0]), y[1], y[3], self.chute.ep, self.chute.tan_theta, self.chute.radial_law, math.pi)[0]
             step = (target - y[0].real) / rate.real
             z += step
-            if abs(step) < 1e-12 * (self.far_temperature + abs(z)):
+            if abs(step) < HEIGHT_KNOWN * (self.far_temperature + abs(z)):
                 return float(z)
         raise ConvergenceError(f"no height found at which nu = {nu:g}")
 

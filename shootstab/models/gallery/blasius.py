@@ -48,7 +48,7 @@ def flow() -> Piecewise:
     If g solves the equation with g″(0) = 1, so does f(η) = A g(Aη) for every A, and f′(∞) = 1 for A = g′(∞)^(−1/2): no shooting (Töpfer
     1912).
     """
-    g = _march(1.0, TAYLOR_LENGTH, int(40 / TAYLOR_LENGTH))
+    g = _march(1.0, TAYLOR_LENGTH, int(2 * PROFILE_END / TAYLOR_LENGTH))
     A = float(g[-1, 1]) ** -0.5
     f = _march(A**3, TAYLOR_LENGTH, int(PROFILE_END / TAYLOR_LENGTH))
     m = np.arange(1, TAYLOR_TERMS)

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 from shootstab.core.errors import InputError
+from shootstab.models.catalogue.plate import MALIK_CASES, RANKINES
 from shootstab.models.gallery.orr_sommerfeld import require_positive
-from shootstab.models.gallery.plate_flow import Gas, PlateFlow, plate_flow
+from shootstab.models.gallery.plate_flow import AIR_GAMMA, Gas, PlateFlow, plate_flow
 from shootstab.models.gallery.plate_system import PLATE_SIZE, PolynomialEntries, background, system
 from shootstab.problems import Infinity, LinearProblem, Wall
 from shootstab.problems.linear_problem import problem
@@ -22,15 +23,16 @@ from shootstab.problems.protocol import ComplexArray
 STOKES = -2 / 3  # exact: second coefficient of viscosity, in μ, by Stokes' hypothesis
 MACK = 2 / 3 * (1.2 - 1)  # derived: the same for Mack's ratio 1.2 of bulk viscosity
 MOST_VISCOSITY = 100.0  # chosen: the same stays below this
-RANKINE = 1 / 1.8  # exact: kelvin
+RANKINE = 1 / RANKINES  # derived: kelvin in a degree Rankine
 STILL_WALL = np.eye(PLATE_SIZE)[[0, 2, 4, 6]]  # exact: u = v = θ = w = 0
 SHOWN_COMPONENTS = {"u": 0, "v": 2, "w": 6, "p": 3, "theta": 4}  # unknowns that are shown, and their places in the state
 PLATE_ROUNDING = 1e-16  # chosen, a unit of rounding: relative error of the profile
+BETWEEN_SPECTRA = 1.1  # chosen: the α of c = 0.91, in ω: between the acoustic spectra, c < 1 − 1/M and c > 1 + 1/M, and beside c = 1
 
 PlateMatrices = Callable[[ComplexArray], tuple[Any, ...]]
 
 
-def stagnation(mach: float, temperature: float, gamma: float = 1.4) -> float:
+def stagnation(mach: float, temperature: float, gamma: float = AIR_GAMMA) -> float:
     """The far temperature for a stagnation temperature in the same unit."""
     return temperature / (1 + 0.5 * (gamma - 1) * mach**2)
 
@@ -75,8 +77,7 @@ def plate_spatial(
         return plate_spatial(gas, reynolds, omega, beta, second, factor * PLATE_ROUNDING)
 
     made, end = None if accuracy else coarser, Wall(0.0, STILL_WALL)
-    # c = 0.91: between the acoustic spectra, c < 1 − 1/M and c > 1 + 1/M, and beside that of vorticity, c = 1
-    matrices, near = pencil(_flow(gas, accuracy)), 1.1 * omega
+    matrices, near = pencil(_flow(gas, accuracy)), BETWEEN_SPECTRA * omega
     return problem(PLATE_SIZE, matrices, end, Infinity(), reference=near, vectorized=True, coarser=made, unknowns=_shown())
 
 
@@ -102,12 +103,17 @@ def plate(
 
 def malik_3(second: float = MACK) -> LinearProblem:
     """M = 2.5, R = 3000, α = 0.06, β = 0.1, T0 = 600 °R, adiabatic; temporal."""
-    return plate(2.5, stagnation(2.5, 600.0) * RANKINE, 3000.0, alpha=0.06, beta=0.1, second=second)
+    return _malik(3, second)
 
 
 def malik_6(second: float = MACK) -> LinearProblem:
     """M = 4.5, R = 1500, ω = 0.23, β = 0, T0 = 1100 °R, adiabatic; spatial."""
-    return plate(4.5, stagnation(4.5, 1100.0) * RANKINE, 1500.0, omega=0.23, second=second)
+    return _malik(6, second)
+
+
+def _malik(case: int, second: float) -> LinearProblem:
+    mach, stagnant, reynolds, wave = MALIK_CASES[case]
+    return plate(mach, stagnation(mach, stagnant) * RANKINE, reynolds, second=second, **wave)
 
 
 def _shown() -> dict[str, ComplexArray]:

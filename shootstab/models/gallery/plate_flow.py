@@ -21,6 +21,8 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError, NoFlowError
+from shootstab.core.scaled import TINY
+from shootstab.models.catalogue.plate import RANKINES
 from shootstab.problems.base_flow_error import off_by
 from shootstab.problems.protocol import ComplexArray
 
@@ -32,6 +34,14 @@ MOST_INTERVALS = 400  # chosen: after so many the shear stress has not died away
 NEWTON, PICARD = 30, 40  # chosen: iterations at most of Newton for the wall's values, and of Picard on an interval
 STEEP, MACH_STEP = 5.0, 1.1  # chosen: Mach number beyond which the flow at a smaller one, by this factor, is the first guess
 PLATE_SETTLED = 2e-15  # chosen: the part of the recovery temperature that a step may leave, ten units of rounding
+AIR_GAMMA, AIR_PRANDTL = 1.4, 0.7  # published: ratio of specific heats and Prandtl number of air, in both cases of Malik's
+AIR_SUTHERLAND = 198.6 / RANKINES  # published: Sutherland's constant of air, 198.6 degrees Rankine, in kelvin
+LARGEST_GAMMA = 5.0  # chosen: ratios of specific heats stay below this
+FIRST_SHEAR = 0.33  # derived: the shear stress of Blasius' flow at the wall, 0.33206
+SHOOTING_STEP, LEAST_FREE = 1e-6, 1e-2  # chosen: step of the differences of Newton, relative to what is free, which counts as no less
+LONGEST_MOVE, FREE_SCALE = 0.3, 0.1  # chosen: part of what is free, and of a scale added to it, that one step of Newton changes
+ROUGHLY_MET = 1e-3  # chosen: where U and T miss 1 by more, the flow is marched anew, as far as its shear stress lasts
+PICARD_ROUNDING, LEAST_VALUE = 1e-16, 1e-3  # chosen: relative change that ends Picard's iteration, of a state that counts as no less
 
 
 @dataclass(frozen=True)
@@ -40,17 +50,19 @@ class Gas:
 
     mach: float
     far_temperature: float
-    sutherland: float = 198.6 / 1.8
-    prandtl: float = 0.7
-    gamma: float = 1.4
+    sutherland: float = AIR_SUTHERLAND
+    prandtl: float = AIR_PRANDTL
+    gamma: float = AIR_GAMMA
     wall: float | None = None
 
     def __post_init__(self) -> None:
         for name in ("mach", "far_temperature", "prandtl"):
             if not 0.0 < getattr(self, name) < np.inf:
                 raise InputError(f"{name} = {getattr(self, name)!r}: allowed is a finite number above 0")
-        if not 0.0 <= self.sutherland < np.inf or not 1.0 < self.gamma < 5.0:
-            raise InputError(f"sutherland = {self.sutherland!r}, gamma = {self.gamma!r}: allowed are 0 or more, and 1 < gamma < 5")
+        if not 0.0 <= self.sutherland < np.inf or not 1.0 < self.gamma < LARGEST_GAMMA:
+            raise InputError(
+                f"sutherland = {self.sutherland!r}, gamma = {self.gamma!r}: allowed are 0 or more, and 1 < gamma < {LARGEST_GAMMA:g}"
+            )
         if self.wall is not None and not 0.0 < self.wall < np.inf:
             raise InputError(f"wall = {self.wall!r}: allowed is a finite number above 0, or none for an adiabatic wall")
 
@@ -119,7 +131,7 @@ def plate_flow(gas: Gas) -> PlateFlow:
     Raises NoFlowError where that does not settle.
     """
     recovery = 1 + 0.5 * np.sqrt(gas.prandtl) * (gas.gamma - 1) * gas.mach**2
-    shear = 0.33
+    shear = FIRST_SHEAR
     if gas.mach > STEEP:
         hotter, shear = plate_flow(replace(gas, mach=gas.mach / MACH_STEP)).wall
         recovery = recovery if gas.wall is not None else 1 + (hotter - 1) * MACH_STEP**2
@@ -137,13 +149,13 @@ def plate_flow(gas: Gas) -> PlateFlow:
         missed = reached[[1, 3]] - 1
         jacobian = np.empty((2, 2))
         for j in range(2):
-            step = 1e-6 * max(abs(free[j]), 1e-2) * np.eye(2)[j]
+            step = SHOOTING_STEP * max(abs(free[j]), LEAST_FREE) * np.eye(2)[j]
             jacobian[:, j] = (_march(gas, begin(free + step), length, intervals)[0] - reached)[[1, 3]] / step[j]
         move = np.linalg.solve(jacobian, -missed)
-        free = free + move * min(1.0, 0.3 / max(np.abs(move / (np.abs(free) + 0.1)).max(), 1e-300))
+        free = free + move * min(1.0, LONGEST_MOVE / max(np.abs(move / (np.abs(free) + FREE_SCALE)).max(), TINY))
         if min(np.abs(missed).max(), np.abs(move).max()) < PLATE_SETTLED * recovery:
             return PlateFlow(gas, length, found)
-        if np.abs(missed).max() > 1e-3:
+        if np.abs(missed).max() > ROUGHLY_MET:
             intervals = None
     raise NoFlowError(f"no boundary layer found for {gas}: U and T miss 1 by {np.abs(missed).max():.1e}")
 
@@ -161,7 +173,7 @@ def _march(gas: Gas, state: NDArray[Any], length: float, intervals: int | None) 
             series = chebyshev.chebint(slopes, lbnd=-1, scl=0.5 * length)[:NODES]
             series[0] += state
             new = (chebyshev.chebvander(x, NODES - 1) @ series).T
-            settled = np.abs(new - values).max(axis=1) <= 1e-16 * np.maximum(np.abs(values).max(axis=1), 1e-3)
+            settled = np.abs(new - values).max(axis=1) <= PICARD_ROUNDING * np.maximum(np.abs(values).max(axis=1), LEAST_VALUE)
             values = new
             if settled.all():
                 break

@@ -23,6 +23,8 @@ from shootstab.problems.linear_problem import problem
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
 from shootstab.problems.unknowns import Unknowns
 
+STEPS_OF_HALF = 16  # chosen: steps of the first mesh in half the channel
+
 
 @dataclass(frozen=True)
 class PlanePoiseuille:
@@ -143,7 +145,7 @@ class PlanePoiseuille:
         return FarFrame(frame, np.zeros_like(frame), 0.0, 0.0)
 
     def mesh(self, start: float) -> NDArray[np.float64]:
-        return np.linspace(start, 1.0, 17 if self.half else 33)
+        return np.linspace(start, 1.0, STEPS_OF_HALF + 1 if self.half else 2 * STEPS_OF_HALF + 1)
 
     def wall_rows(self) -> tuple[ComplexArray, ComplexArray]:
         W0 = np.eye(4, dtype=np.complex128)[:2]
