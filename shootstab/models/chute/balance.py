@@ -18,10 +18,7 @@ def slopes(nu: Any, T: Any, Q: Any, ep: Any, tan_theta: Any, radial_law: Any, pi
 
     T′ and ν′ follow from p = g1 T with p′ = −ν and from q = −K T′ + K* ν′.
     """
-    g0, dg0 = law.radial(nu, radial_law)
-    f1, g2, g3 = law.f1(nu, g0, ep), law.g2(nu, g0, ep, pi), law.g3(nu, g0, ep, pi)
-    g4, f5 = law.g4(nu, g0, dg0, ep, pi), law.f5(g0, ep, pi)
-    g1, dg1 = nu * f1, 1 + 8 * ep * nu * g0 + 4 * ep * nu * nu * dg0
+    f1, g2, g3, g4, f5, g1, dg1 = law.steady(nu, ep, radial_law, pi)
     root_T = T**0.5
     mixed = dg1 * g3 + g1 * g4  # (a K + b K*)/T^(3/2)
     log_nu_z = (g1 * Q - g3 * root_T) / (mixed * T * root_T)

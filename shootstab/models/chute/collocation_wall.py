@@ -44,7 +44,7 @@ def conditions(chute: Chute, flow: SteadyProfile, at: Trace) -> tuple[WallRow, W
     nu, T, u, u_z, p = (float(f[0]) for f in (flow.nu, flow.T, flow.u, flow.u_z, flow.p))
     g0 = law.radial(Series((nu, 1.0)), chute.radial_law)[0]
     A, dA = law.wall_shear(Series((nu, 1.0)), g0, pi)
-    kappa, B, delta = law.slip_coefficient(r), law.wall_normal(A, r), law.wall_dissipation(r, chute.e_w, pi)
+    kappa, B, delta = law.slip_coefficient(r), law.wall_normal(A, r), chute.wall_dissipation(pi)
     unit, root = math.sqrt(2 / pi), math.sqrt(T)
     stretch, splay = kappa - A * r * r / 2, -A * r * r / 2
 

@@ -121,6 +121,15 @@ def coefficients(nu: Any, ep: Any, law: Any, pi: Any) -> Coefficients:
 
 
 @register_jitable
+def steady(nu: Any, ep: Any, law: Any, pi: Any) -> Any:
+    """(f1, g2, g3, g4, f5, g1, g1′): what the steady equations take, each at ν itself."""
+    g0, dg0 = radial(nu, law)
+    reduced = f1(nu, g0, ep)
+    rest = g2(nu, g0, ep, pi), g3(nu, g0, ep, pi), g4(nu, g0, dg0, ep, pi), f5(g0, ep, pi)
+    return reduced, *rest, nu * reduced, 1 + 8 * ep * nu * g0 + 4 * ep * nu * nu * dg0
+
+
+@register_jitable
 def wall_shear(nu: Any, g0: Any, pi: Any) -> Any:
     """A(ν) of (A 15)."""
     return 1 + (pi * pi / 288) ** 0.5 * (1 + 5 / (8 * nu * g0))

@@ -146,7 +146,7 @@ class Descent:
 
 def energy_defect(chute: Chute, nu: Any, T: Any, Q: Any, pi: Any) -> Any:
     """q/p − tanθ u_slip + Δ √T, zero at the base, for numbers and series."""
-    delta = law.wall_dissipation(chute.r, chute.e_w, pi)
+    delta = chute.wall_dissipation(pi)
     g0, _ = law.radial(nu, chute.radial_law)
     u_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.radial_law, pi)[2]
     u = slip(nu, T, u_z, g0, chute.r, chute.tan_theta, pi)

@@ -46,11 +46,14 @@ class Chute:
         """g0 as one object, which only `constitutive.radial` and `constitutive.densest` look into."""
         return (law.RADIAL_DISTRIBUTIONS[self.radial], *(getattr(self, name) for name in law.RADIAL_PARAMETERS))
 
+    def wall_dissipation(self, pi: Any) -> Any:
+        """Δ of (A 18), with π in whatever arithmetic the parameters are."""
+        return law.wall_dissipation(self.r, self.e_w, pi)
+
     @cached_property
     def numbers(self) -> NDArray[np.float64]:
         """Numbers (m,) as kernels take them: η_p, tanθ, r, Δ, and those of radial_law."""
-        delta = law.wall_dissipation(self.r, self.e_w, math.pi)
-        return np.array([self.ep, self.tan_theta, self.r, delta, *self.radial_law])
+        return np.array([self.ep, self.tan_theta, self.r, self.wall_dissipation(math.pi), *self.radial_law])
 
     def with_numbers(self, change: Callable[[Any], Any]) -> Chute:
         """The same with every number among its parameters changed, in the order of the registry."""

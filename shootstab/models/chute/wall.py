@@ -46,7 +46,7 @@ def base_matrices(chute: Chute, bg: Background, kx: Any, ky: Any, pi: Any) -> tu
     """
     nu, T, u, u_z, p, eta, xi = bg.nu[0], bg.T[0], bg.u[0], bg.u_z[0], bg.p[0], bg.eta[0], bg.xi[0]
     r, root_T, root = chute.r, T**0.5, (2 / pi) ** 0.5
-    kappa, delta = law.slip_coefficient(r), law.wall_dissipation(r, chute.e_w, pi)
+    kappa, delta = law.slip_coefficient(r), chute.wall_dissipation(pi)
 
     x = Series((nu, 1 + 0 * nu))
     A = law.wall_shear(x, law.radial(x, chute.radial_law)[0], pi)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from importlib import import_module
+from inspect import signature
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,15 @@ def test_numbers_that_stand_here_are_those_of_the_equations() -> None:
     for name, mach, stagnation in (("malik-3", 2.5, 600.0), ("malik-6", 4.5, 1100.0)):
         far = plate.stagnation(mach, stagnation) * plate.RANKINE
         assert scenes[name][1]["far_temperature"] == pytest.approx(far, rel=1e-14, abs=0.0)
+
+
+@pytest.mark.parametrize("name", ["blasius", "shear-layer", "poeschl-teller", "poiseuille"])
+def test_a_scene_of_published_parameters_has_those_of_its_equations(name: str) -> None:
+    entry = entries()[name]
+    make = getattr(import_module(f"shootstab.models.gallery.{entry.make.module}"), entry.make.function)
+    defaults = {key: p.default for key, p in signature(make).parameters.items()}
+    ((_, values),) = entry.scenes.values()
+    assert values and {key: defaults[key] for key in values} == values
 
 
 def test_every_entry_reads_its_own_scenes() -> None:
