@@ -10,6 +10,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from shootstab.core.errors import ConvergenceError
 from shootstab.essential_spectrum.curves import SLOPE_STEP
 from shootstab.problems.capabilities import INTERIOR, Continuum
 from shootstab.problems.protocol import ComplexArray, Problem
@@ -75,12 +76,15 @@ class SampledContinuum:
         return np.asarray(ratios)
 
     def singular_point(self, sigma: complex) -> complex | None:
-        """z_s with σ_c(z_s) = σ, continued from the nearest real height by Newton; None if that leads nowhere."""
+        """z_s with σ_c(z_s) = σ, continued from the nearest real height by Newton; None if that leads nowhere, or where σ_c is unknown."""
         z = complex(self.nearest(sigma)[1])
         scale = self.scale(z.real)
         step = SLOPE_STEP * scale
         for _ in range(CURVE_NEWTON_STEPS):
-            here, ahead, behind = self.curve(np.array([z, z + step, z - step]))
+            try:
+                here, ahead, behind = self.curve(np.array([z, z + step, z - step]))
+            except ConvergenceError:  # no base flow is continued to every complex height; the real axis serves all σ off the curve
+                return None
             slope = (ahead - behind) / (2 * step)
             change = (sigma - complex(here)) / complex(slope) if slope != 0.0 else math.inf
             if not cmath.isfinite(change):

@@ -10,7 +10,7 @@ from shootstab.core.regions import Disc
 from shootstab.discriminants.continuation import Continuation, Undecidable
 from shootstab.discriminants.deformed_path import DeformedPath
 from shootstab.discriminants.frame import Frame
-from shootstab.essential_spectrum.interior import continuum_of
+from shootstab.essential_spectrum.interior import SampledContinuum, continuum_of
 from shootstab.models.chute import ChuteProblem
 from shootstab.models.gallery.poiseuille import PlanePoiseuille
 from shootstab.roots.winding import wind
@@ -73,6 +73,27 @@ def test_singular_points_are_found(fig2: ChuteProblem) -> None:
     assert continuum is not None
     for z in (5.0 + 0.5j, 15.0 - 1e-6j, 40.0 + 1j):
         assert continuum.singular_point(sigma_at(fig2, z)) == pytest.approx(z, abs=1e-9)
+
+
+class KnownNextToTheAxis:
+    """σ_c = −1/(1 + z) on 0 ≤ z ≤ 9, of a base flow that is not continued further than 1/4 off the real axis."""
+
+    def heights(self, count: int) -> np.ndarray:
+        return np.linspace(0.0, 9.0, count)
+
+    def __call__(self, z: np.ndarray) -> np.ndarray:
+        if (np.abs(z.imag) > 0.25).any():
+            raise st.ConvergenceError("the base flow cannot be continued")
+        return -1 / (1 + z)
+
+
+def test_a_singular_point_where_the_flow_is_not_known_is_none_of_concern() -> None:
+    """Its path is the real axis, on which D is D itself: the search for it ends, and raises nothing."""
+    curve = KnownNextToTheAxis()
+    z = curve.heights(2001)
+    continuum = SampledContinuum(curve, z, curve(z.astype(complex)))
+    assert continuum.singular_point(-1 / (1 + 3 + 0.2j)) == pytest.approx(3 + 0.2j)
+    assert continuum.singular_point(-1 / (1 + 3 + 0.5j)) is None
 
 
 def test_branches(fig2: ChuteProblem) -> None:

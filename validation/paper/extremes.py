@@ -3,7 +3,7 @@
 A line of the map goes from the flow at tan θ = 0.3, T_∞ = 7 to one end: wavenumbers along and across the slope, T_∞, e, the volume fraction
 at the base, the slope; |σ| falls to 1e-10 with the waves across it. The line of distances to the continuous spectrum takes its waves and
 guesses from the ladder (ladder.py). Elsewhere the guess is the fastest-growing mode of the pseudospectral reference. Each method is asked
-for ten digits, and its value is held against 25, or where these cannot be had against the other methods. A cell says digits reached,
+for ten digits, and its value is held against 18, or where these cannot be had against the other methods. A cell says digits reached,
 whether the bar is honest, and seconds, or why there is no value; every question has its time, and warnings are errors.
 """
 
@@ -16,6 +16,7 @@ import time
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
+from functools import cache
 from typing import Any
 
 import mpmath
@@ -26,17 +27,17 @@ from scenes import problem as built_in
 
 import shootstab as st
 from paper.edges import kinematic_speed
-from paper.ladder import SCENE
+from paper.ladder import RUNGS, SCENE, ladder
 from paper.rows import FIGURES, Item, Reproduction, Row
 from shootstab.analyses.reference import claims
 from shootstab.models.chute import chute_collocation
 
 GRAINS = {"e": 0.8, "e_w": 0.8, "r": 0.6, "tan_theta": 0.3}
 MIDDLE, DOWNSLOPE = 7.0, 1e-3  # chosen: T_∞ and k_x of the flow from which the lines of the map go
-RTOL, DIGITS = 1e-10, 25  # chosen: what is asked of doubles, and of the value that they are held against
+RTOL, DIGITS = 1e-10, 18  # chosen: what is asked of doubles, and of the value that they are held against
 SUGGESTING, REFERENCE = 48, 96  # chosen: M of the reference that suggests, and of the one that is held against the truth
 LONG, ACROSS = 1e-5, 1e-3  # chosen: k_x and k_y below which the asymptotics of long waves is the guess: −i c k_x, and σ ∝ k_y²
-TIME, TIME_DIGITS = 15.0, 40.0  # chosen: seconds of processor for a question
+TIME, TIME_DIGITS = 15.0, 30.0  # chosen: seconds of processor for a question
 LINES: dict[str, tuple[float, ...]] = {
     "K": tuple(10.0**n for n in range(-8, 2)),
     "ky": (3e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0),
@@ -48,7 +49,6 @@ LINES: dict[str, tuple[float, ...]] = {
 SLOPE_OF = {0.5: 0.433, 0.6: 0.4, 0.7: 0.357, 0.85: 0.263, 0.9: 0.218, 0.95: 0.2, 0.99: 0.15, 0.999: 0.1}  # chosen: flows of T_∞ = 7 exist
 QUICK: dict[str, tuple[float, ...]] = {"K": (1e-6, 1.0), "e": (0.95,)}
 TABLE = "extremes.csv"
-RUNGS = "ladder.csv"
 HOLDS, REFUSED, BROKEN, LATE, AGREE, VALUE, NO_FLOW, NO_MODE = (
     "holds", "refused", "broken", "over time", "no truth, methods agree", "the reference", "no flow", "no mode"
 )  # fmt: skip
@@ -85,11 +85,10 @@ class ExtremeCell:
     why: str = ""
 
 
+@cache
 def rungs() -> dict[float, tuple[float, complex]]:
-    """(k_x, σ) by the distance to the continuous spectrum, as the ladder found them."""
-    with (FIGURES / RUNGS).open(newline="", encoding="utf-8") as file:
-        lines = list(csv.DictReader(file))
-    return {float(f"{float(r['distance']):.6g}"): (float(r["kx"]), complex(float(r["sigma_re"]), float(r["sigma_im"]))) for r in lines}
+    """(k_x, σ) by the distance to the continuous spectrum, as the ladder finds them."""
+    return {wanted: (rung.kx, rung.sigma) for wanted, rung in zip(RUNGS, ladder(RUNGS), strict=True)}
 
 
 def scene(line: str, value: float) -> Any:
@@ -272,7 +271,7 @@ def _read() -> list[ExtremeCell]:
 
 def map_of(quick: bool) -> Row:
     """The row of the table, with the picture."""
-    lines = dict(QUICK) if quick else {**LINES, "distance": tuple(rungs())}
+    lines = dict(QUICK) if quick else {**LINES, "distance": RUNGS}
     found = asked(lines, not quick)
     outcomes = {mark: sum(c.outcome == mark for c in found) for mark in MARKS}
     ratios = [c.ratio for c in found if c.outcome == HOLDS]

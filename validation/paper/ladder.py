@@ -6,9 +6,10 @@ zero at k_x*, to which the ladder goes down.
 
 from __future__ import annotations
 
+import csv
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache
 from typing import Any
 
@@ -19,12 +20,13 @@ from random_chutes import Tally, limited
 from scenes import problem
 
 import shootstab as st
+from paper.pictures import BLUE, ORANGE, panels, save
 from paper.rows import FIGURES, Item, Reproduction, Row, digits, write_csv
 from shootstab.models.chute import chute_collocation as chute
 from shootstab.models.chute.chute_problem import ChuteProblem
 
 SCENE, BEGIN, GUESS = "mid", 0.05, -1.22 - 0.277j  # chosen: k_x from which the mode is followed, and a mode there to two digits
-RUNGS = tuple(10.0**-n for n in range(2, 11))  # chosen: distances to the curve, relative to |σ|
+RUNGS = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10)  # chosen: distances to the curve, relative to |σ|
 RUNGS_QUICK = (1e-2, 1e-6)
 TRUNCATIONS, TRUNCATIONS_QUICK = (100, 200, 400), (40, 80)  # chosen: halves and doubles of a typical M, and of a small one
 NEAR = 1e-2  # chosen: the part of |σ| within which other eigenvalues of the matrices are counted
@@ -33,6 +35,7 @@ RTOL = 1e-11  # chosen: the accuracy asked of shooting
 DIGITS, TIME = 18, 60.0  # chosen: the digits of the truth, four more than shooting has, and seconds of processor for it
 BY_DIGITS = 5e-4  # chosen: the distance from which on that truth is asked for; its path is the real axis, and nearer it takes minutes
 POINTS = 4001  # chosen: heights among which the nearest point of the curve is first looked for
+TABLE = "ladder.csv"
 TURNS, ASIDE = 8, 1e-4  # chosen: steps of Newton to it, and of z for the slope of the curve
 
 
@@ -122,94 +125,133 @@ def truth(rung: Rung) -> tuple[Any, str]:
     return (found.sigma, "") if found.converged else (None, found.status)
 
 
+@dataclass(frozen=True)
+class AskedRung:
+    """What was found at a rung: its mode, how far shooting is from the truth and by what that is judged, and QZ.
+
+    wanted: the distance that the rung is for. error, allowed: |σ − truth|, and the bounds of shooting and of what stands for the truth.
+    qz: the nearest eigenvalue at each M as 'M re im others', where others lie within NEAR |σ| of the mode beside it.
+    """
+
+    wanted: float
+    kx: float
+    distance: float
+    sigma_re: float
+    sigma_im: float
+    bound: float
+    error: float
+    allowed: float
+    against: str
+    why: str
+    qz: str
+
+    @property
+    def sigma(self) -> complex:
+        """The mode by shooting."""
+        return complex(self.sigma_re, self.sigma_im)
+
+    @property
+    def digits_of_shooting(self) -> float:
+        """−log10 of the relative error, at most 16."""
+        return min(16.0, -math.log10(max(self.error, 1e-17) / abs(self.sigma)))
+
+    @property
+    def by_qz(self) -> dict[int, tuple[complex, int]]:
+        """The nearest eigenvalue and the number of others near, by M."""
+        found = (entry.split() for entry in self.qz.split(";"))
+        return {int(M): (complex(float(re), float(im)), int(others)) for M, re, im, others in found}
+
+
+def looked_at(wanted: float, rung: Rung, quick: bool) -> AskedRung:
+    """Everything at one rung."""
+    at = ChuteProblem(problem(SCENE).flow, rung.kx, 0.0)
+    exact, why = (None, "left out of the quick form") if quick else truth(rung)
+    if exact is None:  # two other methods stand in for it
+        others = [st.refine(at, guess=rung.sigma, rtol=RTOL, method=make(rtol=0.1 * RTOL)) for make in (st.Compound, st.Riccati)]
+        error = max(abs(complex(o.sigma) - rung.sigma) if o.converged else math.inf for o in others)
+        allowed = rung.bound + max(float(o.error) if o.converged else 0.0 for o in others)
+        against = "compound and Riccati"
+    else:
+        with mpmath.workdps(DIGITS + 15):
+            error = float(abs(mpmath.mpmathify(rung.sigma) - exact))
+        allowed, against = rung.bound, f"{DIGITS} digits"
+    said = []
+    for M in TRUNCATIONS_QUICK if quick else TRUNCATIONS:
+        values = eigenvalues(rung.kx, M, rung.sigma)
+        near_it = int((np.abs(values[1:] - rung.sigma) < NEAR * abs(rung.sigma)).sum())
+        said.append(f"{M} {float(values[0].real)!r} {float(values[0].imag)!r} {near_it}")
+    mode = (rung.kx, rung.distance, rung.sigma.real, rung.sigma.imag, rung.bound)
+    return AskedRung(wanted, *mode, error, allowed, against, why, ";".join(said))
+
+
+def climbed() -> list[AskedRung]:
+    """All rungs, from figures/ladder.csv where they stand there, else asked anew and added to it."""
+    path = FIGURES / TABLE
+    known: list[AskedRung] = []
+    if path.exists():
+        types = {f.name: str(f.type) for f in fields(AskedRung)}
+        with path.open(newline="", encoding="utf-8") as file:
+            lines = list(csv.DictReader(file))
+        known = [AskedRung(**{n: float(t) if types[n] == "float" else t for n, t in line.items()}) for line in lines]  # type: ignore[arg-type]
+    missing = [wanted for wanted in RUNGS if not any(r.wanted == wanted for r in known)]
+    for wanted, rung in zip(RUNGS, ladder(RUNGS) if missing else (), strict=bool(missing)):
+        if wanted in missing:
+            known.append(looked_at(wanted, rung, quick=False))
+            write_csv(TABLE, {f.name: [getattr(r, f.name) for r in known] for f in fields(AskedRung)})
+    return sorted(known, key=lambda r: -r.wanted)
+
+
 def row(quick: bool) -> Row:
     """All rungs."""
-    rungs = ladder(RUNGS_QUICK if quick else RUNGS)
+    found = [looked_at(w, r, quick) for w, r in zip(RUNGS_QUICK, ladder(RUNGS_QUICK), strict=True)] if quick else climbed()
     truncations = TRUNCATIONS_QUICK if quick else TRUNCATIONS
     cases: list[Case] = []
     agreed: dict[int, list[float]] = {M: [] for M in truncations}
-    crowd: dict[int, list[int]] = {M: [] for M in truncations}
-    shooting, sources = [], []
-    for rung in rungs:
-        exact, why = (None, "left out of the quick form") if quick else truth(rung)
+    for rung in found:
         name = f"distance {rung.distance:.1e} |σ|, kx = {rung.kx:.12g}"
-        if exact is None:  # two other methods stand in for it
-            others = [
-                st.refine(ChuteProblem(problem(SCENE).flow, rung.kx, 0.0), guess=rung.sigma, rtol=RTOL, method=make(rtol=0.1 * RTOL))
-                for make in (st.Compound, st.Riccati)
-            ]
-            error = max(abs(complex(o.sigma) - rung.sigma) if o.converged else math.inf for o in others)
-            allowed = rung.bound + max(float(o.error) if o.converged else 0.0 for o in others)
-            sources.append("compound and Riccati")
-        else:
-            with mpmath.workdps(DIGITS + 15):
-                error = float(abs(mpmath.mpmathify(rung.sigma) - exact))
-            allowed = rung.bound
-            sources.append(f"{DIGITS} digits")
-        shooting.append(min(16.0, -math.log10(max(error, 1e-17) / abs(rung.sigma))))
-        note = f"σ = {rung.sigma:.12g}, bound {rung.bound:.0e}, against {sources[-1]}" + (f" ({why[:80]})" if why else "")
-        cases.append(Case(f"{name}: within the bound", "yes", "yes" if error <= allowed else "no", 0.0, note))
-        for M in truncations:
-            values = eigenvalues(rung.kx, M, rung.sigma)
-            case = Case(f"{name}: QZ, M = {M}", rung.sigma, complex(values[0]), None, "")
-            near_it = int((np.abs(values[1:] - rung.sigma) < NEAR * abs(rung.sigma)).sum())
+        note = f"σ = {rung.sigma:.12g}, bound {rung.bound:.0e}, against {rung.against}" + (f" ({rung.why[:80]})" if rung.why else "")
+        cases.append(Case(f"{name}: within the bound", "yes", "yes" if rung.error <= rung.allowed else "no", 0.0, note))
+        for M, (value, others) in rung.by_qz.items():
+            case = Case(f"{name}: QZ, M = {M}", rung.sigma, value, None, f"{others} others within {NEAR:.0%} of |σ|")
             agreed[M].append(digits(case))
-            crowd[M].append(near_it)
-            cases.append(Case(case.name, case.expected, case.obtained, None, f"{near_it} others within {NEAR:.0%} of |σ|"))
+            cases.append(case)
     least, most = (agreed[M][-1] for M in (min(truncations), max(truncations)))
     cases += [
         Case(f"nearest rung: QZ of M = {min(truncations)} below {LOST:g} digits: lost", "yes", "yes" if least < LOST else "no", 0.0),
         Case(f"nearest rung: QZ of M = {max(truncations)} has more digits", "yes", "yes" if most > least else "no", 0.0),
     ]
     if not quick:
-        draw(rungs, agreed, crowd, shooting, sources)
+        draw(found, agreed)
     said = "; ".join(f"QZ, M = {M}: {', '.join(f'{d:.1f}' for d in agreed[M])}" for M in truncations)
-    told = f"shooting: {', '.join(f'{d:.1f}' for d in shooting)}; {said}"
+    told = f"shooting: {', '.join(f'{r.digits_of_shooting:.1f}' for r in found)}; {said}"
+    judged = ", ".join(f"{sum(r.against == by for r in found)} by {by}" for by in dict.fromkeys(r.against for r in found))
     return Row(
         "a mode next to the continuous spectrum can be lost within the balloon unless M is large",
         "3.1, 4.1, figure 2",
         "high truncation is needed",
-        f"digits at distances {', '.join(f'{r.distance:.0e}' for r in rungs)} of |σ|: {told}",
+        f"digits at distances {', '.join(f'{r.distance:.0e}' for r in found)} of |σ|: {told}; shooting is judged {judged}",
         tuple(cases),
-        figures=() if quick else ("ladder.png", "ladder.csv"),
+        figures=() if quick else ("ladder.png", TABLE),
     )
 
 
-def draw(
-    rungs: Sequence[Rung], agreed: dict[int, list[float]], crowd: dict[int, list[int]], shooting: Sequence[float], sources: Sequence[str]
-) -> None:
+def draw(found: Sequence[AskedRung], agreed: dict[int, list[float]]) -> None:
     """Digits over distance, for shooting and QZ of each M."""
-    from matplotlib.figure import Figure
-
-    write_csv(
-        "ladder.csv",
-        {
-            "kx": [repr(r.kx) for r in rungs],
-            "distance": [r.distance for r in rungs],
-            "sigma_re": [r.sigma.real for r in rungs],
-            "sigma_im": [r.sigma.imag for r in rungs],
-            "bound": [r.bound for r in rungs],
-            "digits_of_shooting": list(shooting),
-            "against": list(sources),
-            **{f"digits_of_qz_{M}": v for M, v in agreed.items()},
-            **{f"others_near_{M}": v for M, v in crowd.items()},
-        },
-    )
-    figure = Figure(figsize=(6.4, 4.2), layout="constrained")
-    panel = figure.subplots()
-    distances = [r.distance for r in rungs]
-    panel.plot(distances, shooting, "o-", color="#0072B2", label="shooting")
-    for (M, values), colour in zip(agreed.items(), ("#D55E00", "#E69F00", "#CC79A7"), strict=False):
+    figure, axes = panels(1, 1, (6.4, 4.2))
+    panel = axes[0, 0]
+    distances = [r.distance for r in found]
+    panel.plot(distances, [r.digits_of_shooting for r in found], "o-", color=BLUE, label="shooting")
+    for (M, values), colour in zip(agreed.items(), (ORANGE, "#E69F00", "#CC79A7"), strict=False):
         panel.plot(distances, values, "s--", color=colour, markersize=4, label=f"the nearest eigenvalue of QZ, M = {M}")
     panel.set_xscale("log")
     panel.invert_xaxis()
     panel.set_ylim(0, 16.5)
     panel.set_xlabel("distance of the mode to the continuous spectrum, over |σ|")
     panel.set_ylabel("digits right")
-    panel.set_title(f"{SCENE} flow, one mode moved onto σ$_c$ by $k_x$ → {crossing()[0]:.6g}", fontsize="medium")
+    panel.set_title(f"{SCENE} flow, one mode moved onto σ$_c$ by $k_x$ → {found[-1].kx:.6g}", fontsize="medium")
     panel.grid(linewidth=0.4, alpha=0.5)
     panel.legend(fontsize="small", frameon=False)
-    figure.savefig(FIGURES / "ladder.png", dpi=160)
+    save(figure, "ladder.png")
 
 
 REPRODUCTION = Reproduction("ladder", "A discrete mode next to the continuous spectrum", (Item("ladder", row),))
