@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from shootstab.core.errors import InputError, OutputError
-from shootstab.io import fields, files
+from shootstab.io import fields, files, hdf5_process
+from shootstab.io.arrays import Wanted
 
 
 def test_a_field_is_saved_in_one_of_the_formats_that_are_named(tmp_path: Path) -> None:
@@ -31,3 +32,12 @@ def test_a_device_that_fails_is_named_with_the_reason_of_the_system() -> None:
 
     with pytest.raises(OutputError, match=f"{os.devnull}: cannot be written: No space left on device"):
         files.write_whole(Path(os.devnull), full)
+
+
+def test_a_library_that_does_not_end_is_ended_by_its_processor_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever else the machine does: a limit of a second of the clock would refuse good files on a busy one."""
+    (tmp_path / "h5py.py").write_text("while True:\n    pass\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(hdf5_process, "SECONDS", 1)
+    with pytest.raises(ValueError, match="reading it takes more than 1 s of processor time: allowed is a file that h5dump can read"):
+        hdf5_process.from_hdf5(b"\x89HDF\r\n\x1a\n", Wanted(None, None), 100)
