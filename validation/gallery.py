@@ -1,6 +1,6 @@
 """The gallery: digits and time of every solved problem, a problem of one's own among them.
 
-`--table` prints the table of README.md; `--record` writes what many digits give, DIGITS of them, into tests/models/gallery/many_digits.json.
+`--table` prints the table of README.md; `--record` writes what DIGITS digits give into tests/models/gallery/many_digits.json.
 """
 
 from __future__ import annotations
