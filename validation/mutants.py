@@ -2,9 +2,9 @@
 
 `python validation/mutants.py` changes one entry after another of the pencil C0, C1, D0, D1, of the background's jets, of the wall rows and
 the matrices that they are made of, of the far field's series and its σ-derivative, of the reduction to A(σ), of the first-order form of
-written equations, of the pencils and end conditions of the gallery, of the tableau, and of the error budget, and runs the tests of that part
-in this process until one fails. A survivor is an entry that may be wrong without anybody noticing; a mutant of the gallery that has the same
-modes is none. `--group NAME` takes one part, `--quick` every seventh mutant. Exit status 1 if one survives.
+written equations, of the pencils and end conditions of the gallery, of the tableau, and of the error budget, and runs the tests of that
+part in this process until one fails. A survivor is an entry that may be wrong without anybody noticing; a mutant of the gallery that has
+the same modes is none. `--group NAME` takes one part, `--quick` every seventh mutant. Exit status 1 if one survives.
 """
 
 from __future__ import annotations
