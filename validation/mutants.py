@@ -366,9 +366,8 @@ def main() -> int:
                 print(f"  SURVIVES {title}", flush=True)
         total += count
         print(f"{name:10} {count:5d} mutants, {time.monotonic() - since:.0f} s", flush=True)
-    print(
-        f"{total} mutants, {same} of them the same problem in other signs or within rounding, {len(survivors)} survive, {time.monotonic() - began:.0f} s"
-    )
+    told = f"{same} of them the same problem in other signs or within rounding, {len(survivors)} survive"
+    print(f"{total} mutants, {told}, {time.monotonic() - began:.0f} s")
     return bool(survivors)
 
 
