@@ -78,9 +78,7 @@ def _largest_change(problem: Problem, probes: Sequence[MeshedValue], seed: int) 
 def otherwise(problem: Problem, discriminant: MeshedDiscriminant, sigma: complex, seed: int) -> Discriminant:
     """D with every error that it has next to σ drawn anew, that of integration much smaller."""
     crude = problem.with_base_flow_error(FLOWS[0])
-    fine = discriminant.refined(seed)
-    if crude is not problem:
-        fine = fine.on_same_mesh(crude)
+    fine = discriminant.refined(seed, None if crude is problem else crude)
     return fine.with_perturbed_start(seed, SAFETY * max(discriminant.far_error(sigma), EPSILON))
 
 

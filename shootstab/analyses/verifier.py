@@ -106,7 +106,7 @@ class Verifier:
         try:
             if distance > max(radius, seen.atol):
                 self._require_reach(claim)
-            self.loose.branches(claim, max(radius, seen.atol))
+            self.loose.crossing(claim, max(radius, seen.atol))
             if self._atol is None:
                 atol, near = self._accuracy_next_to_zero(claim, radius)
                 seen = replace(seen, atol=atol, near=near)
@@ -151,6 +151,8 @@ class Verifier:
         It is 0 where the circle of the digits is larger. A claim means a mode there up to the geometric mean of that and the
         scale, half the digits.
         """
+        if claim != 0.0 and self._next_to_a_zero_of_its_size(claim):
+            return 0.0, 0.0
         at = self._continuations[-1].at(claim).discriminant
         if claim != 0.0 and _has_a_size(at, claim):
             return 0.0, 0.0
@@ -159,6 +161,16 @@ class Verifier:
             around = around.apart
         atol = neutral(around, NEUTRAL)
         return (atol, math.sqrt(atol * around.scale)) if radius < atol < math.inf else (0.0, 0.0)
+
+    def _next_to_a_zero_of_its_size(self, claim: complex) -> bool:
+        """Whether a zero lies within two digits of the claim, and does not move by them where D is computed less accurately.
+
+        Zeros that would lie at 0 are shifted by the errors of D, and by its loose ones a thousand times more.
+        """
+        at = self.continuation.at(claim).discriminant
+        steps = [D.with_derivative(claim).newton_step for D in (at, self.loose.at(claim).discriminant)]
+        near = abs(claim) / NEAR_ZERO
+        return self.loose is not self.continuation and abs(steps[0]) < near > abs(steps[1] - steps[0]) and _has_a_size(at, claim)
 
     def _require_reach(self, claim: complex) -> None:
         """Raise ConvergenceError where so large a |σ| needs a mesh that is too long.

@@ -92,16 +92,20 @@ class Continuation:
 
         Raises Undecidable where an end of the continuous spectrum lies in the disc, or where it passes more than once.
         """
+        place = self.crossing(centre, radius)
+        if place is not None:
+            return tuple(self.beside(place, centre, side, radius) for side in (1, -1))
+        return (_branch(centre, radius, *self.along(centre)[:2]),)
+
+    def crossing(self, centre: complex, radius: float) -> float | None:
+        """The height at which the continuous spectrum passes through a disc; None where it does not. Raises as `branches` does."""
         if self.barrier is not None and self.barrier.distance(centre) <= radius:
             raise Undecidable(f"{self.barrier.name} enters the circle of {radius:.1e}")
-        if self.continuum is None:
-            return (_branch(centre, radius, self.on_the_axis, REAL),)
-        passes = self.continuum.passes(centre, radius)
+        passes = [] if self.continuum is None else self.continuum.passes(centre, radius)
         if not passes:
-            return (_branch(centre, radius, *self.along(centre)[:2]),)
+            return None
         self._require_one_pass(centre, radius, passes)
-        place = passes[0]
-        return tuple(self.beside(place, centre, side, radius) for side in (1, -1))
+        return passes[0]
 
     def at(self, sigma: complex) -> Branch:
         """The branch for a point, with the side on which its singular point lies; on the continuous spectrum itself that of one side."""

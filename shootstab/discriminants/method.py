@@ -82,8 +82,8 @@ class MeshedDiscriminant(Discriminant, Protocol):
         """What is integrated at σ, in words: the orders of the subsystems, in real or complex numbers."""
         ...
 
-    def refined(self, seed: int | None = None) -> MeshedDiscriminant:
-        """D on a mesh with every step halved; with a seed, cut a little off the middle, so that only rounding differs."""
+    def refined(self, seed: int | None = None, problem: Problem | None = None) -> MeshedDiscriminant:
+        """D, of another problem if one is given, on a mesh with every step halved; with a seed, cut a little off the middle."""
         ...
 
     def at_other_points(self, seed: int) -> MeshedDiscriminant:

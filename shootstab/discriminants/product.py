@@ -69,8 +69,10 @@ class Product:
         orders = " + ".join(str(member.problem.size) for member in self.members)
         return f"orders {orders} in {'real' if all(m.real_at(sigma) for m in self.members) else 'complex'} numbers"
 
-    def refined(self, seed: int | None = None) -> Product:
-        return self._each(lambda member: member.refined(seed))
+    def refined(self, seed: int | None = None, problem: Problem | None = None) -> Product:
+        if problem is None:
+            return self._each(lambda member: member.refined(seed))
+        return self._of_another(problem, lambda member, other: member.refined(seed, other))
 
     def at_other_points(self, seed: int) -> Product:
         return self._each(lambda member: member.at_other_points(seed))
@@ -85,9 +87,11 @@ class Product:
         return self._each(lambda member: member.with_perturbed_system(seed, size))
 
     def on_same_mesh(self, problem: Problem) -> Product:
+        return self._of_another(problem, lambda member, other: member.on_same_mesh(other))
+
+    def _of_another(self, problem: Problem, change: Callable[[Shooting, Problem], Shooting]) -> Product:
         others = self._decoupling.applied_to(problem)
-        members = tuple(member.on_same_mesh(other) for member, other in zip(self.members, others, strict=True))
-        return Product(replace(self._decoupling, members=others), members)
+        return Product(replace(self._decoupling, members=others), tuple(map(change, self.members, others)))
 
     def _each(self, change: Callable[[Shooting], Shooting]) -> Product:
         return Product(self._decoupling, tuple(map(change, self.members)))

@@ -76,13 +76,14 @@ class SampledSystem:
 
         def part(a: NDArray[np.float64]) -> NDArray[np.float64]:
             along = random.uniform(-1.0, 1.0, a.shape[2:])
+            # a byte is a draw: 256 equidistant values from −1 to 1
+            draws = np.frombuffer(random.bytes(2 * a.size), np.uint8).reshape(2, *a.shape) / 127.5 - 1.0
             by_place = np.ptp(a, axis=1, keepdims=True) * moved.reshape(-1, *(1,) * (a.ndim - 1))
-            changed = a * (1.0 + size * (along + random.uniform(-1.0, 1.0, a.shape)))
-            changed += size * by_place * random.uniform(-1.0, 1.0, a.shape)
+            changed = a + size * (a * (along + draws[0]) + by_place * draws[1])
             changed[knots] += a[knots] * random.uniform(-1.0, 1.0, (knots.sum(), *(1,) * (a.ndim - 1))) * size / EPSILON
             return np.asarray(changed)
 
-        numbers = (part(a.real) + 1j * part(a.imag) if np.iscomplexobj(a) else part(a.real) for a in self.made.numbers)
+        numbers = (part(np.ascontiguousarray(a).view(np.float64)).view(a.dtype) for a in self.made.numbers)
         P, V, G = numbers
         return SampledSystem(self.nodes, self.made._replace(P=P, V=V, G=G))
 

@@ -83,12 +83,13 @@ class Shooting:
         first, last = self.sampled.nodes[[0, -1]].real
         return bool((self.problem.start(complex(sigma), asked) - first) * (first - last) <= 0.0)
 
-    def refined(self, seed: int | None = None) -> Shooting:
-        """The same on a mesh with every step halved: the difference is the error of this one.
+    def refined(self, seed: int | None = None, problem: Problem | None = None) -> Shooting:
+        """The same, of another problem if one is given, on a mesh with every step halved: the difference is the error of this one.
 
         With a seed the steps are cut a little off their middle: what differs from the halved mesh is the rounding of mesh and samples.
         """
-        return self._variant(lambda far: far, self._system(self.problem, True, seed), self.problem)
+        problem = self.problem if problem is None else problem
+        return self._variant(lambda far: far, self._system(problem, True, seed), problem)
 
     def at_other_points(self, seed: int) -> Shooting:
         """The same with its nodes moved by so little that only mesh and samples round otherwise."""

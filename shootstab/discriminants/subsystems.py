@@ -146,9 +146,9 @@ def _require_apart(name: str, matrices: ComplexArray, rows: NDArray[np.int64], c
         raise Coupled(f"the {name} couples subsystems that are apart elsewhere: allowed is one structure for all z and sigma")
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=32)
 def _far_frame(problem: Problem, z: float, sigma: complex) -> FarFrame:
-    """The frame of the whole, kept for the other subsystems, which ask for the same."""
+    """The frame of the whole, kept for the other subsystems and for other draws of errors on a contour, which ask for the same."""
     return problem.far_frame(z, sigma)
 
 

@@ -79,7 +79,7 @@ class SampledContinuum:
         """z_s with σ_c(z_s) = σ, continued from the nearest real height by Newton; None if that leads nowhere, or where σ_c is unknown."""
         z = complex(self.nearest(sigma)[1])
         scale = self.scale(z.real)
-        step = SLOPE_STEP * scale
+        step, last = SLOPE_STEP * scale, math.inf
         for _ in range(CURVE_NEWTON_STEPS):
             try:
                 here, ahead, behind = self.curve(np.array([z, z + step, z - step]))
@@ -93,8 +93,10 @@ class SampledContinuum:
             z += change
             if abs(z.imag) > 2 * scale:
                 return None
-            if abs(change) < SINGULAR_SETTLED * scale:
+            # what no longer shrinks is the rounding of σ_c
+            if abs(change) < SINGULAR_SETTLED * scale or 0.5 * last <= abs(change) < SINGULAR_KNOWN * scale:
                 return z
+            last = abs(change)
         return z if abs(change) < SINGULAR_KNOWN * scale else None
 
     def _offsets(self, sigma: complex) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

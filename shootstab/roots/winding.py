@@ -35,15 +35,10 @@ Legs = tuple[tuple[int, tuple[Value, ...]], ...]  # the sides of a contour: samp
 
 @dataclass(frozen=True)
 class Winding:
-    """count zeros inside; closure is the distance of (1/2πi)∮ d ln D, taken from the derivatives alone, to it.
-
-    moment is (1/2πi)∮ (σ − centre) d ln D, the sum of z − centre over the zeros; centre is the mean of the samples.
-    """
+    """count zeros inside; closure is the distance of (1/2πi)∮ d ln D, taken from the derivatives alone, to it."""
 
     count: int
     closure: float
-    centre: complex
-    moment: complex
     samples: tuple[Value, ...]
 
     @property
@@ -105,10 +100,8 @@ def wind(discriminant: Discriminant, region: Region, segments: int = FIRST_SEGME
     """
     values = follow(lambda t: discriminant.with_derivative(region.boundary(t)), region.corners, True, segments)
     count = whole_turns(sum(change(a, b).imag for a, b in pairwise(values)))
-    centre = sum(v.sigma for v in values[:-1]) / (len(values) - 1)
     total = sum(_predicted(a, b) for a, b in pairwise(values))
-    moment = power_sums(((1, tuple(values)),), centre, 1.0, 1)[1]
-    return Winding(count, abs(total / (2j * math.pi) - count), centre, complex(moment), tuple(values[:-1]))
+    return Winding(count, abs(total / (2j * math.pi) - count), tuple(values[:-1]))
 
 
 def count_around(discriminant: Discriminant, disc: Disc, zero: complex) -> int:

@@ -12,6 +12,7 @@ defective. The leading order P_0 x^Λ is (2.20)–(2.22); this form is regular a
 from __future__ import annotations
 
 import math
+from collections import OrderedDict
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -29,6 +30,7 @@ from shootstab.models.chute.tabulated import FIELD_COUNT, as_background, expande
 from shootstab.problems.protocol import ComplexArray
 
 Terms = NDArray[np.inexact]
+KEPT_TERMS = 16  # chosen: the series of so many σ: a mode is asked for on several meshes, which begin at different heights
 FAR_TERMS = 12  # chosen: more cost more than the steps they save
 LARGEST_START = 1e-2  # chosen: ν0 at which an integration begins at most
 # Multiplying v̂ and all that goes with it by i makes a series that is real where k_x and σ's imaginary part are zero
@@ -104,6 +106,7 @@ class FarField:
             at_zero * of_frame,
         )
         self._series, self._real, self._back = of_flow, of_flow.in_real_numbers(), of_frame.conj()
+        self._known: OrderedDict[complex, tuple[Terms, Terms]] = OrderedDict()
 
     def _first(self) -> tuple[ComplexArray, ComplexArray]:
         """P_0 = constant + pole/Ω, Ω = σ + i k_x u_∞, each (8, 4): columns û, v̂, ŵ, T̂ at infinity."""
@@ -119,9 +122,17 @@ class FarField:
     def terms(self, sigma: complex, tangent: bool = True) -> tuple[Terms, Terms]:
         """P_m and, if tangent, dP_m/dσ, each (FAR_TERMS, 8, 4); with the phases of v̂, and real where they can be."""
         sigma = complex(sigma)
-        if self._real is not None and sigma.imag == 0.0:
-            return self._real.terms(sigma.real, sigma.real, tangent)
-        return self._series.terms(sigma, sigma + 1j * self._kx * self._far_velocity, tangent)
+        known = self._known.get(sigma)
+        if known is None:
+            if self._real is not None and sigma.imag == 0.0:
+                known = self._real.terms(sigma.real, sigma.real, tangent)
+            else:
+                known = self._series.terms(sigma, sigma + 1j * self._kx * self._far_velocity, tangent)
+            if tangent:
+                self._known[sigma] = known
+                if len(self._known) > KEPT_TERMS:
+                    self._known.popitem(last=False)
+        return known
 
     def reach(self, sigma: complex, tolerance: float) -> float:
         """The largest ν0 at which the terms left out stay below the tolerance, row by row."""
