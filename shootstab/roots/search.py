@@ -124,7 +124,7 @@ def _search(search: Search, region: Region, counted: Counted, known: list[Zero],
         raise ConvergenceError(f"{_said(counted)} near {region.hull[0]:.6g}, fewer than are known there")
     if lacking == 0:
         return []
-    if counted.count <= HANDFUL:
+    if lacking <= HANDFUL:
         found = _from_moments(search, region, counted, here)
         if found is not None:
             return found
@@ -156,13 +156,15 @@ def _parts(search: Search, region: Region, counted: Counted) -> list[tuple[Regio
     raise ConvergenceError(f"no way was found to divide a region at {region.hull[0]:.6g} of size {size(region):.1e}: {why}")
 
 
-def moments(counted: Counted) -> tuple[complex, list[complex]]:
-    """The mean of the zeros inside, and approximations to each, from the moments of the contour."""
-    n = counted.count
+def moments(counted: Counted, known: Sequence[Zero] = ()) -> tuple[complex, list[complex]]:
+    """The mean of the zeros inside that are not known, and approximations to each, from the moments of the contour."""
+    n = counted.count - sum(k.multiplicity for k in known)
     samples = [v.sigma for _, values in counted.legs for v in values]
     middle = sum(samples) / len(samples)
     scale = max(abs(s - middle) for s in samples)
     s = power_sums(counted.legs, middle, scale, n)
+    for zero in known:
+        s -= zero.multiplicity * ((zero.sigma - middle) / scale) ** np.arange(n + 1)
     # Newton's identities: k e_k = Σ_{i=1}^k (−1)^{i−1} e_{k−i} s_i
     e = [1.0 + 0j]
     for k in range(1, n + 1):
@@ -173,7 +175,10 @@ def moments(counted: Counted) -> tuple[complex, list[complex]]:
 
 def _from_moments(search: Search, region: Region, counted: Counted, here: list[Zero]) -> list[Zero] | None:
     """The zeros that are not known, or None where they are not all found in this way."""
-    found = _arrivals(search, region, counted, [Arrival(k.sigma) for k in here])
+    found = _arrivals(search, region, moments(counted, here)[1], here)
+    if counted.count > HANDFUL:  # circles around all that is known would cost more than parts of the region
+        simple = len(found) == counted.count and all(a.off == 0.0 for a in found)
+        return [Zero(a.sigma) for a in found[len(here) :]] if simple else None
     for close in CLOSE_ZEROS:
         groups = _groups(found, max(close * size(region), _rounding(region)))
         if len(found) == len(groups) == counted.count and all(a.off == 0.0 for a in found):
@@ -200,12 +205,12 @@ def _unknown(zeros: list[Zero], known: list[Zero]) -> list[Zero]:
     return left
 
 
-def _arrivals(search: Search, region: Region, counted: Counted, known: Sequence[Arrival] = ()) -> list[Arrival]:
-    """The known zeros, and the different ones at which iterations from the moments arrive in the region."""
+def _arrivals(search: Search, region: Region, starts: Sequence[complex], known: Sequence[Zero] = ()) -> list[Arrival]:
+    """The known zeros, and the different ones at which iterations from these starts arrive in the region."""
     length = size(region)
     same = max(SAME_ZERO * length, _rounding(region))
-    found = list(known)
-    for start in moments(counted)[1]:
+    found = [Arrival(k.sigma) for k in known]
+    for start in starts:
         zero = search.polish(start, POLISHED_ZERO * length)
         if zero is None or not search.holds(region, zero.sigma):
             continue
@@ -233,7 +238,7 @@ def _resolved(search: Search, region: Region, group: list[Arrival], others: list
         raise ConvergenceError("an iteration stopped where no zero is")
     if counted.count == 1:
         return [Zero(group[0].sigma)], disc
-    apart = _arrivals(search, disc, counted)
+    apart = _arrivals(search, disc, moments(counted)[1])
     if len(apart) == counted.count and all(_alone(search, z, [a for a in apart if a is not z]) for z in apart):
         return [Zero(z.sigma) for z in apart], disc
     return [Zero(moments(counted)[0], counted.count, disc.radius)], disc

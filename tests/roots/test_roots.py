@@ -16,7 +16,7 @@ from shootstab.core.errors import ConvergenceError
 from shootstab.core.regions import Disc, Polygon, Rectangle, Region, size
 from shootstab.core.scaled import Scaled
 from shootstab.roots.iterations import muller, newton, newton_steps
-from shootstab.roots.search import Arrival, Search, Zero, find, polish
+from shootstab.roots.search import Arrival, Search, Zero, find, moments, polish
 from shootstab.roots.separation import separation
 from shootstab.roots.winding import Deflated, count_around, power_sums, whole_turns, wind
 
@@ -311,3 +311,17 @@ def test_a_double_zero_next_to_the_boundary_is_found() -> None:
     (found,) = find(search(KnownZeros([zero, zero])), Rectangle(-0.5 - 0.5j, 0.5 + 0.5j))
     assert found.multiplicity == 2
     assert abs(found.sigma - zero) < 1e-6
+
+
+def test_few_zeros_among_many_that_are_known_are_found_on_one_contour() -> None:
+    """The power sums of those that are not known are those of all less those of the known ones: nothing is divided."""
+    known = [0.1 * k + 0.3j * (-1) ** k for k in range(-9, 10)]
+    lacking = [0.05 - 0.1j, -0.55 + 0.05j]
+    box = Rectangle(-1.2 - 0.8j, 1.3 + 0.9j)
+    D = KnownZeros([*known, *lacking])
+    counted = wind(D, box)
+    spent = D.evaluations
+    found = find(search(D), box, [Zero(z) for z in known], counted)
+    assert sorted((z.sigma for z in found), key=abs) == [pytest.approx(z, abs=1e-10) for z in lacking]
+    assert D.evaluations < 1.5 * spent
+    assert sorted(moments(counted, [Zero(z) for z in known])[1], key=abs) == [pytest.approx(z, abs=0.05) for z in lacking]
