@@ -163,10 +163,7 @@ class Verifier:
         return (atol, math.sqrt(atol * around.scale)) if radius < atol < math.inf else (0.0, 0.0)
 
     def _next_to_a_zero_of_its_size(self, claim: complex) -> bool:
-        """Whether a zero lies within two digits of the claim, and does not move by them where D is computed less accurately.
-
-        Zeros that would lie at 0 are shifted by the errors of D, and by its loose ones a thousand times more.
-        """
+        """Whether a zero lies within two digits of the claim, on the loose mesh too, which shifts zeros at 0 a thousand times farther."""
         at = self.continuation.at(claim).discriminant
         steps = [D.with_derivative(claim).newton_step for D in (at, self.loose.at(claim).discriminant)]
         near = abs(claim) / NEAR_ZERO

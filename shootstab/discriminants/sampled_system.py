@@ -31,6 +31,7 @@ from shootstab.problems.protocol import ComplexArray, Pencil, PencilSource
 from shootstab.problems.recorded_pencil import RecordedPencil, ReducedPencil
 
 STEPS_AT_A_TIME = 1024  # chosen: steps sampled together: what is needed on the way takes ten times the memory of what is kept
+OF_A_BYTE = np.linspace(-1.0, 1.0, 256)  # chosen: what a random byte means, where the size of an effect is measured by its mean square
 LARGE_COMPLETION = 1e8  # chosen: entries of V beyond which unit vectors complete C badly; half the digits of a double are lost there
 BYTES_OF_ENTRY = 24  # derived: 8 of a real number and 16 of a complex one
 
@@ -76,8 +77,7 @@ class SampledSystem:
 
         def part(a: NDArray[np.float64]) -> NDArray[np.float64]:
             along = random.uniform(-1.0, 1.0, a.shape[2:])
-            # a byte is a draw: 256 equidistant values from −1 to 1
-            draws = np.frombuffer(random.bytes(2 * a.size), np.uint8).reshape(2, *a.shape) / 127.5 - 1.0
+            draws = OF_A_BYTE[np.frombuffer(random.bytes(2 * a.size), np.uint8)].reshape(2, *a.shape)
             by_place = np.ptp(a, axis=1, keepdims=True) * moved.reshape(-1, *(1,) * (a.ndim - 1))
             changed = a + size * (a * (along + draws[0]) + by_place * draws[1])
             changed[knots] += a[knots] * random.uniform(-1.0, 1.0, (knots.sum(), *(1,) * (a.ndim - 1))) * size / EPSILON

@@ -30,7 +30,7 @@ from shootstab.models.chute.tabulated import FIELD_COUNT, as_background, expande
 from shootstab.problems.protocol import ComplexArray
 
 Terms = NDArray[np.inexact]
-KEPT_TERMS = 16  # chosen: the series of so many σ: a mode is asked for on several meshes, which begin at different heights
+KEPT_SERIES = 16  # chosen: the series of so many σ: a mode is asked for on several meshes, which begin at different heights
 FAR_TERMS = 12  # chosen: more cost more than the steps they save
 LARGEST_START = 1e-2  # chosen: ν0 at which an integration begins at most
 # Multiplying v̂ and all that goes with it by i makes a series that is real where k_x and σ's imaginary part are zero
@@ -130,7 +130,7 @@ class FarField:
                 known = self._series.terms(sigma, sigma + 1j * self._kx * self._far_velocity, tangent)
             if tangent:
                 self._known[sigma] = known
-                if len(self._known) > KEPT_TERMS:
+                if len(self._known) > KEPT_SERIES:
                     self._known.popitem(last=False)
         return known
 
