@@ -10,7 +10,6 @@ the nodes, so that what is real but for such a power is computed in real numbers
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+HIGHEST_PRODUCT = 32  # chosen: natural powers up to this one are products
 UNIT, INPUT, PARAMETER, SUM, PRODUCT, QUOTIENT, POWER, EXP = range(8)  # exact: what kernels know operations by
 
 
@@ -120,10 +120,12 @@ class Recorded:
         return self._recorded(other) / self
 
     def __pow__(self, exponent: Any) -> Recorded:
-        """The power with an exponent that is the same at all points; 1, 2 and 3 by multiplication."""
+        """The power with an exponent that is the same at all points; natural ones up to HIGHEST_PRODUCT by multiplication."""
         power = self._recorded(exponent)
-        if power.known and power.coefficient in (1, 2, 3):
-            return math.prod([self] * int(power.coefficient.real), start=self.recorder.constant(1.0))
+        if power.known and power.coefficient in range(1, HIGHEST_PRODUCT + 1):
+            half = int(power.coefficient.real) // 2
+            root = self if half == 0 else self**half
+            return root if half == 0 else root * root if power.coefficient == 2 * half else root * root * self
         if self.known and power.known:
             return self.recorder.constant(self.coefficient**power.coefficient)
         return self.recorder.node(POWER, self._plain().index, power._plain().index)

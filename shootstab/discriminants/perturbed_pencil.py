@@ -10,7 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from shootstab.problems.capabilities import RECORDED
 from shootstab.problems.protocol import ComplexArray, Pencil, PencilSource
+from shootstab.problems.recorded_pencil import RecordedPencil
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,6 +26,12 @@ class PerturbedPencil:
     @property
     def size(self) -> int:
         return self.problem.size
+
+    @property
+    def recorded(self) -> RecordedPencil | None:
+        """The same of a recorded pencil, whose known numbers are not rounded and stay."""
+        known: RecordedPencil | None = RECORDED.of(self.problem)
+        return None if known is None else known.perturbed(self.seed, self.amount)
 
     def pencil(self, z: ComplexArray) -> Pencil:
         """C and D at z (m,), real and imaginary parts changed apart, so that what is real stays so, and what is zero."""

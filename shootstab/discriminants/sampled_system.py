@@ -172,10 +172,9 @@ def _computed(
     P, V, G = np.split(at_stages, (entries, entries + carried), axis=2)
     if not (np.isfinite(values).all() and (np.abs(V) < LARGE_COMPLETION * np.abs(h).reshape(-1, STAGES, 1)).all()):
         return None
-    powers = (2,) * len(formula.quadratic)
-    lists = formula.start, formula.column, formula.linear, formula.quadratic, powers, formula.carries
+    lists = formula.start, formula.column, formula.linear, formula.higher, formula.powers, formula.carries
     m, steps = formula.moving, len(P)
-    V, G = V.reshape(steps, STAGES, len(formula.carries), m), G.reshape(steps, STAGES, 2, m, m)
+    V, G = V.reshape(steps, STAGES, len(formula.carries), m), G.reshape(steps, STAGES, formula.of_gamma, m, m)
     numbers = map(np.ascontiguousarray, (P, V, G))
     return ReducedSystem(*(np.array(a, dtype=np.uint64) for a in lists), *numbers)  # type: ignore[arg-type]
 

@@ -117,11 +117,12 @@ class Shooting:
     def with_perturbed_system(self, seed: int, size: float) -> Shooting:
         """The same with every entry of the sampled system, and z, changed by random relative amounts of this size.
 
-        Where C has to be solved with, every entry of C and D is changed besides; a recorded pencil is a formula of its own for C⁻¹D.
+        Where C has to be solved with, every entry of C and D is changed besides; a pencil recorded with pivots of its own is a formula for
+        C⁻¹D.
         """
         if (seed, size) not in self._perturbed:
-            nodes, sampled = self.sampled.nodes, self.sampled
-            if RECORDED.of(self.problem) is None and solved_with(self.problem, nodes):
+            nodes, sampled, recorded = self.sampled.nodes, self.sampled, RECORDED.of(self.problem)
+            if (recorded is None or recorded.constant_pivots) and solved_with(self.problem, nodes):
                 sampled = sample_system(PerturbedPencil(self.problem, seed, size), nodes)
             at = np.abs(nodes[:-1])
             places = [abs(part.offset) + abs(part.scale) * at for part in LAYOUT.of(self.problem)]

@@ -119,4 +119,4 @@ def _nearest(points: list[complex], sigma: complex) -> complex:
 
 def curve_through(sigma: ComplexArray, parameter: NDArray[np.float64]) -> Curve:
     """The curve through points sigma (m,), in this order, each with its value of the parameter (m,)."""
-    return Curve(sigma[:-1], sigma[1:], parameter[:-1], parameter[1:], scale=float(np.abs(sigma).max()))
+    return Curve(sigma[:-1], sigma[1:], parameter[:-1], parameter[1:], scale=float(np.median(np.abs(sigma))))

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
-from shootstab.formulation.domain import Domain
+from shootstab.formulation.domain import ZERO_TOLERANCE, Domain
 from shootstab.formulation.evaluation import on_arrays
 from shootstab.formulation.expression import Expression, number, quotient
 from shootstab.formulation.first_order import FirstOrder
 from shootstab.formulation.system import SIGMA, coefficients, degree
 from shootstab.problems.protocol import ComplexArray
+
+LARGE_ON_CURVE = 10.0  # chosen: the size, in the median of |σ_c|, beyond which σ_c may be on its way to a pole
+LEAVING_TO = 1e12  # chosen: the size, in that of its last sample before a pole, up to which σ_c is followed along a ray
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +58,33 @@ class InteriorSpectrum:
             return self.branches(np.asarray(z))[0]
         with np.errstate(all="ignore"):
             return np.broadcast_to(np.asarray(on_arrays(z, self.domain.given)(self.expression), dtype=np.complex128), np.shape(z)).copy()
+
+    @cached_property
+    def through_infinity(self) -> bool:
+        """Whether the one curve has a pole on the domain, ends included: α = ω/U at a wall, where U vanishes."""
+        if self.expression is None:
+            return False
+        ends = np.array([end for end in (self.domain.left, self.domain.right) if np.isfinite(end)])
+        return bool(not np.isfinite(self.curve(ends)).all() or len(self.stretches) > 1)
+
+    @cached_property
+    def stretches(self) -> tuple[tuple[NDArray[np.float64], ComplexArray], ...]:
+        """The one curve as (z, σ_c), each (m,), on every stretch between its poles; next to a pole it goes on as it leaves for infinity.
+
+        A pole lies between two samples where σ_c is larger halfway than at both, and there larger than elsewhere.
+        """
+        z = self.domain.points
+        sizes = np.abs(self.curve(z))
+        z = z[ZERO_TOLERANCE * sizes <= np.median(sizes)]
+        sigma, halfway = self.curve(z), np.abs(self.curve(0.5 * (z[1:] + z[:-1])))
+        sizes = np.abs(sigma)
+        with np.errstate(invalid="ignore"):
+            poles = ~(halfway <= np.maximum(sizes[1:], sizes[:-1])) & ~(halfway <= LARGE_ON_CURVE * np.median(sizes))
+        found = []
+        for places, values in zip(*(np.split(a, np.flatnonzero(poles) + 1) for a in (z, sigma)), strict=True):
+            low, high = (LEAVING_TO * v if abs(v) > LARGE_ON_CURVE * np.median(sizes) else v for v in (values[0], values[-1]))
+            found.append((np.concatenate((places[:1], places, places[-1:])), np.concatenate(([low], values, [high]))))
+        return tuple(found)
 
     def branches(self, z: ComplexArray) -> list[ComplexArray]:
         """The σ_c (m,) of several curves at points z (m,) along a line: those known as expressions, and the others followed along it."""

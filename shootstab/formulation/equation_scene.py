@@ -37,8 +37,9 @@ def from_table(table: Mapping[str, Any]) -> EquationProblem:
     fold, reference = table.get("fold"), table.get("reference")
     if fold is not None and not _is_number(fold):
         raise InputError(f"[problem] fold = {shortened(fold)}: allowed is a finite number")
-    if reference is not None and not (isinstance(reference, list) and len(reference) == 2 and all(map(_is_number, reference))):
-        raise InputError(f"[problem] reference = {shortened(reference)}: allowed is [re, im]")
+    parts = [reference] if _is_number(reference) else reference
+    if reference is not None and not (isinstance(parts, list) and len(parts) in (1, 2) and all(map(_is_number, parts))):
+        raise InputError(f"[problem] reference = {shortened(reference)}: allowed is a number or [re, im]")
     return equations(
         _texts(table, "unknowns"),
         _texts(table, "equations"),
@@ -52,7 +53,7 @@ def from_table(table: Mapping[str, Any]) -> EquationProblem:
         variable=_text(table, "variable", "z"),
         fold=None if fold is None else float(fold),
         knots=_places(table),
-        reference=None if reference is None else complex(*reference),
+        reference=None if parts is None else complex(*parts),
     )
 
 

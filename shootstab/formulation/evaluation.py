@@ -49,14 +49,15 @@ class Evaluator:
         for monomial, c in expression.terms.items():
             product: Any = None
             for atom, exponent in monomial:
-                factor = self._factor(atom, exponent)
+                factor = self.factor(atom, exponent)
                 product = factor if product is None else product * factor
             coefficient = self._number(c)
             term = coefficient if product is None else product if c.re == 1 and not c.im else product * coefficient
             total = term if total is None else total + term
         return 0 if total is None else total
 
-    def _factor(self, atom: Atom, exponent: Exponent) -> Any:
+    def factor(self, atom: Atom, exponent: Exponent) -> Any:
+        """A power of an atom."""
         if exponent == 1:
             return self._atom(atom)
         if (atom, exponent) not in self._powers:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Set
+from collections.abc import Callable, Iterable, Mapping, Set
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,10 +10,10 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from shootstab.core.errors import InputError
-from shootstab.formulation.expression import Expression, number
+from shootstab.formulation.expression import Expression, number, quotient
 from shootstab.formulation.linear_algebra import determinant
 from shootstab.formulation.reduction import Reduction, reduced
-from shootstab.formulation.system import EquationRow, Jet, System, coefficients, combined, degree, differentiated
+from shootstab.formulation.system import SIGMA, EquationRow, Jet, System, coefficients, combined, degree, differentiated
 from shootstab.formulation.vanishing import Vanishing
 
 ExpressionEntries = dict[tuple[int, int], Expression]
@@ -77,9 +77,9 @@ def reduced_to(row: EquationRow, states: Set[Jet], rules: Mapping[str, tuple[Jet
     raise InputError(f"a condition needs more than {MOST_SUBSTITUTIONS} substitutions: allowed are lower derivatives")
 
 
-def first_order(system: System, vanishing: Vanishing, regular: object) -> FirstOrder:
+def first_order(system: System, vanishing: Vanishing, regular: Callable[[Expression], bool]) -> FirstOrder:
     """The reduction of a system as a first-order one. Raises InputError where there is none."""
-    reduction: Reduction = reduced(system, vanishing, regular)  # type: ignore[arg-type]
+    reduction: Reduction = reduced(system, vanishing, regular)
     tops = reduction.tops
     if sum(tops.values()) == 0:
         raise InputError("the equations hold no derivative that remains: they are no differential equations for the unknowns")
@@ -97,8 +97,38 @@ def first_order(system: System, vanishing: Vanishing, regular: object) -> FirstO
         for jet, c in row.items():
             if jet[1] < tops[jet[0]]:
                 D[place, at[jet]] = -c
+    _free_of_sigma(C, D, vanishing, regular)
     rules = {jet[0]: (jet, row) for jet, row in (*reduction.rules, *_solved(reduction, names, tops))}
     return FirstOrder(states, C, D, rules, reduction.fluxes, tuple(reduction.factors), tuple(leading), vanishing)
+
+
+def _free_of_sigma(C: ExpressionEntries, D: ExpressionEntries, vanishing: Vanishing, regular: Callable[[Expression], bool]) -> None:
+    """Subtract rows of C and D from others, multiplied by functions of z that have no zero and no pole, so that σ leaves rows of C.
+
+    Where the terms with σ of one row of C are a multiple of another's, one row with σ does for both: det C is the same.
+    """
+
+    def moving(i: int) -> EquationRow:
+        rows = ((j, {k: c for k, c in coefficients(entry).items() if k > 0}) for (row, j), entry in C.items() if row == i)
+        return {("", j): sum((c * SIGMA**k for k, c in terms.items()), number(0)) for j, terms in rows if terms}
+
+    rows = sorted({i for (i, _), entry in C.items() if degree(entry) > 0})
+    for i in rows:
+        own = moving(i)
+        for r in rows:
+            other = moving(r)
+            if r == i or not own or own.keys() != other.keys():
+                continue
+            jet = next(iter(own))
+            factor = quotient(other[jet], own[jet])
+            if factor is None or degree(factor) > 0 or not regular(factor):
+                continue
+            if all(vanishing(other[at] - factor * own[at]) for at in own):
+                for entries in (C, D):
+                    for (_, j), entry in [item for item in entries.items() if item[0][0] == i]:
+                        left = entries.pop((r, j), number(0)) - factor * entry
+                        if not vanishing(left):
+                            entries[r, j] = left
 
 
 def _in_order(reduction: Reduction, names: list[str], tops: dict[str, int]) -> list[EquationRow]:

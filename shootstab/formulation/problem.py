@@ -26,7 +26,8 @@ from shootstab.formulation.first_order import FirstOrder
 from shootstab.formulation.joint_conditions import between
 from shootstab.formulation.limits import with_limit
 from shootstab.formulation.open_parameter import places, varied
-from shootstab.formulation.reduced_layers import ReducedLayer, pencil_of, reduced_layers
+from shootstab.formulation.recorded_states import recorded_pencil
+from shootstab.formulation.reduced_layers import ReducedLayer, curves_along, pencil_of, reduced_layers
 from shootstab.formulation.singular_ends import between_periodic_ends, between_singular_ends, singular_end
 from shootstab.formulation.state_pencil import Condition, StatePencil, in_states, state_pencil
 from shootstab.formulation.stated_unknowns import unknowns_of
@@ -37,6 +38,7 @@ from shootstab.problems.knots import as_knots
 from shootstab.problems.linear_problem import MOST_STATES, LinearProblem
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray
+from shootstab.problems.recorded_pencil import RecordedPencil
 from shootstab.problems.singular_curve import ContinuumOnLine
 from shootstab.problems.two_point import TwoPointReduction, reduce_to_two_points
 
@@ -81,8 +83,8 @@ class EquationProblem(LinearProblem):
 
     @property
     def continuum(self) -> ContinuumOnLine | None:
-        """The continuous spectrum, as for any problem; None where C is singular on several curves, which are crossings."""
-        return super().continuum if self.spectrum_inside.single else None
+        """The continuous spectrum, as for any problem; None where C is singular on several curves, or on one with a pole: see crossings."""
+        return super().continuum if self.spectrum_inside.single and not self.spectrum_inside.through_infinity else None
 
     @property
     def explanation(self) -> Lines:
@@ -107,6 +109,11 @@ class EquationProblem(LinearProblem):
     def knots(self) -> NDArray[np.float64]:
         """The knots (k,) of functions that no formula defines, those given, and interfaces; what formulas define is analytic."""
         return super().knots if self.statement.doubles_only else np.unique(np.concatenate((self.given, self.reduction.jumps)))
+
+    @cached_property
+    def recorded(self) -> RecordedPencil | None:
+        """The entries as programs of what varies with z; None in layers and across interfaces."""
+        return recorded_pencil(self.states, self.layers[0].domain, self.reduction) if len(self.layers) == 1 else None
 
     @property
     def multiprecision(self) -> Callable[[], MultiprecisionProblem]:
@@ -141,16 +148,11 @@ class EquationProblem(LinearProblem):
     @property
     def crossings(self) -> tuple[tuple[NDArray[np.float64], ComplexArray], ...]:
         """The curves (z, σ_c(z)), each (m,), as for any problem; where C is singular on several curves, or in layers, all of them."""
+        if len(self.layers) == 1 and self.spectrum_inside.through_infinity:
+            return self.spectrum_inside.stretches
         if len(self.layers) == 1 and (self.spectrum_inside.single or not self.spectrum_inside.curves):
             return super().crossings
-        found = []
-        for z in self.reduction.lines:
-            middle = z[len(z) // 2].real
-            inside = next(layer.spectrum_inside for layer in self.layers if layer.domain.left < middle < layer.domain.right)
-            if inside.curves:
-                branches = [inside.curve(z)] if inside.single else inside.branches(z)
-                found += [(z.real, np.asarray(branch, dtype=np.complex128)) for branch in branches]
-        return tuple(found)
+        return curves_along(self.layers, self.reduction.lines)
 
 
 def equations(

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
 from shootstab.formulation.continuous_spectrum import InteriorSpectrum, interior_spectrum
@@ -46,6 +47,18 @@ def reduced_layers(layers: Sequence[Layer]) -> tuple[ReducedLayer, ...]:
                 f"the states are {told} in different layers (to {layer.domain.right:g}): allowed are equations of one form in all"
             )
     return tuple(out)
+
+
+def curves_along(layers: Sequence[ReducedLayer], lines: Sequence[ComplexArray]) -> tuple[tuple[NDArray[np.float64], ComplexArray], ...]:
+    """The curves (z, σ_c(z)), each (m,), on which C is singular along lines (m,) of points z that lie in one layer each."""
+    found = []
+    for z in lines:
+        middle = z[len(z) // 2].real
+        inside = next(layer.spectrum_inside for layer in layers if layer.domain.left < middle < layer.domain.right)
+        if inside.curves:
+            branches = [inside.curve(z)] if inside.single else inside.branches(z)
+            found += [(z.real, np.asarray(branch, dtype=np.complex128)) for branch in branches]
+    return tuple(found)
 
 
 def pencil_of(systems: Sequence[StatePencil], domains: Sequence[Domain]) -> Callable[[ComplexArray], tuple[ComplexArray, ...]]:

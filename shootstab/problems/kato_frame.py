@@ -179,8 +179,8 @@ class KatoFrame:
     def _slopes(self, sigmas: ComplexArray, R: ComplexArray) -> ComplexArray:
         """f at many σ, from eigenvectors; from Schur forms where the eigenvectors are no basis."""
         k = self.k
-        A, slope = zip(*(self.limit.matrix(s) for s in sigmas.tolist()), strict=True)
-        rates, V = np.linalg.eig(np.array(A))
+        A, slope = self.limit.matrices(sigmas)
+        rates, V = np.linalg.eig(A)
         order = np.argsort(rates.real, axis=1)
         rates = np.take_along_axis(rates, order, axis=1)
         V = np.take_along_axis(V, order[:, None, :], axis=2)
@@ -188,7 +188,7 @@ class KatoFrame:
             dual = np.linalg.inv(V)
         except np.linalg.LinAlgError:
             return np.array([self.limit.splitting(s, k).slope(R) for s in sigmas.tolist()])
-        B = dual[:, :k] @ np.array(slope) @ V[:, :, k:]
+        B = dual[:, :k] @ slope @ V[:, :, k:]
         with np.errstate(divide="ignore", invalid="ignore"):
             G = B / (rates[:, :k, None] - rates[:, None, k:])
         if not np.isfinite(G).all():

@@ -47,12 +47,20 @@ class AsymptoticPencil:
 
         Raises Undecidable where C is singular.
         """
-        C, D = polynomial.value(self.pencil.C, sigma), polynomial.value(self.pencil.D, sigma)
+        A, slope = self.matrices(np.array([sigma]))
+        return A[0], slope[0]
+
+    def matrices(self, sigmas: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+        """`matrix` at sigmas (m,), each (m, n, n). Raises Undecidable where C is singular at one of them."""
+        at = sigmas[:, None, None]
+        C, D = (np.asarray(polynomial.value(part, at)) for part in (self.pencil.C, self.pencil.D))
+        moved = [np.asarray(polynomial.slope(part, at)) for part in (self.pencil.D, self.pencil.C)]
         try:
             A = np.linalg.solve(C, D)
-            slope = np.linalg.solve(C, polynomial.slope(self.pencil.D, sigma) - polynomial.slope(self.pencil.C, sigma) @ A)
+            slope = np.linalg.solve(C, moved[0] - moved[1] @ A)
         except np.linalg.LinAlgError:
-            raise Undecidable(f"C is singular at the end at infinity for sigma = {sigma:.6g}: it lies on the continuous spectrum") from None
+            where = f"sigma = {sigmas[0]:.6g}" if len(sigmas) == 1 else "some sigma of a circle"
+            raise Undecidable(f"C is singular at the end at infinity for {where}: it lies on the continuous spectrum") from None
         return np.asarray(self.direction * A), np.asarray(self.direction * slope)
 
     def rescaled(self, unit: complex) -> AsymptoticPencil:

@@ -9,8 +9,10 @@ from scipy.special import lambertw
 import shootstab as st
 from shootstab.core.errors import InputError
 from shootstab.discriminants import sampled_system
+from shootstab.discriminants.perturbed_pencil import PerturbedPencil
 from shootstab.discriminants.sampled_system import reduce_pencil, sample_system
 from shootstab.discriminants.subsystems import decouple
+from shootstab.formulation.problem import EquationProblem
 from shootstab.kernels.reduced_system import ReducedSystem
 from shootstab.problems.capabilities import RECORDED
 from shootstab.problems.protocol import Pencil, Problem
@@ -93,13 +95,15 @@ def assembled(system: ReducedSystem, n: int, sigma: complex) -> np.ndarray:
     m, entries = system.G.shape[3], len(system.column)
     values = system.P[:, :, :entries].astype(complex)
     values[:, :, system.linear.astype(int)] += sigma * system.P[:, :, entries : entries + len(system.linear)]
-    assert np.all(system.powers == 2)
-    values[:, :, system.higher.astype(int)] += sigma**2 * system.P[:, :, entries + len(system.linear) :]
+    for k, (entry, power) in enumerate(zip(system.higher.astype(int), system.powers.astype(int), strict=True)):
+        values[:, :, entry] += sigma**power * system.P[:, :, entries + len(system.linear) + k]
     stacked = np.zeros((*system.P.shape[:2], n + m, n), complex)
     stacked[:, :, np.searchsorted(system.start, np.arange(entries), side="right") - 1, system.column.astype(int)] = values
     V = np.zeros((*system.P.shape[:2], n, m), complex)
     V[:, :, system.carries.astype(int)] = system.V
-    return np.asarray(stacked[:, :, :n] + V @ np.linalg.solve(system.G[:, :, 0] + sigma * system.G[:, :, 1], stacked[:, :, n:]))
+    return np.asarray(
+        stacked[:, :, :n] + V @ np.linalg.solve(sum(sigma**k * system.G[:, :, k] for k in range(system.G.shape[2])), stacked[:, :, n:])
+    )
 
 
 class WithoutFormula:
@@ -131,6 +135,39 @@ def test_the_recorded_reduction_is_the_one_of_the_matrices(scene: str, kx: float
             one, other = (assembled(s.system, member.size, 0.02 - 0.03j) for s in systems)
             # entries that cancel are held against the largest of their row
             assert np.all(np.abs(one - other) <= 1e-13 * np.abs(other).max(axis=3, keepdims=True))
+
+
+def spatial(nu: float) -> EquationProblem:
+    """A compressible channel with α as the eigenvalue, to the power 2; its pressure obeys M² (a U - ω) p = … : σ stands in C, twice."""
+    L, strain = "i*(a*U - omega)", "(i*a*u + d(v))"
+    return st.equations(
+        ["u", "v", "p"],
+        [
+            f"{L}*u + v*d(U) + i*a*p = nu*(d(u,2) - a**2*u + i*a*{strain}/3)",
+            f"{L}*v + d(p) = nu*(d(v,2) - a**2*v + d({strain})/3)",
+            f"{L}*p + {strain} = 0",
+        ],
+        st.Conditions(-1, ["u", "v"]),
+        st.Conditions(1, ["u", "v"]),
+        parameters={"omega": 0.4, "nu": nu},
+        where={"U": "1 - z**2"},
+        eigenvalue="a",
+    )
+
+
+@pytest.mark.parametrize("scene", ["pipe", "kink", "legendre", "maxwell-couette", "mri", "two walls", "compressible"])
+def test_equations_record_the_reduction_of_their_matrices(scene: str) -> None:
+    """On the real axis and off it, on one subdomain and on several; and so with entries that are changed by nothing."""
+    walls = {"left": st.Conditions(0, ["sigma*d(y) + y"]), "right": st.Conditions(1, ["d(y) - sigma*y"])}
+    made = {"two walls": lambda: st.equations(["y"], ["d((1 + z)*d(y)) - sigma*y"], **walls), "compressible": lambda: spatial(0.02)}
+    problem = made[scene]() if scene in made else st.scene(scene).problem
+    assert RECORDED.of(problem).reduced is not None
+    straight = problem.mesh(problem.start(problem.generic_sigma, 1e-10))[::9]
+    for nodes in (straight + 0j, straight * (1 + 0.01j)):
+        systems = [sample_system(p, nodes) for p in (problem, PerturbedPencil(problem, 1, 0.0), WithoutFormula(problem))]
+        one, unchanged, other = (assembled(s.system, problem.size, 0.3 - 0.2j) for s in systems)
+        assert np.all(np.abs(one - other) <= 1e-12 * np.abs(other).max(axis=3, keepdims=True))
+        assert np.all(np.abs(one - unchanged) <= 1e-12 * np.abs(one).max(axis=3, keepdims=True))
 
 
 def test_an_elimination_without_pivots_gives_way_to_one_with() -> None:

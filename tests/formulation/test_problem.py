@@ -77,6 +77,25 @@ def test_spatial_modes_are_those_of_the_temporal_problem() -> None:
     assert abs(st.refine(temporal, guess=-0.2375j).sigma + 0.2375j) < 1e-12
 
 
+@pytest.mark.parametrize("left", [0, -1])
+def test_a_continuous_spectrum_that_passes_through_infinity(left: int) -> None:
+    """Couette flow U = z without viscosity, spatially: α = ω/z for all z, which ends, or is two curves, where U vanishes; modes nπi/h."""
+    equations = ["i*(a*z - omega)*u + v + i*a*p", "i*(a*z - omega)*v + d(p)", "i*a*u + d(v)"]
+    ends = st.Conditions(left, ["v"]), st.Conditions(1, ["v"])
+    problem = st.equations(["u", "v", "p"], equations, *ends, parameters={"omega": 0.7}, eigenvalue="a")
+    exact = 1j * np.pi / (1 - left)
+    mode = st.refine(problem, 1.02 * exact)
+    assert abs(mode.sigma - exact) <= mode.error <= 1e-12
+    assert st.count(problem, st.Rectangle(-0.5 + 0.5 * exact, 0.5 + 2.5 * exact)) == 2
+    # the spectrum is α ≥ 0.7 and, with the point where U = 0 inside, α ≤ −0.7 as well
+    verdicts = st.verify(problem, [3.3, 1e6, -3.3, 0.3], missing=None).verdicts
+    beyond = "spurious" if left == 0 else "continuum"
+    assert [v.verdict for v in verdicts] == ["continuum", "continuum", beyond, "spurious"]
+    curves = [sigma for _, sigma in problem.crossings]
+    assert len(curves) == 1 - left
+    assert all(np.abs(sigma).min() == pytest.approx(0.7, rel=1e-4) for sigma in curves)
+
+
 def test_functions_in_many_digits() -> None:
     """y_zz − y_z + σ e^{2z} y = 0 is y_ss + σ y = 0 with s = e^z; and every other function agrees between two arithmetics and doubles."""
     problem = st.equations(["y"], ["d(y,2) - d(y) + sigma*exp(2*z)*y"], st.Conditions(0, ["y"]), st.Conditions(1, ["y"]))
