@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
 
@@ -14,9 +14,9 @@ from shootstab.core.balls import acb, arb
 from shootstab.core.errors import ConvergenceError
 from shootstab.multiprecision.enclosable import BoundedDiscriminant, Enclosable
 from shootstab.multiprecision.enclosure import at_bits, decimal
-from shootstab.roots.pellet import SPARE_POINTS, TaylorModel, nats_for, points_for, taylor_model
+from shootstab.roots.pellet import LEAST_POINTS, SPARE_POINTS, TaylorModel, nats_for, points_for, taylor_model
 
-SPARE_BITS = 100  # chosen: bits beyond the digits asked for; more are taken where the enclosure of D is too wide
+SPARE_BITS = 80  # chosen: bits beyond the digits asked for; more are taken where the enclosure of D is too wide
 MORE_BITS, MOST_BITS = 1.6, 4096  # chosen: the factor of bits from one attempt to the next, and a budget of some minutes
 KNOWN_BITS = 40  # chosen: bits of D on the circle: an inequality that fails with so many fails for another reason than too few bits
 TOLD, MOST_PROBES = 4, 12  # chosen: bits of D from which on it is told from 0, and how often more are tried
@@ -24,6 +24,7 @@ WIDEST_CIRCLE = 4.0  # chosen: the circle on which |D| is bounded is at least so
 SMALLER_OUTER = 4.0  # chosen: ratio of an outer circle on which D has no bound to the next
 # chosen: the first disc, in |σ|, in the search for the largest in which a mode is alone, and the factor to the next
 WIDEST, NARROWER = 0.125, 1.25
+WIDE_SHARE = 3  # chosen: part of the values that a circle may take which that search takes
 SECANTS = 80  # chosen: steps towards a zero, which for a simple one are six or so
 SEED = 10  # chosen: digits that a mode in double precision has at least
 FARTHEST_SECANT = 1e3  # chosen: the longest step of a secant, in the accuracy of the seed, that still leads to its zero
@@ -146,17 +147,28 @@ def _outer(form: Enclosable, size: float, radius: float) -> float:
 
 
 def _surrounded(form: Enclosable, bits: int, centre: Any, size: float, radius: float) -> _Surrounded:
-    """D within the outer circle, or a smaller one where that holds what is no eigenvalue, such as a continuous spectrum."""
+    """D within the outer circle, or a smaller one where that holds what is no eigenvalue, such as a continuous spectrum.
+
+    So it is where a smaller one has a bound that fewer values do for: an enclosure for thick σ bounds |D| much better where there is one.
+    """
     outer = _outer(form, size, radius)
+    best, fewest = None, math.inf
     while True:
         region = disc(centre, arb(outer))
         D = form.enclosure(bits, region)
         try:
-            return _Surrounded(D, centre, outer, D.growth(region), form.most_points)
+            bound = D.growth(region)
         except ConvergenceError:
-            if outer <= WIDEST_CIRCLE * radius:
+            if outer <= WIDEST_CIRCLE * radius and best is None:
                 raise
-            outer = max(outer / SMALLER_OUTER, WIDEST_CIRCLE * radius)
+        else:
+            nats = nats_for(bound, _log_size(D, centre + arb(radius)))
+            points = math.ceil(nats / math.log(outer / radius))
+            if points < fewest:
+                best, fewest = _Surrounded(D, centre, outer, bound, form.most_points), points
+        if best is not None and (fewest <= form.most_points or outer <= WIDEST_CIRCLE * radius):
+            return best
+        outer = max(outer / SMALLER_OUTER, WIDEST_CIRCLE * radius)
 
 
 def _model(about: _Surrounded, radius: Any, spare: int = 0) -> TaylorModel:
@@ -170,9 +182,10 @@ def _wide_model(about: _Surrounded, radius: float, size: float) -> TaylorModel:
     wide = min(WIDEST * size, about.outer / WIDEST_CIRCLE)
     log_size = _log_size(about.D, about.centre + arb(radius))
     log_size += math.log(wide / radius) if radius < wide else 0.0  # D grows about so much, being linear
-    spare = min(SPARE_POINTS, about.most // 3)
-    far = about.outer * math.exp(-nats_for(about.bound, log_size) / (about.most - spare))
-    return _model(about, arb(max(min(wide, far), radius)), spare)
+    few = replace(about, most=max(about.most // WIDE_SHARE, LEAST_POINTS + 1))
+    spare = min(SPARE_POINTS, few.most // 3)
+    far = about.outer * math.exp(-nats_for(about.bound, log_size) / (few.most - spare))
+    return _model(few, arb(max(min(wide, far), radius)), spare)
 
 
 def _log_size(enclosure: BoundedDiscriminant, sigma: Any) -> Any:

@@ -81,7 +81,14 @@ class FrameEnclosure:
         return det * (_columns(W, rows) + _columns(W, _others(path.size, rows)) * graph).det()
 
     def growth(self, sigma: Any) -> Any:
-        """An upper bound of ln |D| for all σ in a ball."""
+        """An upper bound of ln |D| for all σ in a ball: from the enclosure for the whole of it where there is one, else from lemma E4."""
+        try:
+            whole = abs(self._enclosed(sigma)).upper()
+        except ConvergenceError:
+            return self._growth_of_norms(sigma)
+        return whole.log() if whole.is_finite() else self._growth_of_norms(sigma)
+
+    def _growth_of_norms(self, sigma: Any) -> Any:
         path = self.path
         n, k, length = path.size, path.decaying, arb(1) / CELLS_OF_STEP
         start, end = minors(path.far(sigma), k), row_minors(path.wall(sigma))

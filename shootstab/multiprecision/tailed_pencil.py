@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from shootstab.core.balls import acb, acb_series, arb, arb_series
+from shootstab.core.balls import acb, acb_series, arb, arb_series, ctx
 from shootstab.core.errors import ConvergenceError
 from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import Matrix
@@ -16,10 +17,13 @@ from shootstab.multiprecision.minors import at_sigma as numbers_at_sigma
 from shootstab.multiprecision.minors import solved
 from shootstab.multiprecision.regular_singular_end import decaying_series
 from shootstab.multiprecision.tailed_series import TailedSeries, capped, widened
-from shootstab.multiprecision.tails import Beyond, SingularBounds, StepBounds, TailedEntries, spectral_radius
+from shootstab.multiprecision.tails import Beyond, QuotientBounds, SizedEntries, SolutionBounds, TailedEntries, largest, spectral_radius
 from shootstab.multiprecision.taylor import Taylor
 
 BALLS = FlintArithmetic(radii=True)  # exact: the arithmetic of every enclosure
+QUOTIENT_CONTRACTION, SOLUTION_CONTRACTION = 0.85, 0.5  # chosen: spectral radii of the two G up to which a step is not too long
+
+SEEN_BITS = 16  # chosen: bits above the working precision from which on terms left out would be seen
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,33 +62,51 @@ class TailedPencil:
 
     def transition(self, sigma: Any) -> Matrix | None:
         """Φ (n, n) with ψ(1) = Φ ψ(0), as balls; None where it is not bounded."""
-        bounds = self._step_bounds(sigma)
-        if bounds is None:
+        found = self.expansion(sigma)
+        return None if found is None else _summed(*found)
+
+    def expansion(self, sigma: Any) -> tuple[list[Matrix], list[Any]] | None:
+        """The terms of Φ(t) (n, n), ψ(t) = Φ(t) ψ(0), and bounds (n,) of what they leave out in each row; None where it is not bounded."""
+        found = self._quotient(sigma)
+        if found is None:
             return None
+        A, sizes, rest = found
         with capped(self.terms):
-            A = solved(self.size, *(_whole(parts, sigma) for parts in self._flint))
             rows = [[_parts(A.get((i, j))) for j in range(self.size)] for i in range(self.size)]
             nothing = [[(None, None)] * self.size] * self.size
             identity = [[BALLS.number(int(i == j)) for j in range(self.size)] for i in range(self.size)]
-            found = BALLS.expanded([*rows, *nothing], identity, identity, self.terms)
-        tail = bounds.tail(found)
-        return None if tail is None else _summed(found, tail)
+            terms = BALLS.expanded([*rows, *nothing], identity, identity, self.terms)
+        tail = SolutionBounds.of_step(self.size, sizes, rest, self.terms).tail(terms)
+        return None if tail is None else (terms, tail)
 
     def decaying(self, sigma: Any, P0: Matrix, rate: Any, nilpotent: Matrix) -> Matrix | None:
         """P(1) (n, k) of the solutions P(t) t^(rate + nilpotent (k, k)), P(0) = P0, at a singular end, as balls; None where not bounded."""
-        bounds = self._singular_bounds(sigma, rate, nilpotent)
-        if bounds is None:
+        found = self._quotient(sigma)
+        if found is None:
             return None
         with capped(self.terms):
             C, D = (at_sigma(parts, sigma) for parts in self.polynomials)
-            found = decaying_series(BALLS, C, D, P0, rate, nilpotent, self.terms)
-        tail = bounds.tail(found)
-        return None if tail is None else _summed(found, tail)
+            terms = decaying_series(BALLS, C, D, P0, rate, nilpotent, self.terms)
+        tail = SolutionBounds.of_singular_end(self.size, *found[1:], self.terms, rate, nilpotent).tail(terms)
+        return None if tail is None else _summed(terms, tail)
 
-    def holds(self, sigma: Any, limit: float, rate: Any = None, nilpotent: Matrix | None = None) -> bool:
-        """Whether the tails at σ, a ball, contract by about such a factor: on a step, or at a singular end with nilpotent (k, k)."""
-        bounds = self._step_bounds(sigma) if nilpotent is None else self._singular_bounds(sigma, rate, nilpotent)
-        return bounds is not None and spectral_radius(bounds.G) < limit
+    def contraction(self, sigma: Any, rate: Any = None, nilpotent: Matrix | None = None) -> float:
+        """How fast the tails contract for σ in a ball, over what is allowed: on a step, or at a singular end with nilpotent (k, k).
+
+        Where it is above 1 the step, or t at the end, is too long by about this factor; so it is where the terms left out would be seen.
+        """
+        bounds, found = self._quotient_bounds(sigma), self._quotient(acb(sigma).mid())
+        if bounds is None or found is None:
+            return math.inf
+        if nilpotent is None:
+            solution = SolutionBounds.of_step(self.size, *found[1:], self.terms)
+        else:
+            solution = SolutionBounds.of_singular_end(self.size, *found[1:], self.terms, rate, nilpotent)
+        _, sizes, rest = found
+        whole = largest([x for entry in sizes.values() for x in entry])
+        seen = float((largest(rest) / whole).log()) / math.log(2) + ctx.prec - SEEN_BITS if largest(rest) > 0 else -math.inf
+        contracted = max(spectral_radius(bounds.G) / QUOTIENT_CONTRACTION, spectral_radius(solution.G) / SOLUTION_CONTRACTION)
+        return float(max(contracted, 2.0 ** (seen / self.terms)))
 
     def on_cell(self, sigma: Any, low: Any, high: Any) -> dict[tuple[int, int], Any]:
         """C⁻¹ D for all t between two numbers, as balls."""
@@ -92,26 +114,29 @@ class TailedPencil:
         C, D = ([{at: y.at(t) for at, y in part.items()} for part in parts] for parts in (self.C, self.D))
         return solved(self.size, numbers_at_sigma(C, sigma), numbers_at_sigma(D, sigma))
 
-    def _leading(self, sigma: Any) -> tuple[Matrix, Matrix]:
-        """C_0 and D_0 at σ."""
+    def _leading(self, sigma: Any) -> Matrix:
+        """C_0 at σ."""
         every = range(self.size)
-        out = []
-        for parts in (self.C, self.D):
-            numbers = numbers_at_sigma([{at: y.c[0] for at, y in part.items()} for part in parts], sigma)
-            out.append([[numbers.get((i, j), acb(0)) for j in every] for i in every])
-        return out[0], out[1]
+        numbers = numbers_at_sigma([{at: y.c[0] for at, y in part.items()} for part in self.C], sigma)
+        return [[numbers.get((i, j), acb(0)) for j in every] for i in every]
 
-    def _step_bounds(self, sigma: Any) -> StepBounds | None:
-        inverse = _inverse(self._leading(sigma)[0])
-        return None if inverse is None else StepBounds.of(inverse, *self.beyond, abs(sigma).upper(), self.terms)
+    def _quotient_bounds(self, sigma: Any) -> QuotientBounds | None:
+        inverse = _inverse(self._leading(sigma))
+        return None if inverse is None else QuotientBounds.of(inverse, *self.beyond, abs(sigma).upper())
 
-    def _singular_bounds(self, sigma: Any, rate: Any, nilpotent: Matrix) -> SingularBounds | None:
-        C0, D0 = self._leading(sigma)
-        inverse = _inverse(C0)
-        if inverse is None:
+    def _quotient(self, sigma: Any) -> tuple[dict[tuple[int, int], Any], SizedEntries, list[Any]] | None:
+        """The terms of A = C⁻¹D, their moduli, and X of A; None where it is not bounded."""
+        bounds = self._quotient_bounds(sigma)
+        if bounds is None:
             return None
-        A0 = matrices.product(BALLS, inverse, D0)
-        return SingularBounds.of(inverse, A0, *self.beyond, abs(sigma).upper(), self.terms, rate, nilpotent)
+        with capped(self.terms):
+            try:
+                A = solved(self.size, *(_whole(parts, sigma) for parts in self._flint))
+            except ConvergenceError:
+                return None
+        sizes = {at: [abs(x).upper() for x in y.coeffs()] for at, y in A.items()}
+        rest = bounds.tail(sizes, self.terms)
+        return None if rest is None else (A, sizes, rest)
 
 
 def _inverse(A: Matrix) -> Matrix | None:

@@ -1,15 +1,17 @@
 """What the terms of a linear system's solution leave out: bounds for C dY/dt = D Y and for its regular singular end.
 
-N terms Y_k are balls that hold the exact ones. With D′ = C_0⁻¹ D and F = C_0⁻¹ C, |·| entrywise, ‖·‖ = Σ_j |·_j| and ‖·‖₊ the same
-without j = 0, X_i = Σ_{m≥N} |Y_{m,i}| of any column obeys X ≤ G X + R (theory, lemma E11) with
+N terms are balls that hold the exact ones. With A = C⁻¹D, F = C_0⁻¹C, |·| entrywise, ‖·‖ = Σ_j |·_j| and ‖·‖₊ the same without
+j = 0, X_i is Σ_{m≥N} max_q |·_{m,iq}|, and obeys X ≤ G X + R (theory, lemma E11): that of A with
 
-    G = ‖D′‖/N + ‖F‖₊,   R = (1/N) Σ_{k<N} Σ_{j≥N−1−k} |D′_j||Y_k| + Σ_{k<N} (k/N) Σ_{j≥N−k} |F_j||Y_k|,
+    G = ‖F‖₊,   R = Σ_{m≥N} |C_0⁻¹| |D_m| 1 + Σ_{k<N} Σ_{j≥N−k} |F_j| max_q |A_k|_q,
 
-and at a regular singular end, C t dψ/dt = D ψ, ψ = P(t) t^Λ, Λ = ρ + Nil, ρ > 0, with A_0 = C_0⁻¹D_0 and ν the largest column sum
-of |Nil|
+that of Y with
 
-    G = (|A_0| + ν + ‖D′‖₊)/(N + ρ) + (1 + ν/(N + ρ)) ‖F‖₊,
-    R = Σ_{k<N} (Σ_{j≥N−k} |D′_j| + (k + ρ + ν) Σ_{j≥N−k} |F_j|) |P_k|/(N + ρ).
+    G = ‖A‖/N,   R = (1/N) Σ_{k<N} Σ_{j≥N−1−k} |A_j| |Y_k|,
+
+and at a regular singular end, C t dψ/dt = D ψ, ψ = P(t) t^Λ, Λ = ρ + Nil, ρ > 0, ν the largest column sum of |Nil|, that of P with
+
+    G = (‖A‖ + ν)/(N + ρ),   R = Σ_{k<N} Σ_{j≥N−k} |A_j| |P_k|/(N + ρ).
 
 If G w + R ≤ w for some w and R > 0, then X ≤ w.
 """
@@ -30,6 +32,7 @@ from shootstab.multiprecision.tailed_series import NO_TAIL, TailedSeries
 
 Sums = Mapping[tuple[int, int], Sequence[Any]]  # sums Σ_{j≥m} of an entry for m = 0, 1, …
 TailedEntries = Mapping[tuple[int, int], TailedSeries]
+SizedEntries = Mapping[tuple[int, int], Sequence[Any]]  # |A_m| for m = 0, 1, …
 BOUND_BITS = 64  # chosen: bits of bounds, whose radii are always added
 SLACK = 2.0**-20  # chosen: part of the largest R that is added to all, and of w: above the rounding of doubles, without weight in a bound
 ABOVE_RADIUS, OF_LARGEST_ENTRY = 1.05, 1e-3  # chosen: the scale, over the spectral radius and at least in the largest entry
@@ -57,8 +60,8 @@ class Beyond:
 
 
 @dataclass(frozen=True, eq=False)
-class StepBounds:
-    """What bounds the tail of a step at one σ: left = |C_0⁻¹| (n, n), Σ_{j≥m} |C_j| and |D_j|, and G (n, n)."""
+class QuotientBounds:
+    """What bounds the tail of A = C⁻¹D at one σ: left = |C_0⁻¹| (n, n), Σ_{j≥m} |C_j| and |D_j|, and G = ‖F‖₊ (n, n)."""
 
     left: Matrix
     C: Sums
@@ -66,70 +69,62 @@ class StepBounds:
     G: Matrix
 
     @staticmethod
-    def of(inverse: Matrix, C: Beyond, D: Beyond, size: Any, terms: int) -> StepBounds:
-        """Bounds from inverse = C_0⁻¹ (n, n) and the series at |σ| ≤ size, with so many terms."""
-        n = len(inverse)
+    def of(inverse: Matrix, C: Beyond, D: Beyond, size: Any) -> QuotientBounds:
+        """Bounds from inverse = C_0⁻¹ (n, n) and the series at |σ| ≤ size."""
         with ctx.workprec(BOUND_BITS):
             left, c, d = _absolute(inverse), C.at_sigma(size), D.at_sigma(size)
-            G = _nothing(n)
-            for (i, j), sums in d.items():
-                G[i][j] += sums[0] / terms
+            G = _nothing(len(inverse))
             for (i, j), sums in c.items():
                 G[i][j] += _nth(sums, 1)
-            return StepBounds(left, c, d, _times(left, G))
+            return QuotientBounds(left, c, d, _times(left, G))
 
-    def tail(self, terms: Sequence[Matrix]) -> list[Any] | None:
-        """X (n,), from the terms Y_k; None where it is not bounded."""
-        N = len(terms)
+    def tail(self, A: SizedEntries, terms: int) -> list[Any] | None:
+        """X (n,), from the moduli of so many terms of A; None where it is not bounded."""
         with ctx.workprec(BOUND_BITS):
-            s, R = _largest_of_rows(terms), [NO_TAIL] * len(self.left)
-            for (i, j), sums in self.D.items():
-                R[i] += sum((_nth(sums, N - 1 - k) * s[k][j] for k in range(N)), NO_TAIL) / N
+            rows: dict[int, list[Sequence[Any]]] = {}
+            for (i, _), sizes in A.items():
+                rows.setdefault(i, []).append(sizes)
+            s = {i: [largest([x[k] for x in row if k < len(x)] or [NO_TAIL]) for k in range(terms)] for i, row in rows.items()}
+            R = [NO_TAIL] * len(self.left)
+            for (i, _), sums in self.D.items():
+                R[i] += _nth(sums, terms)
             for (i, j), sums in self.C.items():
-                R[i] += sum((_nth(sums, N - k) * s[k][j] * k for k in range(N)), NO_TAIL) / N
+                R[i] += _met(sums, s.get(j, ()), terms)
             return dominated(self.G, _applied(self.left, R))
 
 
 @dataclass(frozen=True, eq=False)
-class SingularBounds:
-    """What bounds it at a regular singular end, left and G (n, n) as on a step; rate is ρ, nilpotent the largest column sum of |Nil|."""
+class SolutionBounds:
+    """What bounds the tail of the solutions: Σ_{j≥m} |A_j|, G (n, n), the N + ρ by which R is divided, and N − 1 or N of its sums."""
 
-    left: Matrix
-    C: Sums
-    D: Sums
+    A: Sums
     G: Matrix
-    rate: Any
-    nilpotent: Any
+    over: Any
+    first: int
 
     @staticmethod
-    def of(inverse: Matrix, A0: Matrix, C: Beyond, D: Beyond, size: Any, terms: int, rate: Any, nilpotent: Matrix) -> SingularBounds:
-        """Bounds from inverse = C_0⁻¹ (n, n), A0 = C_0⁻¹ D_0 (n, n), nilpotent (k, k) and the series at |σ| ≤ size, with so many terms."""
-        n = len(inverse)
+    def of_step(size: int, A: SizedEntries, tail: Sequence[Any], terms: int) -> SolutionBounds:
+        """Bounds on a step from the moduli of the terms of A (size, size), and X of A."""
         with ctx.workprec(BOUND_BITS):
-            left, c, d = _absolute(inverse), C.at_sigma(size), D.at_sigma(size)
+            sums = _beyond(size, A, tail)
+            return SolutionBounds(sums, _over(size, sums, NO_TAIL, arb(terms)), arb(terms), terms - 1)
+
+    @staticmethod
+    def of_singular_end(size: int, A: SizedEntries, tail: Sequence[Any], terms: int, rate: Any, nilpotent: Matrix) -> SolutionBounds:
+        """Bounds at a singular end of rate ρ and nilpotent (k, k)."""
+        with ctx.workprec(BOUND_BITS):
+            sums, over = _beyond(size, A, tail), arb(terms) + rate
             nil = largest([sum((abs(x).upper() for x in column), NO_TAIL) for column in zip(*nilpotent, strict=True)])
-            first = arb(terms) + rate
-            G = _nothing(n)
-            for (i, j), sums in d.items():
-                G[i][j] += _nth(sums, 1) / first
-            for (i, j), sums in c.items():
-                G[i][j] += _nth(sums, 1) * (1 + nil / first)
-            total = _times(left, G)
-            for i, row in enumerate(_absolute(A0)):
-                for j, x in enumerate(row):
-                    total[i][j] += (x + (nil if i == j else 0)) / first
-            return SingularBounds(left, c, d, total, rate, nil)
+            return SolutionBounds(sums, _over(size, sums, nil, over), over, terms)
 
     def tail(self, terms: Sequence[Matrix]) -> list[Any] | None:
-        """X (n,), from the terms P_k; None where it is not bounded."""
-        N = len(terms)
+        """X (n,), from the terms Y_k or P_k; None where it is not bounded."""
         with ctx.workprec(BOUND_BITS):
-            s, R, first = _largest_of_rows(terms), [NO_TAIL] * len(self.left), arb(N) + self.rate
-            for (i, j), sums in self.D.items():
-                R[i] += sum((_nth(sums, N - k) * s[k][j] for k in range(N)), NO_TAIL) / first
-            for (i, j), sums in self.C.items():
-                R[i] += sum((_nth(sums, N - k) * s[k][j] * (k + self.rate + self.nilpotent) for k in range(N)), NO_TAIL) / first
-            return dominated(self.G, _applied(self.left, R))
+            s = list(zip(*([largest([abs(x) for x in row]) for row in term] for term in terms), strict=True))
+            R = [NO_TAIL] * len(self.G)
+            for (i, j), sums in self.A.items():
+                R[i] += _met(sums, s[j], self.first)
+            return dominated(self.G, [x / self.over for x in R])
 
 
 def dominated(G: Matrix, R: Sequence[Any]) -> list[Any] | None:
@@ -196,9 +191,27 @@ def _nothing(n: int) -> Matrix:
     return [[NO_TAIL] * n for _ in range(n)]
 
 
-def _largest_of_rows(terms: Sequence[Matrix]) -> list[list[Any]]:
-    """max_q |Y_{k,iq}| for every k and i."""
-    return [[largest([abs(x) for x in row]) for row in term] for term in terms]
+def _beyond(size: int, A: SizedEntries, tail: Sequence[Any]) -> Sums:
+    """Σ_{j≥m} |A_j| of every entry, the entries without terms too."""
+    out = {}
+    for i in range(size):
+        for j in range(size):
+            sums = [tail[i]]
+            for x in reversed(A.get((i, j), ())):
+                sums.append(sums[-1] + x)
+            out[i, j] = sums[::-1]
+    return out
+
+
+def _over(size: int, sums: Sums, nilpotent: Any, over: Any) -> Matrix:
+    return [[(sums[i, j][0] + (nilpotent if i == j else NO_TAIL)) / over for j in range(size)] for i in range(size)]
+
+
+def _met(sums: Sequence[Any], s: Sequence[Any], first: int) -> Any:
+    """Σ_k s_k Σ_{j≥first−k}."""
+    last = len(sums) - 1  # sums from there on are the same
+    few = max(0, first - last + 1)
+    return sums[last] * sum(s[:few], NO_TAIL) + sum((sums[first - k] * s[k] for k in range(few, len(s))), NO_TAIL)
 
 
 def largest(numbers: Sequence[Any]) -> Any:

@@ -134,6 +134,6 @@ def test_a_step_on_which_c_may_be_singular_has_no_enclosure() -> None:
         one, steep = TailedSeries([acb(1)], N), TailedSeries([acb(1), acb(-1.2)], N)
         pencil = TailedPencil(2, [{(0, 0): steep, (1, 1): one}], [{(0, 1): one, (1, 0): one}], N)
         assert pencil.transition(acb(0)) is None
-        assert not pencil.holds(acb(0), 0.9)
+        assert pencil.contraction(acb(0)) > 1.0
         vanishing = TailedPencil(1, [{(0, 0): TailedSeries([acb(0), acb(1)], N)}], [{(0, 0): one}], N)
         assert vanishing.transition(acb(0)) is None

@@ -11,15 +11,17 @@ stands for d/dt, and (1/N) τ_f(r) ≤ r is asked for, with 1/(N + 1) for Q.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from shootstab.core.balls import acb, arb
+from shootstab.core.balls import acb, arb, ctx
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.series import Series
 from shootstab.models.chute.balance import slopes
+from shootstab.models.chute.flow_set import FlowDerivative, FlowSet, TailedFields
 from shootstab.models.chute.multiprecision_flow import Descent, FlowAtBase, energy_defect, far_series
 from shootstab.models.chute.parameters import Chute
 from shootstab.multiprecision.flint_backend import FlintArithmetic
@@ -27,16 +29,18 @@ from shootstab.multiprecision.settings import Settings
 from shootstab.multiprecision.tailed_series import NO_TAIL, TailedSeries
 
 TAIL_ATTEMPTS, TAIL_ROOM = 12, 1.5  # chosen: guesses of the tails, and by what each exceeds what the inequality asked for
-# chosen: the factor from one attempt at a step, or at a start of the far field, to the next, and where they end
+# chosen: the factor from one attempt at a step, or at a start of the far field, to the next where nothing is known, and where they end
 SHORTER, SHORTEST_PART, SMALLEST_START = 0.75, 2.0**-12, 2.0**-48
+# chosen: the contraction that is aimed at, in units of what is allowed, and by what a step, or a start, changes at most
+AIM, MOST_CHANGE = 0.85, 4.0
 LAST_STEP_OVER = 1.05  # chosen: the last step over the way to the base, which lies inside it
 BASE_ITERATIONS = 12  # chosen: Newton steps to the base, each of which doubles its digits
 BASE_ROOM = 16.0  # chosen: half width of the interval searched for the base over the step of Newton's iteration
 SHOWN_ROOM = 2.0  # chosen: radii about its ν0 within which the base is alone; printed in decimals, a ball is wider by a tenth of one
 NO_BASE = "the base of the flow cannot be enclosed: take more bits, unless its energy condition is met by grazing"
+DERIVATIVE_BITS, DERIVATIVE_TERMS = 64, 32  # chosen: the flow map's derivative is asked for in a few digits
 CELLS, CELL_DEPTH = 4, 6  # chosen: cells of a step in which the energy condition is looked at, and how often one is halved
 
-TailedFields = tuple[TailedSeries, ...]  # ν, T, u, Q and Φ, u without u_∞
 Slopes = Callable[[Any, Any, Any, Any], Sequence[Any]]
 
 
@@ -56,8 +60,8 @@ class Piece:
 class EnclosedFlow:
     """A flow for every T_∞ in a ball: far fields as series in ν0/start, pieces from there to the base, and what holds at the base.
 
-    first says whether the energy condition was proved to hold nowhere between the start of the pieces and the base; alone is a pair of
-    volume fractions between which, for every T_∞ in the ball, it holds at the base only.
+    first says whether the energy condition was proved to hold nowhere between the start of the pieces and the base. depth is that of the
+    base below the start; alone is a pair of depths between which, for every T_∞ in the ball, it holds at the base only.
     """
 
     chute: Chute
@@ -67,12 +71,13 @@ class EnclosedFlow:
     pieces: tuple[Piece, ...]
     base: FlowAtBase
     first: bool
+    depth: Any
     alone: tuple[Any, Any]
 
-    def same_base(self, nu: Any) -> bool:
-        """Whether a base of one of these flows, at a volume fraction ν0, is proved to be the one enclosed here."""
+    def same_base(self, other: EnclosedFlow) -> bool:
+        """Whether the base of one of these flows, enclosed from the same start, is proved to be the one enclosed here."""
         low, high = self.alone
-        return bool(low < nu and nu < high)
+        return bool(self.start == other.start and low < other.depth and other.depth < high)
 
 
 def tailed(terms: Sequence[Sequence[Any]], scale: Any, needed: Callable[[TailedFields], Sequence[Any]]) -> TailedFields | None:
@@ -102,51 +107,72 @@ class EnclosedDescent:
         self._arithmetic = FlintArithmetic(radii=True)
         self._chute, self._far_temperature, self._settings = chute, far_temperature, settings
 
-    def far(self, start: float, admits: Callable[[TailedFields], bool] = lambda fields: True) -> tuple[Any, TailedFields]:
-        """The start ν0, or a smaller one at which the series hold and are admitted, and they."""
+    def far(self, start: float, contraction: Callable[[TailedFields], float] = lambda fields: 0.0) -> tuple[Any, TailedFields]:
+        """The start ν0, or a smaller one at which the series hold and their contraction is 1 at most, and they."""
         N = self._settings.far_terms
         terms = far_series(self._arithmetic, self._chute, self._far_temperature, N)
         nu = arb(start)
         while nu > SMALLEST_START:
             found = tailed(terms, nu, self._needed_far)
-            if found is not None and admits(found):
+            reached = math.inf if found is None else contraction(found)
+            if found is not None and reached <= 1.0:
                 return nu, found
-            nu = (nu * SHORTER).mid()
+            nu = (nu * _change(reached)).mid()
         raise ConvergenceError(f"no volume fraction above {SMALLEST_START:.1e} is small enough for an enclosure of the far field")
 
-    def descend(self, nu: Any, far: TailedFields, length: float, admits: Callable[[Piece], bool] = lambda piece: True) -> EnclosedFlow:
-        """The flow from a volume fraction down to its base, which doubles see so far below that, in pieces that are admitted."""
+    def descend(self, nu: Any, far: TailedFields, length: float, contraction: Callable[[Piece], float] = lambda piece: 0.0) -> EnclosedFlow:
+        """The flow from a volume fraction down to its base, which doubles see so far below, in pieces with a contraction of 1 at most."""
         chute, part = self._chute, 1.0
         pieces: list[Piece] = []
-        state = [y.at(1).real for y in far]
+        here = FlowSet.about([y.at(1).real for y in far])
         left, first = length, True
         while True:
-            series, natural = Descent(self._arithmetic, chute, self._settings, state, left).expand()
-            part = min(1.0, part / SHORTER)
+            series, natural = Descent(self._arithmetic, chute, self._settings, here.middle, left).expand()
             while True:
                 reach = natural * part
                 last = LAST_STEP_OVER * left < reach
                 h = arb(-LAST_STEP_OVER * left if last else -min(reach, 0.75 * left))
-                fields = tailed(series, h, partial(self._needed, h))
-                if fields is not None and admits(Piece(h, fields)):
+                found = self._carried(here, series, h)
+                reached = math.inf if found is None else contraction(found[0])
+                if found is not None and reached <= 1.0:
                     break
-                part *= SHORTER
+                part *= _change(reached)
                 if part < SHORTEST_PART:
                     raise ConvergenceError("no step is short enough for an enclosure along the steady flow")
-            piece = Piece(h, fields)
+            piece, there = found
             if last:
-                t, alone, steady = _base(chute, piece, left / abs(float(h.mid())))
+                t, box, steady = _base(chute, piece, left / abs(float(h.mid())))
                 end = _up_to(piece, t)
                 state = end.at(1)
                 base = Descent(self._arithmetic, chute, self._settings, state, 0.0).at_base()
-                found = EnclosedFlow(chute, self._far_temperature, nu, far, (*pieces, end), base, first and steady, alone)
-                if not found.same_base(base.state[0] + arb(0, SHOWN_ROOM * base.state[0].rad())):
-                    raise ConvergenceError(NO_BASE)
-                return found
+                above = sum((-piece.h for piece in pieces), arb(0))
+                alone = (above - h * box.lower()).upper(), (above - h * box.upper()).lower()
+                every = (*pieces, end)
+                return EnclosedFlow(chute, self._far_temperature, nu, far, every, base, first and steady, above - h * t, alone)
             first = first and _not_met(chute, piece.at, arb(0))
             pieces.append(piece)
-            state = piece.at(1)
+            part = min(1.0, part * _next(reached))
+            here = there
             left += float(h.mid())
+
+    def step(self, here: FlowSet, h: Any) -> tuple[Piece, FlowSet] | None:
+        """A step of a length h < 0 of all flows of a set, and the set at its end; None where it is too long."""
+        series, _ = Descent(self._arithmetic, self._chute, self._settings, here.middle, 0.0).expand()
+        return self._carried(here, series, h)
+
+    def _carried(self, here: FlowSet, series: Sequence[Sequence[Any]], h: Any) -> tuple[Piece, FlowSet] | None:
+        """A step of all flows of a set, from the terms of the one in its middle, and the set at its end; None where it is too long."""
+        thin = tailed(series, h, partial(self._needed, h))
+        if thin is None:
+            return None
+        with ctx.workprec(DERIVATIVE_BITS):
+            few = replace(self._settings, order=min(self._settings.order, DERIVATIVE_TERMS))
+            rough, _ = Descent(self._arithmetic, self._chute, few, here.hull, 0.0).expand()
+            fields = tailed(rough, h, partial(self._needed, h))
+            derivative = None if fields is None else FlowDerivative.along(self._chute, fields, h)
+        if derivative is None:
+            return None
+        return Piece(h, here.spread(thin, derivative)), here.carried(thin, derivative)
 
     def _needed_far(self, fields: TailedFields) -> list[Any]:
         nu, _, u, Q, _ = fields
@@ -160,6 +186,16 @@ class EnclosedDescent:
         N = nu.terms
         decay, T_z, u_z, Q_z = _slopes_of(self._chute, fields)
         return [abs(h) / N * f.beyond()[min(N - 1, len(f.c))] for f in (nu * decay, T_z, u_z, Q_z, -(nu * u))]
+
+
+def _change(reached: float) -> float:
+    """The factor to a shorter step, or a smaller start, from the contraction of one that is not admitted."""
+    return min(SHORTER, max(AIM / reached, 1 / MOST_CHANGE)) if reached < math.inf else 0.5
+
+
+def _next(reached: float) -> float:
+    """The factor to the next step from the contraction of one that is admitted."""
+    return min(MOST_CHANGE, AIM / max(reached, AIM / MOST_CHANGE))
 
 
 def _slopes_of(chute: Chute, state: Sequence[Any]) -> Any:
@@ -192,10 +228,10 @@ def _not_met(chute: Chute, at: Callable[[Any], list[Any]], low: Any) -> bool:
     return True
 
 
-def _base(chute: Chute, piece: Piece, near: float) -> tuple[Any, tuple[Any, Any], bool]:
-    """t of the base, a ball in which the energy condition is met exactly once, and the volume fractions between which it is met there only.
+def _base(chute: Chute, piece: Piece, near: float) -> tuple[Any, Any, bool]:
+    """t of the base, a ball in which the energy condition is met exactly once, and a wider one in which it is met there only.
 
-    Besides whether it is met nowhere before on the piece.
+    Volume fractions in decimals tell the bases in the wider one apart. Besides whether the condition is met nowhere before on the piece.
     """
     t = arb(near)
     change = arb(1)
@@ -211,10 +247,12 @@ def _base(chute: Chute, piece: Piece, near: float) -> tuple[Any, tuple[Any, Any]
     inside = piece.at(box)
     rate = _defect(chute, inside)[1] * h
     found = t - value[0] / rate
-    if not (box.contains(found) and _slopes_of(chute, inside)[0] * h > 0):  # downwards ν0 rises
+    a, b, nu = (piece.at(x)[0] for x in (box.lower(), box.upper(), found))
+    shown = nu + arb(0, SHOWN_ROOM * nu.rad())
+    one_way = not _slopes_of(chute, inside)[0].contains(0)  # along the box ν0 rises or falls
+    if not (box.contains(found) and one_way and ((a < shown and shown < b) or (b < shown and shown < a))):
         raise ConvergenceError(NO_BASE)
-    alone = piece.at(box.lower())[0].upper(), piece.at(box.upper())[0].lower()
-    return found, alone, _rises_to(chute, piece, found)
+    return found, box, _rises_to(chute, piece, found)
 
 
 def _slope(defect: Series, piece: Piece) -> Any:

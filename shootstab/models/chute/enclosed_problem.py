@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,9 +13,9 @@ from shootstab.core.balls import acb, arb, ctx
 from shootstab.core.errors import ConvergenceError
 from shootstab.models.chute import first_order_system as system
 from shootstab.models.chute.background import background
-from shootstab.models.chute.enclosed_flow import EnclosedDescent, EnclosedFlow, Piece, TailedFields
+from shootstab.models.chute.enclosed_flow import AIM, EnclosedDescent, EnclosedFlow, Piece
+from shootstab.models.chute.flow_set import TailedFields
 from shootstab.models.chute.multiprecision_far import leading, turned, wavenumber
-from shootstab.models.chute.multiprecision_flow import FlowAtBase
 from shootstab.models.chute.multiprecision_problem import ChuteDigits
 from shootstab.models.chute.parameters import Chute
 from shootstab.models.chute.perturbations import Perturbations
@@ -26,15 +26,14 @@ from shootstab.multiprecision.frame_enclosure import FrameEnclosure
 from shootstab.multiprecision.settings import GUARD_DIGITS, Settings
 from shootstab.multiprecision.tailed_pencil import BALLS, TailedPencil
 
-LEMMAS = ("C1", "C2", "C3", "C4", "C5", "E11")  # lemmas of the guide's page on proofs
-FIRST_START, FLUX_START = 2.0**-9, 2.0**-9  # chosen: ν0 from which on a start of the far field is looked for
-TAIL_CONTRACTION = 0.38  # chosen: spectral radius with which the bounds of tails contract; longer steps ask for more terms
+LEMMAS = ("C1", "C2", "C3", "C4", "C5", "C6", "E11")  # lemmas of the guide's page on proofs
+FIRST_START = 2.0**-9  # chosen: ν0 from which on a start of the far field is looked for
 REUSED = 1.5  # chosen: bits, over those asked for, with which an enclosure serves again
 REGION_ROOM = 1.25  # chosen: the region that an enclosure holds for, over the one asked for
 NO_BRACKET = "no bracket of the far temperature is proved to hold a flow of this mass flux: take more bits"
 LEAST_DIGITS = 12.0  # chosen: fewest digits of a flow
 LEAST_FAR_TERMS = 64  # chosen: the tail of the far field contracts by |A_0|/N at best
-FLUX_ROOM = 1e3  # chosen: half width of the bracket of T_∞, over 10^−digits of it
+FLUX_ROOM = 1e5  # chosen: half width of the bracket of T_∞, over 10^−digits of it
 BRACKET_WIDER, WIDENINGS = 1e3, 3  # chosen: factor by which the bracket is widened, and how often it is
 
 
@@ -108,8 +107,8 @@ class ChuteEnclosable:
     """See problems.capabilities.ENCLOSABLE: a chute, its flow enclosed anew for every working precision and region of σ."""
 
     lemmas: tuple[str, ...] = LEMMAS
-    outer: float = 2.0**-6  # chosen: what is thick in σ loses more the longer the way down is
-    most_points: int = 6  # chosen: a value of D takes seconds
+    outer: float = 2.0**-8  # chosen: D is still enclosed for so thick a σ, a better bound than lemma E4's by e^60
+    most_points: int = 12  # chosen: a value of D takes a second
 
     def __init__(self, problem: Perturbations) -> None:
         self._digits, self._problem = ChuteDigits(problem), problem
@@ -153,48 +152,51 @@ class ChuteEnclosable:
         settings = replace(settings, far_terms=max(settings.far_terms, LEAST_FAR_TERMS))
         chute = self._digits.chute(BALLS)
         kx, ky = (acb(BALLS.complex(exact(k))) for k in (self._problem.kx, self._problem.ky))
-        far_temperature, ends = self._far_temperature(chute, settings)
-        descent = EnclosedDescent(chute, far_temperature, settings)
-        rate = acb(wavenumber(BALLS, kx, ky)).real * far_temperature
-        about = arb(flow.far_velocity)  # u_∞ follows from the base: what is admitted with this one is bounded again with the true one
-
         pencils = Pencils(chute, kx, ky)
+        about = arb(flow.far_velocity)  # u_∞ follows from the base: what is admitted with this one is bounded again with the true one
+        wave = acb(wavenumber(BALLS, kx, ky)).real
 
-        def far_holds(fields: TailedFields) -> bool:
-            _, nilpotent = leading(BALLS, chute, (kx, ky), (far_temperature, about), region)
-            return far_pencil(pencils(fields, about)).holds(region, TAIL_CONTRACTION, rate, nilpotent)
+        def far_contraction(fields: TailedFields) -> float:
+            T = fields[1].c[0].real
+            _, nilpotent = leading(BALLS, chute, (kx, ky), (T, about), region)
+            return far_pencil(pencils(fields, about)).contraction(region, wave * T, nilpotent)
 
-        def step_holds(piece: Piece) -> bool:
-            return step_pencil(pencils(piece.fields, about), piece.h).holds(region, TAIL_CONTRACTION)
+        def step_contraction(piece: Piece) -> float:
+            return step_pencil(pencils(piece.fields, about), piece.h).contraction(region)
 
-        nu, far = descent.far(flow.inside(FIRST_START), far_holds)
-        found = descent.descend(nu, far, flow.height(float(nu)), step_holds)
-        if not all(found.same_base(end.state[0]) for end in ends):
+        nu, _ = EnclosedDescent(chute, arb(flow.far_temperature), settings).far(flow.inside(FIRST_START), far_contraction)
+
+        def flow_of(far_temperature: Any, settings: Settings, contraction: Callable[[Piece], float] = lambda piece: AIM) -> EnclosedFlow:
+            descent = EnclosedDescent(chute, far_temperature, settings)
+            start, far = descent.far(nu)
+            return descent.descend(start, far, flow.height(float(start)), contraction)
+
+        far_temperature, ends = self._far_temperature(bits, flow_of)
+        found = flow_of(far_temperature, settings, step_contraction)
+        if not all(map(found.same_base, ends)):
             raise ConvergenceError(NO_BRACKET)  # a mass flux that is continuous between the ends is that of one base
         return ChutePath(found, pencils)
 
-    def _far_temperature(self, chute: Chute, settings: Settings) -> tuple[Any, Sequence[FlowAtBase]]:
-        """T_∞, or a ball of which the mass flux asked for lies between those at the bases that the flows of its ends have, and these."""
+    def _far_temperature(self, bits: int, flow_of: Callable[[Any, Settings], EnclosedFlow]) -> tuple[Any, Sequence[EnclosedFlow]]:
+        """T_∞, or a ball of which the mass flux asked for lies between those of the flows of its ends, and these."""
+        digits = bits / math.log2(10)
+        settings = Settings.of(digits + GUARD_DIGITS)
         flow = self._problem.flow
         if flow.asked_flux is None:
             return BALLS.number(exact(flow.far_temperature)), ()
         plain, asked = FlintArithmetic(), BALLS.number(exact(flow.asked_flux))
         with plain.working(settings.digits), mpmath.workdps(settings.digits):
             T = arb(self._digits.base(plain, settings, lambda: None)[0])
-        room = arb(FLUX_ROOM) * arb(10) ** arb(-settings.tolerance) * T
+        room = arb(FLUX_ROOM) * arb(10) ** arb(-digits) * T
         for _ in range(WIDENINGS):
             ends = [(T - room).mid(), (T + room).mid()]
-            bases = [self._base(chute, end, settings) for end in ends]
-            below, above = (base.mass_flux - asked for base in bases)
+            with BALLS.working(settings.digits):
+                flows = [flow_of(end, settings) for end in ends]
+            below, above = (found.base.mass_flux - asked for found in flows)
             if (below < 0 and above > 0) or (below > 0 and above < 0):
-                return ends[0].union(ends[1]), bases
+                return ends[0].union(ends[1]), flows
             room = room * BRACKET_WIDER
         raise ConvergenceError(NO_BRACKET)
-
-    def _base(self, chute: Chute, far_temperature: Any, settings: Settings) -> FlowAtBase:
-        flow, descent = self._problem.flow, EnclosedDescent(chute, far_temperature, settings)
-        nu, far = descent.far(flow.inside(FLUX_START))
-        return descent.descend(nu, far, flow.height(float(nu))).base
 
 
 def _shown(ball: Any) -> str:
