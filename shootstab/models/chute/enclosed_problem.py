@@ -32,8 +32,8 @@ REUSED = 1.5  # chosen: bits, over those asked for, with which an enclosure serv
 REGION_ROOM = 1.25  # chosen: the region that an enclosure holds for, over the one asked for
 NO_BRACKET = "no bracket of the far temperature is proved to hold a flow of this mass flux: take more bits"
 LEAST_DIGITS = 12.0  # chosen: fewest digits of a flow
-OUTER = 2.0**-8  # chosen: D is still enclosed for so thick a σ, a better bound than lemma E4's by e^60
-MOST_POINTS = 12  # chosen: a value of D takes a second
+CHUTE_OUTER = 2.0**-8  # chosen: D is still enclosed for so thick a σ, a better bound than lemma E4's by e^60
+CHUTE_POINTS = 12  # chosen: a value of D takes a second
 LEAST_FAR_TERMS = 64  # chosen: the tail of the far field contracts by |A_0|/N at best
 FLUX_ROOM = 1e5  # chosen: half width of the bracket of T_∞, over 10^−digits of it
 BRACKET_WIDER, WIDENINGS = 1e3, 3  # chosen: factor by which the bracket is widened, and how often it is
@@ -109,8 +109,8 @@ class ChuteEnclosable:
     """See problems.capabilities.ENCLOSABLE: a chute, its flow enclosed anew for every working precision and region of σ."""
 
     lemmas: tuple[str, ...] = LEMMAS
-    outer: float = OUTER
-    most_points: int = MOST_POINTS
+    outer: float = CHUTE_OUTER
+    most_points: int = CHUTE_POINTS
 
     def __init__(self, problem: Perturbations) -> None:
         self._digits, self._problem = ChuteDigits(problem), problem
