@@ -121,6 +121,12 @@ def coefficients(nu: Any, ep: Any, law: Any, pi: Any) -> Coefficients:
 
 
 @register_jitable
+def reduced_pressure(nu: Any, ep: Any, law: Any) -> Any:
+    """f1 = p/(νT) at ν itself."""
+    return f1(nu, radial(nu, law)[0], ep)
+
+
+@register_jitable
 def steady(nu: Any, ep: Any, law: Any, pi: Any) -> Any:
     """(f1, g2, g3, g4, f5, g1, g1′): what the steady equations take, each at ν itself."""
     g0, dg0 = radial(nu, law)

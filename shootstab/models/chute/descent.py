@@ -34,17 +34,17 @@ def equations(radial: int, real: bool = True) -> Lists:
     log_nu, T, u, Q = state[:4]
     nu = exp(log_nu)
     decay, T_z, u_z, Q_z = slopes(nu, T, Q, ep, tan_theta, radial_law, math.pi)
-    g0, _ = law.radial(nu, radial_law)
-    pressure = nu * law.f1(nu, g0, ep) * T
+    pressure = nu * law.reduced_pressure(nu, ep, radial_law) * T
     rates = (decay, T_z, u_z, Q_z, -pressure, -nu * u, -nu)
     sizes = (1.0, T, T**0.5, HEAT * nu * T**0.5, state[4], nu * T**1.5, state[6])
-    recorded = program(recorder, [*rates, *sizes, defect(nu, T, u_z, Q, g0, ep, tan_theta, r, delta)])
+    recorded = program(recorder, [*rates, *sizes, defect(nu, T, u_z, Q, radial_law, ep, tan_theta, r, delta)])
     return recorded.lists(real)
 
 
-def defect(nu: Any, T: Any, u_z: Any, Q: Any, g0: Any, ep: Any, tan_theta: Any, r: Any, delta: Any) -> Any:
+def defect(nu: Any, T: Any, u_z: Any, Q: Any, radial_law: Any, ep: Any, tan_theta: Any, r: Any, delta: Any) -> Any:
     """(q − tanθ p u_slip + Δ p √T)/p, zero at the base."""
-    return Q / (law.f1(nu, g0, ep) * T) - tan_theta * slip(nu, T, u_z, g0, r, tan_theta, math.pi) + delta * T**0.5
+    u = slip(nu, T, u_z, law.radial(nu, radial_law)[0], r, tan_theta, math.pi)
+    return Q / (law.reduced_pressure(nu, ep, radial_law) * T) - tan_theta * u + delta * T**0.5
 
 
 def limits(densest: float, hottest: float) -> NDArray[np.float64]:

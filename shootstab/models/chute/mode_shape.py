@@ -51,8 +51,9 @@ class ModeShape:
     def heights(self) -> NDArray[np.float64]:
         """Where the rule looks: from the base to where the mass above, ∫ν0 dz = p, is MASS_LEFT_OUT of M0."""
         nu, T = np.exp(self.flow.states[:, 0].real), self.flow.states[:, 1].real
-        g0, _ = law.radial(nu, self.flow.chute.radial_law)
-        above = np.log(nu * law.f1(nu, g0, self.flow.chute.ep) * T)  # ln p, nearly linear between two nodes
+        above = np.log(
+            nu * law.reduced_pressure(nu, self.flow.chute.ep, self.flow.chute.radial_law) * T
+        )  # ln p, nearly linear between two nodes
         top = np.interp(math.log(MASS_LEFT_OUT * self.flow.hold_up), above, self.flow.nodes)
         return np.linspace(0.0, float(top), FLUX_HEIGHTS)
 

@@ -140,7 +140,7 @@ class Descent:
         g0, _ = law.radial(nu, chute.radial_law)
         u_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.radial_law, arithmetic.pi)[2]
         far_velocity = arithmetic.rounded(slip(nu, T, u_z, g0, chute.r, chute.tan_theta, arithmetic.pi) - u)
-        pressure = nu * law.f1(nu, g0, chute.ep) * T
+        pressure = nu * law.reduced_pressure(nu, chute.ep, chute.radial_law) * T
         return FlowAtBase(self.state, far_velocity, arithmetic.rounded(flux + far_velocity * pressure))
 
 
@@ -150,7 +150,7 @@ def energy_defect(chute: Chute, nu: Any, T: Any, Q: Any, pi: Any) -> Any:
     g0, _ = law.radial(nu, chute.radial_law)
     u_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.radial_law, pi)[2]
     u = slip(nu, T, u_z, g0, chute.r, chute.tan_theta, pi)
-    return Q / (law.f1(nu, g0, chute.ep) * T) - chute.tan_theta * u + delta * T**0.5
+    return Q / (law.reduced_pressure(nu, chute.ep, chute.radial_law) * T) - chute.tan_theta * u + delta * T**0.5
 
 
 def start_of(arithmetic: Arithmetic, series: list[list[Any]], settings: Settings) -> float:

@@ -120,9 +120,9 @@ class Flow:
         states: NDArray[Any] = self.states_at(z)
         states = states.real if np.isrealobj(z) else states
         nu, T, u, Q = np.exp(states[..., 0]), states[..., 1], states[..., 2], states[..., 3]
-        g0, _ = law.radial(nu, self.chute.radial_law)
+        f1 = law.reduced_pressure(nu, self.chute.ep, self.chute.radial_law)
         decay, T_z, u_z, _ = slopes(nu, T, Q, self.chute.ep, self.chute.tan_theta, self.chute.radial_law, math.pi)
-        fields = nu, u, T, nu * law.f1(nu, g0, self.chute.ep) * T, nu * Q, nu * decay, u_z, T_z
+        fields = nu, u, T, nu * f1 * T, nu * Q, nu * decay, u_z, T_z
         return Fields(*(np.asarray(field).item() if np.ndim(z) == 0 else field for field in fields))
 
     def _beyond_top(self, z: NDArray[np.complex128]) -> NDArray[np.complex128]:
@@ -175,8 +175,7 @@ class Flow:
     def hold_up(self) -> float:
         """M0 = ∫ν dz of (2.8); it is the pressure at the base, since p′ = −ν."""
         nu, T = self.base["nu"], self.base["T"]
-        g0, _ = law.radial(nu, self.chute.radial_law)
-        return float(nu * law.f1(nu, g0, self.chute.ep) * T)
+        return float(nu * law.reduced_pressure(nu, self.chute.ep, self.chute.radial_law) * T)
 
     @cached_property
     def mass_flux(self) -> float:
