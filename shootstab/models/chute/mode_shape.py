@@ -51,9 +51,8 @@ class ModeShape:
     def heights(self) -> NDArray[np.float64]:
         """Where the rule looks: from the base to where the mass above, ∫ν0 dz = p, is MASS_LEFT_OUT of M0."""
         nu, T = np.exp(self.flow.states[:, 0].real), self.flow.states[:, 1].real
-        above = np.log(
-            nu * law.reduced_pressure(nu, self.flow.chute.ep, self.flow.chute.radial_law) * T
-        )  # ln p, nearly linear between two nodes
+        pressure = nu * law.reduced_pressure(nu, self.flow.chute.ep, self.flow.chute.radial_law) * T
+        above = np.log(pressure)  # nearly linear between two nodes
         top = np.interp(math.log(MASS_LEFT_OUT * self.flow.hold_up), above, self.flow.nodes)
         return np.linspace(0.0, float(top), FLUX_HEIGHTS)
 
