@@ -8,6 +8,7 @@ next to singular points are set twice as far from them.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
@@ -25,7 +26,7 @@ TOLERATED_CHANGE = 0.1  # chosen: the part of D that may change; 1 would do if t
 LUCKY_DRAW = 1e-2  # chosen: a draw of rounding is a hundred times smaller than usual in 1 of 100 cases or less
 DRAWS = 3  # chosen
 CONTOUR_PROBES = 6  # chosen: samples of a contour at which D is computed otherwise
-STEEPEST_PROBES = 2  # chosen: the probes with the largest |d ln D/dσ|: an error of the zeros weighs most there
+STEEPEST_PROBES = 2  # chosen: the probes with the largest |d ln D/dσ|, where an error of the zeros weighs most; and those of a second draw
 
 MeshedValue = tuple[MeshedDiscriminant, Value]
 Answer = TypeVar("Answer")
@@ -34,7 +35,8 @@ Answer = TypeVar("Answer")
 def require_accurate(problem: Problem, samples: Sequence[MeshedValue]) -> None:
     """Raise Inaccurate unless D, computed otherwise, is the same to TOLERATED_CHANGE at some of a contour's samples.
 
-    One draw of the errors may be small by accident: where it is not LUCKY_DRAW of the limit, there are several.
+    One draw of the errors may be small by accident: where it is not LUCKY_DRAW of the limit, there are several, at the samples that the
+    first one changed most.
     """
     probes = _probes(samples)
     if not (by_walls := change_by_walls(problem, probes)) < TOLERATED_CHANGE:
@@ -43,14 +45,16 @@ def require_accurate(problem: Problem, samples: Sequence[MeshedValue]) -> None:
             "of itself on the contour"
         )
     for seed in range(1, DRAWS + 1):
-        worst, sigma = _largest_change(problem, probes, seed)
+        changes = sorted(_changes(problem, probes, seed), key=lambda told: -told[0])
+        worst, (_, value) = changes[0]
         if not worst < TOLERATED_CHANGE:
             raise Inaccurate(
-                f"D is not known well enough for a count: at sigma = {sigma:.12g} on the contour, "
+                f"D is not known well enough for a count: at sigma = {value.sigma:.12g} on the contour, "
                 f"another mesh, start and base flow change it by {worst:.1e} of itself"
             )
         if worst < LUCKY_DRAW * TOLERATED_CHANGE:
             return
+        probes = [probe for _, probe in changes[:STEEPEST_PROBES]]
 
 
 def known_at(problem: Problem, discriminant: MeshedDiscriminant, sigma: complex) -> bool:
@@ -62,17 +66,14 @@ def known_at(problem: Problem, discriminant: MeshedDiscriminant, sigma: complex)
     return all(change < TOLERATED_CHANGE for change in changes)
 
 
-def _largest_change(problem: Problem, probes: Sequence[MeshedValue], seed: int) -> tuple[float, complex]:
-    """The largest relative change of D at the probes, and where it is."""
+def _changes(problem: Problem, probes: Sequence[MeshedValue], seed: int) -> Iterator[tuple[float, MeshedValue]]:
+    """The relative change of D at each of the probes; infinite where it is no number."""
     others: dict[int, Discriminant] = {}
-    worst = (0.0, probes[0][1].sigma)
     for discriminant, value in probes:
         if id(discriminant) not in others:
             others[id(discriminant)] = otherwise(problem, discriminant, value.sigma, seed)
         change = abs(others[id(discriminant)](value.sigma).over(value.D) - 1.0)
-        if not change <= worst[0]:
-            worst = change, value.sigma
-    return worst
+        yield change if change < math.inf else math.inf, (discriminant, value)
 
 
 def otherwise(problem: Problem, discriminant: MeshedDiscriminant, sigma: complex, seed: int) -> Discriminant:
