@@ -1,4 +1,7 @@
-"""What a bench prints: what was measured, what was asked, whether it holds. Ratios are of times measured in one run, on one thread."""
+"""What a bench prints: what was measured, what was asked, whether it holds. Ratios are of times measured in one run, on one thread.
+
+Times are seconds of a processor: what others do on the machine makes them longer too, but by less.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from time import perf_counter
+from time import process_time
 
 from rich.console import Console
 from rich.table import Table
@@ -37,6 +40,12 @@ def at_most(what: str, seconds: float, wanted: float, note: str = "") -> BenchLi
     return BenchLine(what, f"{duration(seconds)}{'; ' + note if note else ''}", f"≤ {duration(wanted)}", seconds <= wanted)
 
 
+def processor() -> float:
+    """The seconds of a processor that this process has had, and those that ended before it and that it waited for."""
+    spent = os.times()
+    return process_time() + spent.children_user + spent.children_system
+
+
 def best(run: Callable[[], object], fresh: Callable[[], object] = lambda: None) -> float:
     """The shortest of several runs, in seconds, after one that does not count; `fresh` is called before each, off the clock."""
     fresh()
@@ -44,18 +53,16 @@ def best(run: Callable[[], object], fresh: Callable[[], object] = lambda: None) 
     least, spent = math.inf, 0.0
     while spent < ENOUGH:
         fresh()
-        began = perf_counter()
-        run()
-        took = perf_counter() - began
+        took = once(run)
         least, spent = min(least, took), spent + took
     return least
 
 
 def once(run: Callable[[], object]) -> float:
     """One run, in seconds."""
-    began = perf_counter()
+    began = processor()
     run()
-    return perf_counter() - began
+    return processor() - began
 
 
 def duration(seconds: float) -> str:

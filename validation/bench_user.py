@@ -1,6 +1,7 @@
 """What somebody waits for: one mode, its verdict, a flow, many digits, the command line. With --write the table goes into README.md.
 
-The bench must be alone on the machine. Times are of one thread where nothing else is said; ratios are of times measured in one run.
+Times are of one thread where nothing else is said, in seconds of a processor; ratios are of times measured in one run. Beside each mode
+stands how many times one D(σ) with its derivative it costs, on the mesh of its tolerance: that hardly depends on what else runs.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ import sys
 from collections.abc import Iterator
 from functools import partial
 from itertools import count
+from typing import Any
 
 import bench_startup
 import numpy as np
@@ -22,12 +24,17 @@ import shootstab as st
 from shootstab.analyses import reference
 from shootstab.models.chute import ChuteProblem
 from shootstab.models.chute import chute_collocation as pseudospectral
+from shootstab.models.gallery.poiseuille import PlanePoiseuille
+from shootstab.problems.capabilities import PSEUDOSPECTRAL
 from shootstab.spectral import inverse
 
 REFINED = {"high": 3e-3, "low": 8e-3}  # seconds asked for, as the other numbers below
 AGAINST_QZ, AGAINST_INVERSE = {"high": 20.0, "low": 1000.0}, {"high": 1.0, "low": 10.0}
 DIGITS = {("high", 50): 2.6, ("low", 50): 6.0, ("high", 100): 9.7, ("low", 100): 22.0}
 BATCH, RAW = 64, 200
+STEEP = -0.014 - 0.0666j  # of plane Poiseuille flow at R = 1e6, alpha = 1: the guess for its wall mode
+TRUNCATIONS_OF_STEEP = range(160, 400, 20)
+CLAIMS = 40  # of a problem in equations
 
 
 def anew(p: ChuteProblem) -> ChuteProblem:
@@ -43,6 +50,9 @@ def one_mode(name: str) -> Iterator[BenchLine]:
     yield at_most(f"{name}: st.refine, rtol 1e-9, the problem used before", used, REFINED[name])
     new = best(lambda: st.refine(fresh.pop(), guess=guess, rtol=1e-9), lambda: fresh.append(anew(p)))
     yield at_most(f"{name}: st.refine, rtol 1e-9, a new problem on a flow in memory", new, REFINED[name])
+    D = st.Frame(rtol=1e-10).on(p).at(guess)
+    one = best(lambda: [D.with_derivative(guess * (1 + 1e-9 * next(turn))) for _ in range(BATCH)]) / BATCH
+    yield BenchLine(f"{name}: both in units of one D(sigma) with dD/dsigma", f"{used / one:.3g} and {new / one:.3g}; {duration(one)}")
     truth = complex(st.refine(p, guess, digits=20).sigma)
     made_for = partial(matrices, p, pseudospectral.window(p.flow, p.kx, p.ky, focus=0.0))
     M = coarsest(list(map(float, TRUNCATIONS)), lambda M: inverse.refine(*made_for(M), guess).sigma, truth)
@@ -62,6 +72,38 @@ def verdicts() -> Iterator[BenchLine]:
     raw = reference.spectrum(fig2, filtered=False).eigenvalues
     near = raw[np.argsort(np.abs(raw))[:RAW]].tolist()
     yield at_most(f"fig2: the {RAW} values of QZ nearest to 0 verified", once(lambda: st.verify(anew(fig2), near, missing="none")), 1.0)
+
+
+def beside_the_chute() -> Iterator[BenchLine]:
+    """A thin critical layer, and the list of a problem in equations."""
+    steep = PlanePoiseuille(reynolds=1e6)
+    mode = st.refine(steep, STEEP, rtol=1e-9)
+    took = best(lambda: st.refine(PlanePoiseuille(reynolds=1e6), STEEP, rtol=1e-9))
+    yield BenchLine("plane Poiseuille, R = 1e6: st.refine, rtol 1e-9", f"{duration(took)}; {mode.sigma:.9g}")
+    spectral = PSEUDOSPECTRAL.required(steep)
+    nearest = partial(nearest_of, spectral, complex(mode.sigma))
+    M = coarsest(list(map(float, TRUNCATIONS_OF_STEEP)), nearest, complex(mode.sigma))
+    qz = once(lambda: nearest(M))
+    yield BenchLine(f"plane Poiseuille, R = 1e6: QZ as good to 1e-8, M = {M:.0f}, over st.refine", f"{qz / took:.3g} times; {duration(qz)}")
+    walls = st.Conditions(-1, ["v", "d(v)"]), st.Conditions(1, ["v", "d(v)"])
+    shear = "(sigma + i*(1 - y**2))*(d(v, 2) - v) + 2*i*v - (d(v, 4) - 2*d(v, 2) + v)/2000"
+    equations = st.equations(["v"], [shear], *walls, variable="y")
+    spectrum = PSEUDOSPECTRAL.required(equations)
+    found = []
+    qz = once(lambda: found.extend(spectrum.spectrum(120, filtered=False).eigenvalues))
+    claims = sorted(found, key=abs)[:CLAIMS]
+    report: list[st.Report] = []
+    took = once(lambda: report.append(st.verify(equations, claims, missing="none")))
+    said = ", ".join(f"{n} {verdict}" for verdict, n in report[0].summary.items() if n)
+    yield BenchLine(
+        f"equations, plane Poiseuille, R = 2000: a verdict, of {CLAIMS}", f"{duration(took / CLAIMS)}; {said}; QZ {duration(qz)}"
+    )
+
+
+def nearest_of(spectral: Any, sigma: complex, M: float) -> complex:
+    """The eigenvalue of one raw QZ at truncation M that is nearest to a number."""
+    values = spectral.spectrum(int(M), filtered=False).eigenvalues
+    return complex(values[np.abs(values - sigma).argmin()])
 
 
 def the_rest(digits: bool) -> Iterator[BenchLine]:
@@ -92,7 +134,14 @@ def main() -> int:
     """Everything; --quick leaves out many digits and what compiles."""
     quick = "--quick" in sys.argv[1:]
     lines = []
-    for part in (one_mode("high"), one_mode("low"), verdicts(), the_rest(not quick), () if quick else bench_startup.lines()):
+    for part in (
+        one_mode("high"),
+        one_mode("low"),
+        verdicts(),
+        beside_the_chute(),
+        the_rest(not quick),
+        () if quick else bench_startup.lines(),
+    ):
         for line in part:
             print(f"{line.what}: {line.obtained}", file=sys.stderr, flush=True)
             lines.append(line)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -121,5 +122,11 @@ def continuum_of(problem: Problem) -> SampledContinuum | None:
     curve: Continuum | None = INTERIOR.of(problem)
     if curve is None:
         return None
+    return _sampled(curve) if isinstance(curve, Hashable) else _sampled.__wrapped__(curve)
+
+
+@lru_cache(maxsize=8)
+def _sampled(curve: Continuum) -> SampledContinuum:
+    """The samples of a curve, which problems may share: those of a chute with one flow and one k_x do."""
     z = curve.heights(CURVE_SAMPLES)
     return SampledContinuum(curve, z, curve(z.astype(np.complex128)))

@@ -149,3 +149,12 @@ def test_a_zero_on_the_continuous_spectrum_of_an_end_is_on_no_side() -> None:
     assert continuation.own_side(branch, 1.0)
     with pytest.raises(Undecidable, match="a zero of D lies on the continuous spectrum of an end at infinity"):
         continuation.own_side(branch, -1.0)
+
+
+def test_problems_of_one_flow_and_one_kx_share_the_samples_of_their_continuous_spectrum(scenes) -> None:
+    flow, kx = scenes["fig2"].flow, scenes["fig2"].kx
+    one, other, elsewhere = (continuum_of(st.chute.problem(flow, *wave)) for wave in ((kx, 0.0), (kx, 0.01), (2 * kx, 0.0)))
+    assert one is other is not elsewhere
+    assert one is not None and elsewhere is not None
+    # the wave is carried with the flow: Im σ_c = −k_x u to rounding, and k_x shifts nothing else
+    np.testing.assert_allclose(elsewhere.sigma, one.sigma + 1j * one.sigma.imag, rtol=1e-9)
