@@ -71,7 +71,7 @@ class EigenfunctionInDigits:
     @property
     def normalization(self) -> str:
         """What the free factor is, in words."""
-        return f"{self.peak[0]} = 1 at z = {self.peak[1]}, near where the largest of all values is"
+        return f"{self.peak[0]} = 1 at {self.rough.variable} = {self.peak[1]}, near where the largest of all values is"
 
     def __call__(self, z: Any) -> dict[str, Any]:
         """The unknowns by name at one z, mpmath numbers. Raises InputError for a z outside the domain, or that is no real number."""

@@ -65,6 +65,11 @@ class Eigenfunction:
         return self._unknowns.names
 
     @property
+    def variable(self) -> str:
+        """What the problem calls z."""
+        return self._unknowns.variable
+
+    @property
     def error(self) -> float:
         """The sum of the budget."""
         return self.budget.total
@@ -72,7 +77,7 @@ class Eigenfunction:
     @property
     def normalization(self) -> str:
         """What the free factor is, in words."""
-        return f"{self.peak[0]} = 1 at z = {self.peak[1]:.6g}, the largest of all values"
+        return f"{self.peak[0]} = 1 at {self.variable} = {self.peak[1]:.6g}, the largest of all values"
 
     def __call__(self, z: ArrayLike) -> Mapping[str, ComplexArray]:
         """The unknowns by name, each of the shape of z. Raises InputError for a z outside the domain."""

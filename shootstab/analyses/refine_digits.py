@@ -52,6 +52,8 @@ LEAST_DOUBLE = 1e-290  # chosen: bounds from here to its inverse are doubles, fa
 def refine_digits(problem: Problem, guess: Any, digits: int, progress: TimedProgress | None = None, arithmetic: str | None = None) -> Mode:
     """The mode next to guess with |true − sigma| ≤ error and error ≤ 10^−digits |sigma| if its status is 'converged'.
 
+    At a mode that double precision does not tell from 0 the scale of D there, mode.scale, stands for |sigma|.
+
     sigma is an mpc. The problem is a chute or has a closed form (problems.closed.ClosedForm); its parameters mean the
     shortest decimals that their floats stand for. arithmetic is 'flint' or 'mpmath', by default flint where it is installed.
     progress(done, total, seconds left) is told how far it is. Where no mode is near, or the base flow does not determine it, the
@@ -70,7 +72,7 @@ def refine_digits(problem: Problem, guess: Any, digits: int, progress: TimedProg
         return _failed(
             seed, f"not converged: double precision finds no mode to start from ({seed.status.removeprefix('not converged: ')})", began
         )
-    if abs(seed.sigma - guess) > GUESS_RADIUS * max(abs(seed.sigma), abs(guess)):
+    if abs(seed.sigma - guess) > GUESS_RADIUS * max(abs(seed.sigma), abs(guess), _scale_at_zero(seed)):
         return _failed(
             seed,
             f"not converged: no mode is near the guess {guess:.6g}; the iteration goes to {seed.sigma:.12g}: start there if that is meant",
@@ -87,6 +89,11 @@ def refine_digits(problem: Problem, guess: Any, digits: int, progress: TimedProg
     except ConvergenceError as error:
         return _failed(seed, f"not converged: {error}", began)
     return replace(mode, seconds=perf_counter() - began, continuum_distance=seed.continuum_distance)
+
+
+def _scale_at_zero(seed: Mode) -> float:
+    """The scale of D at a mode that double precision does not tell from 0, to which its digits are counted; 0 for any other."""
+    return seed.scale if abs(seed.sigma) <= max(seed.error, seed.atol) and math.isfinite(seed.scale) else 0.0
 
 
 def _in_other_units(
@@ -117,7 +124,8 @@ class DigitSearch:
         self._problem_in_digits, self._arithmetic, self._seed, self._clock = problem_in_digits, arithmetic, seed, clock
         sigma = mpmath.mpmathify(seed.sigma)
         self._real = problem_in_digits.real and abs(sigma.imag) <= seed.error
-        self._secant = Secant(sigma.real if self._real else mpmath.mpc(sigma))
+        self._zero = _scale_at_zero(seed)
+        self._secant = Secant(sigma.real if self._real else mpmath.mpc(sigma), self._zero)
         self._known = DOUBLE
         self.evaluations = seed.evaluations
 
@@ -148,7 +156,7 @@ class DigitSearch:
     def _require_near(self, sigma: Any) -> None:
         seed = self._seed
         moved = abs(sigma - mpmath.mpmathify(seed.sigma))
-        if not moved <= MODE_WANDER * seed.error + SEED_ROUNDING * abs(seed.sigma):
+        if not moved <= MODE_WANDER * seed.error + SEED_ROUNDING * max(abs(seed.sigma), self._zero):
             raise ConvergenceError(
                 f"in high precision the iteration leaves the mode that double precision found, by {float(moved):.1e} with a bound of "
                 f"{float(seed.error):.1e}"
@@ -185,8 +193,9 @@ class DigitSearch:
         with mpmath.workdps(settings.digits):
             error = _plain(mpmath.fsum(parts.as_dict().values()))
             sigma = mpmath.mpc(self._secant.x)
-            status = CONVERGED if error <= rtol * abs(sigma) else f"not converged: the error bound {mpmath.nstr(error, 2)} is too large"
-            return Mode(sigma, error, parts, status, METHOD, self.evaluations, 0.0)
+            allowed, atol = rtol * max(abs(sigma), self._zero), _plain(rtol * self._zero)
+            status = CONVERGED if error <= allowed else f"not converged: the error bound {mpmath.nstr(error, 2)} is too large"
+            return Mode(sigma, error, parts, status, METHOD, self.evaluations, 0.0, scale=self._seed.scale, atol=float(atol))
 
 
 def _precisions(top: float, known: float) -> list[float]:

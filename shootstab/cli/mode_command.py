@@ -112,7 +112,8 @@ def _tables(found: Eigenfunction, scene: scene_files.Scene, z: Any) -> list[Rend
     }
     if found.kind:
         rows["kind"] = found.kind
-    table = tables.ruled("", "field", "largest value", "at z", f"at z = {z[0]:.4g}", f"at z = {z[-1]:.4g}", numbered=False)
+    x = found.variable
+    table = tables.ruled("", "field", "largest value", f"at {x}", f"at {x} = {z[0]:.4g}", f"at {x} = {z[-1]:.4g}", numbered=False)
     for name, f in columns(found, z).items():
         place = int(np.abs(f).argmax())
         held = found.error * abs(f[place])

@@ -46,7 +46,7 @@ def draw(found: Eigenfunction, scene: Scene, low: float | None = None, high: flo
     for panels, at in zip(rows, heights, strict=True):
         _fill(panels[: len(values)], at, found(at))
         for panel in panels[: len(values) : across]:
-            panel.set_ylabel("$z$")
+            panel.set_ylabel(f"${found.variable}$")
         for panel in panels[len(values) :]:
             panel.set_axis_off()
     panels = rows[0]

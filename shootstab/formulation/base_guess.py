@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from shootstab.core.errors import ConvergenceError
+from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.scene_keys import LARGEST_NUMBER
 from shootstab.formulation.base_flow import BaseFlow, fixed_at_origin
 from shootstab.formulation.evaluation import Given, on_arrays
@@ -23,11 +23,16 @@ FIRST_NODES, MOST_NODES = 33, 1000  # chosen: nodes of the first mesh and of the
 ROUGHLY_SETTLED = 1e-4  # chosen: y″ at the end against its largest, where the way is long enough
 LENGTHS = tuple(2.0**k for k in range(15))  # chosen: lengths of ways to infinity that are tried, each begun with the one before
 SHORT_LENGTHS = tuple(2.0**-k for k in range(1, 11))  # chosen: those that are tried then
+PROBED = (0.7, 1.3)  # chosen: factors of states of no property for which slopes are tested for being finite
 MOST_FAILURES = 3  # chosen: ways without a solution after which no others are tried
 
 
 def guessed(flow: BaseFlow) -> tuple[Reals, dict[int, float]]:
-    """The state (n,) at the origin, and the lengths of the ways to infinity by direction. Raises ConvergenceError."""
+    """The state (n,) at the origin, and the lengths of the ways to infinity by direction.
+
+    Raises ConvergenceError, InputError where the equations are singular at an end.
+    """
+    _require_regular_ends(flow)
     infinite = [direction for direction, end in flow.ends if end.at is None]
     if len(fixed_at_origin(flow)[0]) == len(flow.states):  # an initial-value problem, for which nothing has to be guessed
         return np.zeros(len(flow.states)), dict.fromkeys(infinite, 1.0)
@@ -47,6 +52,17 @@ def guessed(flow: BaseFlow) -> tuple[Reals, dict[int, float]]:
             if failures == MOST_FAILURES:
                 break
     raise _not_found(flow)
+
+
+def _require_regular_ends(flow: BaseFlow) -> None:
+    """Raise InputError where the slopes are not finite at a finite end for one of two states of no property."""
+    for place in [end.at for end in (flow.origin, *(end for _, end in flow.ends)) if end.at is not None]:
+        states = np.outer(np.sqrt(np.arange(2.0, 2.0 + len(flow.states))), PROBED)
+        if not np.isfinite(_at(flow, np.full(2, float(place)), states, flow.slopes)).all(axis=0).any():
+            raise InputError(
+                f"base: its equations are singular at the end at {float(place):g}: that is not offered; allowed are ends at which they "
+                "are regular, or a flow that is a formula, in where"
+            )
 
 
 def _not_found(flow: BaseFlow) -> ConvergenceError:

@@ -15,7 +15,7 @@ from shootstab.formulation.domain import ZERO_TOLERANCE, Domain
 from shootstab.formulation.evaluation import on_arrays
 from shootstab.formulation.expression import Expression, number, quotient
 from shootstab.formulation.first_order import FirstOrder
-from shootstab.formulation.system import SIGMA, coefficients, degree
+from shootstab.formulation.system import SIGMA, coefficients, degree, shown
 from shootstab.problems.protocol import ComplexArray
 
 LARGE_ON_CURVE = 10.0  # chosen: the size, in the median of |σ_c|, beyond which σ_c may be on its way to a pole
@@ -110,9 +110,12 @@ def interior_spectrum(first: FirstOrder, domain: Domain, variable: str) -> Inter
         raise InputError("the highest derivatives are dependent: allowed are equations that determine those of all unknowns")
     places = [domain.zero(c) for c in determinant.values()]
     if all(place is not None for place in places) and len(determinant) == 1:
+        singular = dict.fromkeys(name for row in first.leading for name, c in row.items() if domain.zero(c) is not None)
+        orders = {name: 1 + max(order for at, order in first.states if at == name) for name in singular}
+        told = ", ".join(shown(jet) for jet in orders.items()) or "the highest derivatives"
         raise InputError(
             f"the order of the equations changes at {variable} = {places[0]:.4g}, where {determinant[highest]} vanishes, or has a "
-            "pole, that multiplies the highest derivatives: allowed is a domain without such a point inside"
+            f"pole, that multiplies {told}: allowed is a domain without such a point inside"
         )
     single = True
     if highest > 1:

@@ -62,5 +62,8 @@ class Domain:
             middle = float(np.median(size))
             bad = (size <= ZERO_TOLERANCE * middle) | (ZERO_TOLERANCE * size >= middle)
         if not bad.any() and not np.iscomplex(values).any():
-            bad = np.append(np.diff(np.sign(values.real)) != 0, False)
+            first = np.flatnonzero(np.diff(np.sign(values.real)))[:1]
+            # where the chord between the two samples vanishes
+            crossed = z[first] - values.real[first] * np.diff(z)[first] / np.diff(values.real)[first]
+            return float(crossed[0]) if len(crossed) else None
         return float(z[bad][0]) if bad.any() else None

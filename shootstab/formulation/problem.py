@@ -268,7 +268,7 @@ def assembled(
         reduction,
         curve,
         coarser=made_coarser,
-        unknowns=unknowns_of(shown_unknowns, first, system.size, domain.given),
+        unknowns=unknowns_of(shown_unknowns, first, system.size, domain.given, statement.names.variable),
         statement=statement,
         layers=layers,
         conditions=(conditions[0], conditions[1]),

@@ -21,8 +21,8 @@ def stated_rows(names: Sequence[str], first: FirstOrder) -> list[EquationRow]:
     return [first.in_states({(name, 0): number(1), ITSELF: number(-1)}, beside=(ITSELF,)) for name in names]
 
 
-def unknowns_of(names: Sequence[str], first: FirstOrder, size: int, given: Given) -> Unknowns:
-    """Each unknown u as Σ r_j ψ_j / p, for arrays of points."""
+def unknowns_of(names: Sequence[str], first: FirstOrder, size: int, given: Given, variable: str) -> Unknowns:
+    """Each unknown u as Σ r_j ψ_j / p, for arrays of points of this variable."""
     rows = stated_rows(names, first)
     place = {state: j for j, state in enumerate(first.states)}
 
@@ -35,7 +35,7 @@ def unknowns_of(names: Sequence[str], first: FirstOrder, size: int, given: Given
                     out[:, i, place[jet]] = -at(coefficient) / at(row[ITSELF])
         return out
 
-    return Unknowns(tuple(names), matrix)
+    return Unknowns(tuple(names), matrix, variable)
 
 
 def shown_in_states(names: Sequence[str], first: FirstOrder) -> dict[str, tuple[dict[int, Expression], Expression]]:

@@ -19,10 +19,14 @@ from shootstab.problems.protocol import ComplexArray, Problem
 
 @dataclass(frozen=True, eq=False)
 class Unknowns:
-    """names (q,) of the unknowns, and matrix(z, σ) (m, q, n), which gives them from the state at points z (m,): u = matrix ψ."""
+    """names (q,) of the unknowns, and matrix(z, σ) (m, q, n), which gives them from the state at points z (m,): u = matrix ψ.
+
+    variable is what the problem calls z.
+    """
 
     names: tuple[str, ...]
     matrix: Callable[[ComplexArray, complex], ComplexArray]
+    variable: str = "z"
 
     @classmethod
     def combinations(cls, rows: Mapping[str, ArrayLike], size: int) -> Unknowns:
@@ -45,7 +49,7 @@ class Unknowns:
 
     def in_units_of(self, unit: complex) -> Unknowns:
         """The same for an eigenvalue v, σ = unit·v."""
-        return Unknowns(self.names, lambda z, v: self.matrix(z, unit * v))
+        return Unknowns(self.names, lambda z, v: self.matrix(z, unit * v), self.variable)
 
 
 @dataclass(frozen=True)

@@ -292,7 +292,9 @@ def test_unknowns_have_names_and_the_largest_is_one() -> None:
     name, place = found.peak
     assert found(place)[name] == pytest.approx(1.0, abs=1e-12)
     assert max(np.abs(f).max() for f in found(np.linspace(0, 1, 101)).values()) <= 1.0 + 1e-12
-    assert name in found.normalization
+    assert found.normalization.startswith(f"{name} = 1 at z = ")
+    radial = st.equations(["y"], ["d(y,2) + d(y)/r - sigma*y"], st.Conditions(1, ["y"]), st.Conditions(2, ["y"]), variable="r")
+    assert eigenfunction(radial, -9.75).normalization.startswith("y = 1 at r = 1.4")
     derived = eigenfunction(PROBLEMS["periodic"][0](), 0.4)
     assert derived.names == ("u",)
     assert derived(0.5)["u"] == pytest.approx(derived(0.5 + 2 * math.pi if derived.line.ends[1] > 6.5 else 0.5)["u"])

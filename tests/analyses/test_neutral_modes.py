@@ -118,3 +118,11 @@ def test_a_code_that_is_asked_for_one_number() -> None:
     assert verdict.verdict == "confirmed"
     with pytest.raises(st.InputError, match="eigenvalue 1"):
         st.verify(neumann(), [object()])
+
+
+def test_a_mode_at_zero_in_many_digits() -> None:
+    """The shift of a front is a mode at 0 exactly: its digits are those of the scale of D, from a guess at 0 and from one beside it."""
+    for guess in (0, 1e-3):
+        mode = st.refine("bistable-front", guess, digits=20)
+        assert mode.converged
+        assert abs(mode.sigma) <= mode.error <= mode.atol < 1e-18

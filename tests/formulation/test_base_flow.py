@@ -198,6 +198,10 @@ def test_a_flow_without_a_solution_or_with_a_slow_limit_is_refused() -> None:
     pole = {"unknowns": ["f"], "equations": ["d(f) = f**2"], "left": {"at": 0, "conditions": ["f - 1"]}}
     with pytest.raises(InputError, match=r"runs into a singularity|is singular"):
         solved(made({**pole, "right": {"at": 2, "conditions": []}}, (0.0, 2.0)))
+    pipe = {"unknowns": ["W"], "equations": ["d(W,2) + d(W)/r + 4"], "left": {"at": 0, "conditions": ["d(W)"]}}
+    with pytest.raises(InputError, match="equations are singular at the end at 0"):
+        base = {**pipe, "right": {"at": 1, "conditions": ["W"]}}
+        st.equations(["y"], ["d(y,2) - W*y - sigma*y"], *(st.Conditions(i, ["y"]) for i in (0, 1)), base=base, variable="r")
     none = {"unknowns": ["y"], "equations": ["d(y,2) = -y"], "left": {"at": 0, "conditions": ["y"]}}
     with pytest.raises(InputError, match=r"no solution for y is found from zero: allowed is another guess|does not settle"):
         solved(made({**none, "right": {"at": 3, "conditions": ["exp(y)"]}}, (0.0, 3.0)))

@@ -75,7 +75,7 @@ class PlanePoiseuille:
     @property
     def unknowns(self) -> Unknowns:
         """The streamfunction and the velocities."""
-        return Unknowns.combinations(velocities(self.alpha), self.size)
+        return replace(Unknowns.combinations(velocities(self.alpha), self.size), variable="y")
 
     def exact_unknowns(self, exact: Exact) -> dict[str, dict[int, Any]]:
         """The same for numbers of any kind."""
