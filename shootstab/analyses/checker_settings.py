@@ -28,9 +28,9 @@ def plane_poiseuille(named: Mapping[str, str], centre: complex, radius: float, l
     rate = math.sqrt(float(p.max()) + R * radius)
     power = 1 if named["modes"] == "even" else 3
 
-    def growth(weight: float, reach: float) -> float:
-        """The bound on ln |D| in |σ − centre| ≤ reach."""
-        thick = math.sqrt(2.0) * R * reach
+    def growth(weight: float, radius_of_bound: float) -> float:
+        """The bound on ln |D| in |σ − centre| ≤ radius_of_bound."""
+        thick = math.sqrt(2.0) * R * radius_of_bound
         rates = 1 + (p + thick) / weight**2 + (q + alpha**2 * thick) / weight**4
         return float(weight * np.maximum(2.0, rates).mean()) - power * math.log(weight)
 

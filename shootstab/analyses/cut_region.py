@@ -53,7 +53,7 @@ class _Contour:
 
     def __init__(self, continuation: Continuation, most: float) -> None:
         self.continuation, self.most = continuation, most
-        self.asked: list[MeshedValue] = []
+        self.samples: list[MeshedValue] = []
         self.legs: list[tuple[int, tuple[Value, ...]]] = []
 
     def off_the_curve(self, sigma: complex) -> Value:
@@ -74,15 +74,17 @@ class _Contour:
         """The turns of D's phase as a number of modes. Raises Inaccurate where D is not known well enough for it."""
         phase = sum(sign * sum(change(a, b).imag for a, b in pairwise(values)) for sign, values in self.legs)
         count = whole_turns(phase, CLOSURE_SLACK)
-        require_accurate(self.continuation.problem, self.asked)
+        require_accurate(self.continuation.problem, self.samples)
         closure = abs(phase / (2 * math.pi) - count)
         return RegionCount(count, closure, left_out, sum(len(values) for _, values in self.legs), tuple(self.legs), cut)
 
     def _value(self, branch: Branch, sigma: complex) -> Value:
         value = branch.discriminant.with_derivative(sigma)
-        self.asked.append((branch.discriminant, value))
-        if len(self.asked) > self.most:
-            raise Inaccurate(f"D is noise along the contour, or has too many zeros next to it: {len(self.asked)} samples do not follow it")
+        self.samples.append((branch.discriminant, value))
+        if len(self.samples) > self.most:
+            raise Inaccurate(
+                f"D is noise along the contour, or has too many zeros next to it: {len(self.samples)} samples do not follow it"
+            )
         return value
 
 

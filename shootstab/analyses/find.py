@@ -17,7 +17,7 @@ from shootstab.analyses.zeros import MOST_TO_SEPARATE, accurate_count
 from shootstab.core.allowed import FINDING_RTOL, LEAST_MODE_RTOL
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.numerus import number_of
-from shootstab.core.progress import Tick
+from shootstab.core.progress import StepDone
 from shootstab.core.records import Mode
 from shootstab.core.regions import Disc, Region, size
 from shootstab.discriminants.continuation import Continuation, Undecidable
@@ -75,18 +75,18 @@ def find(
 
 
 def find_modes(
-    continuation: Continuation, region: Region, known: Sequence[Zero] = (), tick: Tick = lambda: None
+    continuation: Continuation, region: Region, known: Sequence[Zero] = (), step_done: StepDone = lambda: None
 ) -> tuple[Continuation, list[Zero], RegionCount]:
     """A continuation accurate enough for the region, the modes in it that are not known yet, and the count of the whole.
 
-    tick is called with every contour and every iteration.
+    step_done is called with every contour and every iteration.
 
     Raises Undecidable or ConvergenceError where the region as a whole cannot be counted.
     """
     tightening = Tightening(continuation)
     accurate, whole = counted_twice(tightening, region)
-    tick()
-    return accurate, roots.find(_everywhere(tightening, accurate, whole.evaluations, tick), region, known, whole), whole
+    step_done()
+    return accurate, roots.find(_everywhere(tightening, accurate, whole.evaluations, step_done), region, known, whole), whole
 
 
 def without_repetition(zeros: Sequence[Zero], modes: Iterable[Sequence[Mode]]) -> tuple[Mode, ...]:
@@ -156,7 +156,7 @@ def _in_a_circle(search: Search, zero: Zero) -> list[Zero]:
 
 
 def _everywhere(
-    tightening: Tightening, continuation: Continuation, samples: int = 0, tick: Tick = lambda: None, in_all: float = math.inf
+    tightening: Tightening, continuation: Continuation, samples: int = 0, step_done: StepDone = lambda: None, in_all: float = math.inf
 ) -> Search:
     """A search for modes along whatever paths suit them: the continuation polishes, and those of the tightening count.
 
@@ -167,7 +167,7 @@ def _everywhere(
     ends = [] if continuation.continuum is None else end_discs(continuation.continuum)
 
     def arrive(start: complex, length: float) -> Arrival | None:
-        tick()
+        step_done()
         try:
             near = polish(continuation.at(start).discriminant)(start, length)
             # the path that suits the zero may be another one, on which this is no zero
@@ -177,7 +177,7 @@ def _everywhere(
 
     def count(region: Region) -> RegionCount:
         nonlocal spent
-        tick()
+        step_done()
         if spent > in_all:
             raise ConvergenceError(f"{spent} samples of D do not tell the zeros apart")
         most = max(LEAST_ON_PART, MORE_ON_PART * samples)
@@ -193,7 +193,7 @@ def _everywhere(
         return accurate_count(c.problem, branches[0], disc)
 
     def closely(disc: Disc) -> Winding:
-        tick()
+        step_done()
         return tightening.first(lambda c: in_circle(c, disc))[1]
 
     def holds(region: Region, sigma: complex) -> bool:

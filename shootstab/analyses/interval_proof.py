@@ -1,4 +1,4 @@
-"""Exactly n zeros in a rectangle for every value of a parameter in an interval: pieces on each of which none crosses the boundary."""
+"""Exactly n zeros in a rectangle for every value of a parameter in an interval: subintervals on each of which none crosses the boundary."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ from shootstab.multiprecision.enclosable import Enclosable, ball
 from shootstab.multiprecision.enclosure import at_bits, decimal
 from shootstab.roots.two_variables import two_variable_model
 
-AWAY = (2.0, 4.0, 8.0, 16.0, 32.0)  # chosen: circles about a piece of the interval on which |D| is bounded, over its half length
-LARGEST_CHANGE = 0.5  # chosen: the change of D on the boundary over half a piece; below 1 it may succeed, the likelier the smaller
+AWAY = (2.0, 4.0, 8.0, 16.0, 32.0)  # chosen: circles about a subinterval of the interval on which |D| is bounded, over its half length
+LARGEST_CHANGE = 0.5  # chosen: the change of D on the boundary over half a subinterval; below 1 it may succeed, the likelier the smaller
 MOST_SUBINTERVALS = 512  # chosen, a budget
 
 EnclosableAt = Callable[[Any], Enclosable]  # the problem in balls at a value of the parameter, acb
 
 
 @dataclass(frozen=True)
-class _Piece:
+class _Subinterval:
     count: int
     margin: float
     bits: int
@@ -44,33 +44,33 @@ def over(make: EnclosableAt, name: str, low: Fraction, high: Fraction, region: R
         counts = " and ".join(f"{count} at {name} = {float(value):.12g}" for count, value in zip(at_ends, (low, high), strict=True))
         raise ConvergenceError(f"the eigenvalues in the region are {counts}: one crosses its boundary between")
     waiting: list[tuple[Fraction, Fraction]] = [(low, high)]
-    found: list[_Piece] = []
+    found: list[_Subinterval] = []
     while waiting:
         a, b = waiting.pop()
         if len(found) + len(waiting) > MOST_SUBINTERVALS:
             where = f"next to {name} = {float(a):.12g} an eigenvalue is on the boundary of the region or near to it"
             allowed = "allowed is a region whose boundary is farther from them, or a shorter interval"
             raise ConvergenceError(f"{MOST_SUBINTERVALS} subintervals do not do: {where}: {allowed}")
-        piece = _piece(make, a, b, region, spare)
-        if piece is None:
+        subinterval = _on_subinterval(make, a, b, region, spare)
+        if subinterval is None:
             middle = (a + b) / 2
             waiting += [(middle, b), (a, middle)]
             continue
-        found.append(piece)
+        found.append(subinterval)
         if progress is not None:
             progress(math.floor(TOTAL * (b - low) / (high - low)), TOTAL)
-    if {piece.count for piece in found} != {at_ends[0]}:
-        raise AssertionError("proved counts differ between pieces of an interval and its ends: one of them is computed wrongly")
+    if {subinterval.count for subinterval in found} != {at_ends[0]}:
+        raise AssertionError("proved counts differ between subintervals of an interval and its ends: one of them is computed wrongly")
     corners = [named((repr(v.real), repr(v.imag))) for v in (region.vertices[0], region.vertices[2])]
     with at_bits(LEAST_CONTOUR_BITS):
         own = lemmas([make(acb(ball(low)))])
     return Proof(
         (found[0].count,),
         {"shape": "rectangle", "corners": corners},
-        min(piece.margin for piece in found),
-        max(piece.bits for piece in found),
-        max(piece.points for piece in found),
-        sum(piece.evaluations for piece in found),
+        min(subinterval.margin for subinterval in found),
+        max(subinterval.bits for subinterval in found),
+        max(subinterval.points for subinterval in found),
+        sum(subinterval.evaluations for subinterval in found),
         perf_counter() - began,
         (*own, "E10"),
         interval={"name": name, "low": str(low), "high": str(high), "pieces": len(found)},
@@ -83,8 +83,8 @@ def _at(make: EnclosableAt, value: Fraction, region: Rectangle, spare: int) -> i
     return along((form,), region, spare, None).count
 
 
-def _piece(make: EnclosableAt, low: Fraction, high: Fraction, region: Rectangle, spare: int) -> _Piece | None:
-    """None where the piece has to be shorter."""
+def _on_subinterval(make: EnclosableAt, low: Fraction, high: Fraction, region: Rectangle, spare: int) -> _Subinterval | None:
+    """None where the subinterval has to be shorter."""
     vertices = region.vertices
     centre, radius = (vertices[0] + vertices[2]) / 2, abs(vertices[2] - vertices[0]) / 2 * RECTANGLE_SLACK
     with at_bits(MOST_BITS):
@@ -112,4 +112,4 @@ def _piece(make: EnclosableAt, low: Fraction, high: Fraction, region: Rectangle,
             count, margin = model.count([acb(decimal(repr(v.real)), decimal(repr(v.imag))) for v in vertices])
         except ConvergenceError:
             return None
-    return _Piece(count, margin, bits, K, K * L)
+    return _Subinterval(count, margin, bits, K, K * L)

@@ -20,7 +20,7 @@ from shootstab.core.allowed import RTOL
 from shootstab.core.division import distance_outside, divided, divisions
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.numerus import number_of
-from shootstab.core.progress import Tick
+from shootstab.core.progress import StepDone
 from shootstab.core.records import CONTINUUM, UNRESOLVED, Mode, Verdict
 from shootstab.core.regions import Polygon, Rectangle, Region, convex_hull, size
 from shootstab.discriminants.continuation import Continuation
@@ -82,8 +82,8 @@ def find_missing(
     verdicts: Sequence[Verdict],
     region: Region | None,
     loose: Continuation,
-    reach: float,
-    tick: Tick = lambda: None,
+    farthest: float,
+    step_done: StepDone = lambda: None,
 ) -> Missing:
     """The modes that no claim means: in the region, or without one inside the convex hull of the claims.
 
@@ -93,8 +93,8 @@ def find_missing(
     claims = [v.claimed for v in verdicts]
     known = claimed_modes(verdicts)
     if region is not None:
-        return _searched(continuation, region, known, claims, region.contains, "in the region", (), tick)
-    chosen, hull_region = _chosen(loose, verdicts, reach)
+        return _searched(continuation, region, known, claims, region.contains, "in the region", (), step_done)
+    chosen, hull_region = _chosen(loose, verdicts, farthest)
     if hull_region is None:
         return Missing((), NOT_SEARCHED, ("the claims span no part of the plane that is small enough to be searched: name a region",))
     left = len(claims) - len(chosen)
@@ -105,7 +105,7 @@ def find_missing(
     def among(sigma: complex) -> bool:
         return distance_outside(corners, sigma) <= nearest
 
-    return _searched(continuation, hull_region, known, claims, among, "among the claims", undecided, tick)
+    return _searched(continuation, hull_region, known, claims, among, "among the claims", undecided, step_done)
 
 
 def _searched(
@@ -116,10 +116,10 @@ def _searched(
     meant: Callable[[complex], bool],
     where: str,
     undecided: tuple[str, ...],
-    tick: Tick,
+    step_done: StepDone,
 ) -> Missing:
     """The modes of a region that are not known and meant, from its unstable side on."""
-    parts, left = _parts(continuation, region, known, tick)
+    parts, left = _parts(continuation, region, known, step_done)
     undecided += tuple(left)
     if not parts:
         return Missing((), NOT_SEARCHED, undecided)
@@ -152,7 +152,7 @@ def _how_many(inside: int, claims: int) -> str:
     return f"{inside} of the {claims} claims {'lies' if inside == 1 else 'lie'}"
 
 
-def _parts(continuation: Continuation, region: Region, known: list[Zero], tick: Tick) -> tuple[list[_Part], list[str]]:
+def _parts(continuation: Continuation, region: Region, known: list[Zero], step_done: StepDone) -> tuple[list[_Part], list[str]]:
     """The region, or the parts of it that can be searched, the unstable ones first; and where the others are, and why they cannot."""
     found, left = [], []
     waiting = [(0, region)]
@@ -162,7 +162,7 @@ def _parts(continuation: Continuation, region: Region, known: list[Zero], tick: 
         low, high = _extremes(part)
         tried += 1
         try:
-            found.append(_Part(*find_modes(continuation, part, known, tick)))
+            found.append(_Part(*find_modes(continuation, part, known, step_done)))
             continue
         except ConvergenceError as error:
             why = f"from {low:.6g} to {high:.6g}: {error}"
@@ -183,11 +183,11 @@ def _right_of_the_spectrum(continuation: Continuation, region: Region) -> tuple[
     return divided(region, 1.0 + 0j, edge) if low.real < edge - 2 * CLEAR_OF_CONTINUUM * size(region) and edge < high.real else None
 
 
-def _chosen(continuation: Continuation, verdicts: Sequence[Verdict], reach: float) -> tuple[list[complex], Polygon | None]:
+def _chosen(continuation: Continuation, verdicts: Sequence[Verdict], farthest: float) -> tuple[list[complex], Polygon | None]:
     """The claims in whose hull modes are looked for, and the hull with a margin; no claim and None where every contour is too long."""
-    within_reach = [v for v in verdicts if abs(v.claimed) <= reach]
-    meant = [v.claimed for v in within_reach if v.sigma is not None]
-    claims = meant if len(meant) > 1 else [v.claimed for v in within_reach]
+    near_enough = [v for v in verdicts if abs(v.claimed) <= farthest]
+    meant = [v.claimed for v in near_enough if v.sigma is not None]
+    claims = meant if len(meant) > 1 else [v.claimed for v in near_enough]
     chosen = sorted(claims, key=lambda c: -c.real)
     while chosen:
         around = _around(chosen)

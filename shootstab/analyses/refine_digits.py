@@ -136,7 +136,7 @@ class DigitSearch:
         for d in precisions:
             settings = Settings.of(d)
             with self._arithmetic.working(settings.digits), mpmath.workdps(settings.digits):
-                base = self._problem_in_digits.base(self._arithmetic, settings, self._clock.tick)
+                base = self._problem_in_digits.base(self._arithmetic, settings, self._clock.step_done)
                 shooting = self._shooting(settings, base)
                 self._secant.settle(partial(self._values, shooting), d, least=1 + (d == precisions[-1]))
                 self._require_near(self._secant.x)
@@ -146,7 +146,7 @@ class DigitSearch:
 
     def _shooting(self, settings: Settings, base: BaseFlowNumbers) -> TaylorShooting:
         integration = self._problem_in_digits.integration(self._arithmetic, settings, base)
-        return TaylorShooting(self._arithmetic, self._problem_in_digits.size, settings, integration, self._clock.tick)
+        return TaylorShooting(self._arithmetic, self._problem_in_digits.size, settings, integration, self._clock.step_done)
 
     def _values(self, shooting: TaylorShooting, sigma: Any) -> Values:
         self.evaluations += 1

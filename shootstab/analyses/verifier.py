@@ -94,7 +94,7 @@ class Verifier:
         return self._continuations[0]
 
     @property
-    def reach(self) -> float:
+    def farthest(self) -> float:
         """The largest |σ| that can be judged, as far as that is known; infinite as long as no claim was too large."""
         return self._too_far * NEXT_REACH
 

@@ -93,7 +93,7 @@ def verify(
     lacking = Missing((), NOT_SEARCHED, ())
     if wish != NONE:
         try:
-            lacking = find_missing(verifier.continuation, verdicts, region, verifier.loose, verifier.reach, clock.tick)
+            lacking = find_missing(verifier.continuation, verdicts, region, verifier.loose, verifier.farthest, clock.step_done)
         except (ConvergenceError, MemoryError) as error:
             lacking = lacking._replace(undecided=(f"missing modes: {error}",))
     if unstable:

@@ -35,7 +35,7 @@ class Compound:
     def __post_init__(self) -> None:
         require_tolerance(self)
 
-    def settled(self, sampled: SampledSystem, far: FarFrame, sigma: complex) -> Self:
+    def fixed_at(self, sampled: SampledSystem, far: FarFrame, sigma: complex) -> Self:
         """Itself: on a mesh nothing is chosen."""
         return self
 

@@ -75,9 +75,9 @@ def made_for(
                 noise = max(noise, _noise(before, shooting, sigma))
             noise = max(noise, _over_knots(sampled.nodes, errors))
             shooting = shooting.allowing(noise)
-            if (errors <= shooting.asked).all():
-                settled = _settled(shooting, sigma)
-                return settled if smallest is None else _cut_once(settled, smallest)
+            if (errors <= shooting.tolerance).all():
+                fixed = _fixed_at(shooting, sigma)
+                return fixed if smallest is None else _cut_once(fixed, smallest)
             if before is not None:
                 knots = _overlooked(before, shooting, sigma)
             before = shooting
@@ -114,11 +114,11 @@ def cut_for(shooting: Shooting, sigmas: list[complex]) -> Shooting:
             if not propagation.sound:
                 raise ConvergenceError(f"the charts that suit the middle of a circle do not serve sigma = {sigma:.6g} on it")
         errors = np.max([propagation.errors for propagation in propagations], axis=0)
-        if (errors <= MESH_SLACK * shooting.asked).all():
+        if (errors <= MESH_SLACK * shooting.tolerance).all():
             return shooting
         sampled = _regridded(shooting, errors, subdivide, sigmas[0])
         shooting = Shooting(shooting.problem, shooting.propagator, sampled, noise=shooting.noise)
-    raise ConvergenceError(f"local errors of {shooting.asked:.1e} cannot be held around sigma = {sigmas[0]:.6g}")
+    raise ConvergenceError(f"local errors of {shooting.tolerance:.1e} cannot be held around sigma = {sigmas[0]:.6g}")
 
 
 def _start(problem: Problem, propagator: Propagator, sigma: complex, smallest: complex | None) -> float:
@@ -142,7 +142,7 @@ def _cut_once(shooting: Shooting, sigma: complex) -> Shooting:
     except ConvergenceError:
         return shooting
     errors = propagation.errors
-    if not (propagation.sound and np.isfinite(errors).all()) or (errors <= MESH_SLACK * shooting.asked).all():
+    if not (propagation.sound and np.isfinite(errors).all()) or (errors <= MESH_SLACK * shooting.tolerance).all():
         return shooting
     try:
         sampled = _regridded(shooting, errors, subdivide, sigma)
@@ -151,10 +151,10 @@ def _cut_once(shooting: Shooting, sigma: complex) -> Shooting:
     return Shooting(shooting.problem, shooting.propagator, sampled, noise=shooting.noise)
 
 
-def _settled(shooting: Shooting, sigma: complex) -> Shooting:
+def _fixed_at(shooting: Shooting, sigma: complex) -> Shooting:
     sampled = shooting.sampled
     far = shooting.problem.far_frame(float(sampled.nodes[0].real), sigma)
-    propagator = shooting.propagator.settled(sampled, far, sigma)
+    propagator = shooting.propagator.fixed_at(sampled, far, sigma)
     return shooting if propagator is shooting.propagator else Shooting(shooting.problem, propagator, sampled, noise=shooting.noise)
 
 
@@ -172,7 +172,7 @@ def _begun_at(problem: Problem, known: SampledSystem, start: float) -> SampledSy
 def _regridded(shooting: Shooting, errors: NDArray[np.float64], regrid: Regrid, sigma: complex) -> SampledSystem:
     """The problem on the next mesh. Raises ConvergenceError where that is too large, or a step of it too short to be one."""
     known = shooting.sampled
-    nodes = regrid(known.nodes, errors, shooting.asked)
+    nodes = regrid(known.nodes, errors, shooting.tolerance)
     most = int(MOST_BYTES / max(known.bytes_of_a_step, 1))
     if len(nodes) > most:
         why = _trouble(shooting, errors, sigma)
@@ -195,7 +195,7 @@ def _noise(before: Shooting, after: Shooting, sigma: complex) -> float:
         return 0.0
     parts = np.diff(np.append(first, after.steps))
     least = np.minimum.reduceat(after.propagated(sigma, False).errors, first)
-    noisy = (parts > 1) & (old < RESOLVED_ERROR) & (least > after.asked) & (least > old / parts**NOISY_ORDER)
+    noisy = (parts > 1) & (old < RESOLVED_ERROR) & (least > after.tolerance) & (least > old / parts**NOISY_ORDER)
     if np.count_nonzero(noisy) < NOISY_STEPS:
         return 0.0
     noise = NOISE_SAFETY * float(old[noisy].max())
@@ -232,7 +232,7 @@ def _overlooked(before: Shooting, after: Shooting, sigma: complex) -> NDArray[np
     parts = np.diff(np.append(first, after.steps))
     errors = after.propagated(sigma, False).errors
     expected = np.repeat(np.where((parts > 1) & (old < RESOLVED_ERROR), old / parts.astype(float) ** KNOT_ORDER, np.inf), parts)
-    suspect = np.flatnonzero((errors > expected) & (errors > after.asked))
+    suspect = np.flatnonzero((errors > expected) & (errors > after.tolerance))
     worst = suspect[np.argsort(-errors[suspect])[:CLOSER_LOOKS]]
 
     def coefficients(t: NDArray[np.float64]) -> ComplexArray:

@@ -36,7 +36,7 @@ class Propagation:
 class Propagator(Protocol):
     """Carries the decaying space along a sampled system to the wall.
 
-    On one sampled system, settled, it makes D a function that is analytic in σ to rounding, whatever the mesh resolves.
+    On one sampled system, fixed at a σ, it makes D a function that is analytic in σ to rounding, whatever the mesh resolves.
     """
 
     @property
@@ -50,7 +50,7 @@ class Propagator(Protocol):
         """D = det[(W0 + σ W1 + …) Y] with rows W0, W1, … (k, n) and far.frame (n, k) where the mesh begins; dD/dσ is right if tangent."""
         ...
 
-    def settled(self, sampled: SampledSystem, far: FarFrame, sigma: complex) -> Propagator:
+    def fixed_at(self, sampled: SampledSystem, far: FarFrame, sigma: complex) -> Propagator:
         """The propagator with all that it may choose chosen for this σ, so that it stays for all others."""
         ...
 

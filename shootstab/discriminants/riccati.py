@@ -38,7 +38,7 @@ class Riccati:
     def __post_init__(self) -> None:
         require_tolerance(self)
 
-    def settled(self, sampled: SampledSystem, far: FarFrame, sigma: complex) -> Charted:
+    def fixed_at(self, sampled: SampledSystem, far: FarFrame, sigma: complex) -> Charted:
         """The method in the charts that suit this σ."""
         order = _pivots_first(far.frame)
         no_rows = np.zeros((far.frame.shape[1], len(order)), dtype=np.complex128)
@@ -76,7 +76,7 @@ class Charted:
     rtol: float
     charts: Charts
 
-    def settled(self, sampled: SampledSystem, far: FarFrame, sigma: complex) -> Charted:
+    def fixed_at(self, sampled: SampledSystem, far: FarFrame, sigma: complex) -> Charted:
         """Itself: the charts are chosen."""
         return self
 

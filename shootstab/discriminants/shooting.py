@@ -62,7 +62,7 @@ class Shooting:
         return self._evaluated(sigma, tangent)[0]
 
     @property
-    def asked(self) -> float:
+    def tolerance(self) -> float:
         """What local errors are held to: the tolerance of the method, or the noise where that is larger."""
         return max(self.propagator.rtol, self.noise)
 
@@ -72,7 +72,7 @@ class Shooting:
 
     def serves(self, sigma: complex, tangent: bool = True) -> bool:
         propagation, far_error = self._evaluated(complex(sigma), tangent)
-        holds = bool((propagation.errors <= MESH_SLACK * self.asked).all())
+        holds = bool((propagation.errors <= MESH_SLACK * self.tolerance).all())
         return propagation.sound and holds and self._far_serves(sigma, far_error)
 
     def _far_serves(self, sigma: complex, error: float) -> bool:

@@ -9,7 +9,7 @@ from typing import Any
 
 import mpmath
 
-from shootstab.core.progress import Tick
+from shootstab.core.progress import StepDone
 from shootstab.formulation.base_flow import BaseFlow
 from shootstab.formulation.base_integration import FlowBranch, FlowRecurrence, fields_of, state_on
 from shootstab.formulation.base_shooting import FlowShooting, settled_flow
@@ -31,7 +31,7 @@ class FlowDigits:
         self.flow = flow
         self.known, _ = solved(flow)
 
-    def base(self, arithmetic: Arithmetic, settings: Settings, progress: Tick) -> BaseFlowNumbers:
+    def base(self, arithmetic: Arithmetic, settings: Settings, progress: StepDone) -> BaseFlowNumbers:
         """The free values at the origin, as they differ from those that are known: zero. See multiprecision.integration.
 
         The values themselves hold more digits than the integration works with, those that are lost on the way.

@@ -12,7 +12,7 @@ from typing import Any
 import mpmath
 
 from shootstab.core.errors import ConvergenceError
-from shootstab.core.progress import Tick
+from shootstab.core.progress import StepDone
 from shootstab.formulation.base_flow import BaseFlow, fixed_at_origin
 from shootstab.formulation.base_integration import FlowBranch, FlowState, at_state, branch, difference
 from shootstab.multiprecision.arithmetic import Arithmetic
@@ -51,7 +51,7 @@ class OriginValues:
 class FlowShooting:
     """A base flow in one arithmetic with one choice of settings and digits to lose beside; to be used inside its working precision."""
 
-    def __init__(self, arithmetic: Arithmetic, settings: Settings, flow: BaseFlow, progress: Tick, lost: float = 0.0) -> None:
+    def __init__(self, arithmetic: Arithmetic, settings: Settings, flow: BaseFlow, progress: StepDone, lost: float = 0.0) -> None:
         self.arithmetic, self.settings, self.flow, self._progress = arithmetic, settings.with_loss(lost), flow, progress
         self._lost = lost
         fixed, self._others = fixed_at_origin(flow)
@@ -171,7 +171,7 @@ class FlowShooting:
 
 
 def settled_flow(
-    arithmetic: Arithmetic, settings: Settings, flow: BaseFlow, known: OriginValues, progress: Tick
+    arithmetic: Arithmetic, settings: Settings, flow: BaseFlow, known: OriginValues, progress: StepDone
 ) -> tuple[OriginValues, list[FlowBranch]]:
     """See FlowShooting.settled, with so many digits beside as are lost on the way. Raises ConvergenceError."""
     lost = known.lost

@@ -13,7 +13,7 @@ from typing import Any
 
 import mpmath
 
-from shootstab.core.progress import Tick
+from shootstab.core.progress import StepDone
 from shootstab.formulation.base_digits import FlowDigits, FlowSeries
 from shootstab.formulation.evaluation import Evaluator
 from shootstab.formulation.expression import Expression
@@ -52,7 +52,7 @@ class EquationDigits:
         self._ends = (right, left) if self._backwards else (left, right)
         self.size = system.size * (1 + self._augmented)
 
-    def base(self, arithmetic: Arithmetic, settings: Settings, progress: Tick) -> BaseFlowNumbers:
+    def base(self, arithmetic: Arithmetic, settings: Settings, progress: StepDone) -> BaseFlowNumbers:
         return () if self._flow is None else self._flow.base(arithmetic, settings, progress)
 
     def integration(self, arithmetic: Arithmetic, settings: Settings, base: BaseFlowNumbers) -> EquationIntegration:

@@ -20,7 +20,7 @@ from shootstab.multiprecision.relaxed_series import RelaxedSeries, RelaxedSystem
 class RelaxedFunctions:
     """seed(name, x) is the function of a number, seed('pi', 0) is π; root(x, e) a number's power, exponent(e) an exponent as a number."""
 
-    graph: RelaxedSystem
+    system: RelaxedSystem
     seed: Callable[[str, Any], Any]
     root: Callable[[Any, Fraction], Any]
     exponent: Callable[[Fraction], Any]
@@ -55,7 +55,7 @@ class RelaxedFunctions:
     def _solution(self, name: str, a: RelaxedSeries, slope: Callable[[RelaxedSeries], RelaxedSeries]) -> RelaxedSeries:
         """The node of f(a). The slope is looked for where the node is new; there it is made of nodes that come later."""
         later: list[RelaxedSeries] = []
-        dot = self.graph.arithmetic.dot
+        dot = self.system.arithmetic.dot
 
         def term(m: int, c: list[Any]) -> Any:
             if m == 0:
@@ -63,8 +63,8 @@ class RelaxedFunctions:
             weighted = [j * x for j, x in enumerate(a.coefficients[1 : m + 1], 1)]
             return dot(weighted, later[0].coefficients[m - 1 :: -1]) / m
 
-        known = len(self.graph)
-        node = self.graph.node((name, id(a)), term, a)
-        if len(self.graph) > known:
+        known = len(self.system)
+        node = self.system.node((name, id(a)), term, a)
+        if len(self.system) > known:
             later.append(slope(node))
         return node

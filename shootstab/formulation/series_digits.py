@@ -30,14 +30,14 @@ def on_numbers(arithmetic: Arithmetic, z: Any, fields: BaseFields | None = None)
     return given.at
 
 
-def on_relaxed(graph: RelaxedSystem, z: RelaxedSeries, fields: BaseFields) -> Evaluator:
+def on_relaxed(system: RelaxedSystem, z: RelaxedSeries, fields: BaseFields) -> Evaluator:
     """Expressions, real ones, on a series z that is known only as far as it has been computed."""
-    arithmetic = graph.arithmetic
+    arithmetic = system.arithmetic
 
     def exponent(e: Fraction) -> Any:
         return arithmetic.number(e)
 
-    functions = RelaxedFunctions(graph, partial(_seed, arithmetic), partial(_root, arithmetic), exponent)
+    functions = RelaxedFunctions(system, partial(_seed, arithmetic), partial(_root, arithmetic), exponent)
 
     def applied(name: str, x: Any) -> Any:
         return functions.apply(name, x) if isinstance(x, RelaxedSeries) else _seed(arithmetic, name, x)

@@ -14,7 +14,7 @@ from fractions import Fraction
 from typing import Any, Protocol
 
 from shootstab.core.errors import InputError
-from shootstab.core.progress import Tick
+from shootstab.core.progress import StepDone
 from shootstab.formulation.base_digits import FlowDigits, FlowSeries
 from shootstab.formulation.decaying_digits import DecayingSpaceInDigits
 from shootstab.formulation.exponentials import ExponentialEnd
@@ -161,7 +161,7 @@ class SubdomainDigits:
         self._subdomains, self._arrivals, self._flow = subdomains, arrivals, flow
         self.size = sum(subdomain.size for subdomain in subdomains)
 
-    def base(self, arithmetic: Arithmetic, settings: Settings, progress: Tick) -> BaseFlowNumbers:
+    def base(self, arithmetic: Arithmetic, settings: Settings, progress: StepDone) -> BaseFlowNumbers:
         return () if self._flow is None else self._flow.base(arithmetic, settings, progress)
 
     def integration(self, arithmetic: Arithmetic, settings: Settings, base: BaseFlowNumbers) -> SubdomainIntegration:

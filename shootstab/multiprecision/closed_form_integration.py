@@ -9,7 +9,7 @@ from typing import Any
 import mpmath
 
 from shootstab.core.errors import InputError
-from shootstab.core.progress import Tick
+from shootstab.core.progress import StepDone
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix, exact, simplified
 from shootstab.multiprecision.integration import BaseFlowNumbers, Expansion, UnknownRows
 from shootstab.multiprecision.linear_step import TaylorEntries
@@ -28,7 +28,7 @@ class ClosedFormDigits:
         self._problem = problem
         self.size = problem.size
 
-    def base(self, arithmetic: Arithmetic, settings: Settings, progress: Tick) -> BaseFlowNumbers:
+    def base(self, arithmetic: Arithmetic, settings: Settings, progress: StepDone) -> BaseFlowNumbers:
         return ()
 
     def integration(self, arithmetic: Arithmetic, settings: Settings, base: BaseFlowNumbers) -> ClosedFormIntegration:

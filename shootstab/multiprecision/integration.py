@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from shootstab.core.progress import Tick
+from shootstab.core.progress import StepDone
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
 from shootstab.multiprecision.linear_step import TaylorEntries
 from shootstab.multiprecision.settings import Settings
@@ -89,7 +89,7 @@ class MultiprecisionProblem(Protocol):
         """Whether D is real for real σ."""
         ...
 
-    def base(self, arithmetic: Arithmetic, settings: Settings, progress: Tick) -> BaseFlowNumbers:
+    def base(self, arithmetic: Arithmetic, settings: Settings, progress: StepDone) -> BaseFlowNumbers:
         """The base flow, found with these settings; to be called inside the working precision.
 
         Raises ConvergenceError where the parameters do not determine it.

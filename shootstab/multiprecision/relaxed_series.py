@@ -58,24 +58,24 @@ class RelaxedSystem:
 
 
 class RelaxedSeries:
-    """One series of the graph, real."""
+    """One series of the system, real."""
 
-    __slots__ = ("coefficients", "graph", "kept")
+    __slots__ = ("coefficients", "kept", "system")
 
-    def __init__(self, graph: RelaxedSystem, kept: Any = ()) -> None:
-        self.graph, self.kept = graph, kept
+    def __init__(self, system: RelaxedSystem, kept: Any = ()) -> None:
+        self.system, self.kept = system, kept
         self.coefficients: list[Any] = []
 
     def __neg__(self) -> RelaxedSeries:
         a = self.coefficients
-        return self.graph.node(("neg", id(self)), lambda m, _: -a[m], self)
+        return self.system.node(("neg", id(self)), lambda m, _: -a[m], self)
 
     def __add__(self, other: Any) -> RelaxedSeries:
         a = self.coefficients
         if isinstance(other, RelaxedSeries):
             b = other.coefficients
-            return self.graph.node(("add", id(self), id(other)), lambda m, _: a[m] + b[m], self, other)
-        return self.graph.node(("shift", id(self), _key(other)), lambda m, _: a[0] + other if m == 0 else a[m], self, other)
+            return self.system.node(("add", id(self), id(other)), lambda m, _: a[m] + b[m], self, other)
+        return self.system.node(("shift", id(self), _key(other)), lambda m, _: a[0] + other if m == 0 else a[m], self, other)
 
     __radd__ = __add__
 
@@ -86,29 +86,29 @@ class RelaxedSeries:
         return (-self) + other
 
     def __mul__(self, other: Any) -> RelaxedSeries:
-        a, dot = self.coefficients, self.graph.arithmetic.dot
+        a, dot = self.coefficients, self.system.arithmetic.dot
         if isinstance(other, RelaxedSeries):
             b = other.coefficients
             first, second = sorted((id(self), id(other)))
-            return self.graph.node(("mul", first, second), lambda m, _: dot(a, b[m::-1]), self, other)
-        return self.graph.node(("scale", id(self), _key(other)), lambda m, _: a[m] * other, self, other)
+            return self.system.node(("mul", first, second), lambda m, _: dot(a, b[m::-1]), self, other)
+        return self.system.node(("scale", id(self), _key(other)), lambda m, _: a[m] * other, self, other)
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: Any) -> RelaxedSeries:
         a = self.coefficients
         if isinstance(other, RelaxedSeries):
-            return _quotient(self.graph, ("over", id(self), id(other)), lambda m: a[m], other, self)
-        return self.graph.node(("part", id(self), _key(other)), lambda m, _: a[m] / other, self, other)
+            return _quotient(self.system, ("over", id(self), id(other)), lambda m: a[m], other, self)
+        return self.system.node(("part", id(self), _key(other)), lambda m, _: a[m] / other, self, other)
 
     def __rtruediv__(self, other: Any) -> RelaxedSeries:
-        return _quotient(self.graph, ("into", _key(other), id(self)), lambda m: other if m == 0 else 0, self, other)
+        return _quotient(self.system, ("into", _key(other), id(self)), lambda m: other if m == 0 else 0, self, other)
 
     def __pow__(self, exponent: Any) -> RelaxedSeries:
         """a^r from a c′ = r a′ c; natural powers by multiplication; r = 1/2 from c c = a."""
         if isinstance(exponent, int) and exponent > 0:
             return self if exponent == 1 else self * self ** (exponent - 1)
-        a, dot = self.coefficients, self.graph.arithmetic.dot
+        a, dot = self.coefficients, self.system.arithmetic.dot
 
         def root(m: int, c: list[Any]) -> Any:
             if m == 0:
@@ -122,20 +122,20 @@ class RelaxedSeries:
             weighted = [j * x for j, x in enumerate(a[1 : m + 1], 1)]
             return ((exponent + 1) * dot(weighted, back) - m * dot(a[1 : m + 1], back)) / (m * a[0])
 
-        return self.graph.node(("pow", id(self), _key(exponent)), root if exponent == 0.5 else power, self, exponent)
+        return self.system.node(("pow", id(self), _key(exponent)), root if exponent == 0.5 else power, self, exponent)
 
 
 def _quotient(
-    graph: RelaxedSystem, key: tuple[Any, ...], numerator: Callable[[int], Any], divisor: RelaxedSeries, other: Any
+    system: RelaxedSystem, key: tuple[Any, ...], numerator: Callable[[int], Any], divisor: RelaxedSeries, other: Any
 ) -> RelaxedSeries:
-    b, dot = divisor.coefficients, graph.arithmetic.dot
+    b, dot = divisor.coefficients, system.arithmetic.dot
 
     def term(m: int, c: list[Any]) -> Any:
         if m == 0:
             return numerator(0) / b[0]
         return (numerator(m) - dot(b[1 : m + 1], c[::-1])) / b[0]
 
-    return graph.node(key, term, divisor, other)
+    return system.node(key, term, divisor, other)
 
 
 def _key(constant: Any) -> Any:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from shootstab.core.errors import ConvergenceError
-from shootstab.core.progress import Tick
+from shootstab.core.progress import StepDone
 from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
 from shootstab.multiprecision.integration import BaseFlowNumbers, Expansion, Integration, UnknownRows
@@ -40,7 +40,7 @@ class Factors:
 class TaylorShooting:
     """D(σ) on one integration; the steps are chosen at the first σ and kept, with the pencil's series, for the others."""
 
-    def __init__(self, arithmetic: Arithmetic, n: int, settings: Settings, integration: Integration, progress: Tick) -> None:
+    def __init__(self, arithmetic: Arithmetic, n: int, settings: Settings, integration: Integration, progress: StepDone) -> None:
         self.arithmetic, self.settings, self._n, self._progress = arithmetic, settings, n, progress
         self.integration = integration
         self._steps: list[Expansion] = []

@@ -93,7 +93,7 @@ class Approach:
 
     def off_the_limit(self, direction: int) -> NDArray[np.float64]:
         """The distances (k,) from the origin, of those surveyed in this direction, rising, at which the limit is not reached."""
-        distances, at = _survey(self.pencil, direction, self.origin)
+        distances, at = _scanned(self.pencil, direction, self.origin)
         return distances if at is None else distances[self._integrand(at, LIMIT_ROUNDING) > NEGLIGIBLE_RATE]
 
 
@@ -175,7 +175,7 @@ def _relative(split: SpectralSplitting, moved: NDArray[np.float64]) -> float:
     return float((change / np.maximum(rows, ZERO_ROW * rows.max())).max())
 
 
-def _survey(pencil: PencilFunction, direction: int, origin: float) -> tuple[NDArray[np.float64], Pencil | None]:
+def _scanned(pencil: PencilFunction, direction: int, origin: float) -> tuple[NDArray[np.float64], Pencil | None]:
     """Distances (m,) over all that are tried, and the pencil there, up to where it cannot be computed; None if that is nowhere.
 
     cosh overflows at 711, and exp(2z)/(1 + exp(2z))² is no number from z = 355 on: what lies beyond is not seen.

@@ -124,13 +124,13 @@ class PolynomialModel:
         wide = arb(0, self.spread)
         return acb(value.real + wide, value.imag + wide)
 
-    def margin(self, middle: Any, reach: Any) -> float:
-        """(|c_0| − spread)/(Σ_{k≥1} |c_k| s^k + 2 spread) on a segment |σ − middle| ≤ reach, c_k about its middle, s the reach in u.
+    def margin(self, middle: Any, half: Any) -> float:
+        """(|c_0| − spread)/(Σ_{k≥1} |c_k| s^k + 2 spread) on a segment |σ − middle| ≤ half, c_k about its middle, s the half in u.
 
         The coefficients c_k, k ≥ 0, of the varying polynomials belong to the sum.
         Above 1, D has no zero on the segment, and its phase differs from that at the middle by less than a quarter turn.
         """
-        s, u = (reach / self.radius).upper(), (middle - self.centre) / self.radius
+        s, u = (half / self.radius).upper(), (middle - self.centre) / self.radius
         if not abs(u) + s <= 1:
             return 0.0  # the segment leaves the disc
         shifted = self.polynomial(acb_poly([u, 1])).coeffs()

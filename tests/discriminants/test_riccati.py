@@ -187,7 +187,7 @@ def test_in_the_same_charts_D_is_analytic_however_coarse_the_mesh() -> None:
     rng = np.random.default_rng(5)  # of its own: for some matrices S grows on the way to another sigma, and the charts change
     A, dA, Y, W = (random_complex(*shape, rng=rng) for shape in ((5, 5), (5, 5), (5, 2), (2, 5)))
     table, eps = constant_table(A, dA, 2.0, 8), 1e-4
-    method = Riccati(1e-3).settled(table, at_infinity(Y), 0.1j)
+    method = Riccati(1e-3).fixed_at(table, at_infinity(Y), 0.1j)
     for s in (0.1 + 0.2j, 0.3 - 0.1j, -0.2 + 0.1j):
 
         def log_D(sigma: complex) -> complex:
@@ -203,9 +203,9 @@ def test_charts_serve_a_halved_mesh_and_are_not_sound_where_S_grows() -> None:
     A = np.array([[0, -1], [1, 0]], complex)
     Y, W = np.array([[1.0], [0.2]]), np.array([[1.0, 0.0]])
     coarse, fine = (constant_table(A, A, 3.0, steps) for steps in (30, 60))
-    method = Riccati(1e-8).settled(coarse, at_infinity(Y), 0j)
+    method = Riccati(1e-8).fixed_at(coarse, at_infinity(Y), 0j)
     assert len(method.charts.z) > 0
-    assert method.settled(fine, at_infinity(Y), 0.5j) is method
+    assert method.fixed_at(fine, at_infinity(Y), 0.5j) is method
     rows = W.astype(complex), np.zeros(W.shape, complex)
     for table in (coarse, fine):
         propagation = method.propagate(table, rows, at_infinity(Y), 0j, True)
@@ -213,7 +213,7 @@ def test_charts_serve_a_halved_mesh_and_are_not_sound_where_S_grows() -> None:
         assert number(propagation.value) == pytest.approx(np.cos(3.0) - 0.2 * np.sin(3.0), abs=1e-6)
     # at another sigma the pole is elsewhere: near the old change of chart S is large
     assert not method.propagate(coarse, rows, at_infinity(Y), 0.55 + 0j, True).sound
-    anew = Riccati(1e-8).settled(coarse, at_infinity(Y), 0.55)
+    anew = Riccati(1e-8).fixed_at(coarse, at_infinity(Y), 0.55)
     assert number(propagate(coarse, 0.55 + 0j, Y, W, anew)[0]) == pytest.approx(np.cos(3 * 1.55) - 0.2 * np.sin(3 * 1.55), abs=1e-6)
 
 

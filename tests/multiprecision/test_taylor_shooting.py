@@ -42,7 +42,7 @@ both = pytest.mark.parametrize("arithmetic", [choose("flint"), choose("mpmath")]
 
 
 def nothing() -> None:
-    """A tick that nobody hears."""
+    """The end of a step, of which nobody hears."""
 
 
 # the parts

@@ -134,7 +134,7 @@ class FarField:
                     self._known.popitem(last=False)
         return known
 
-    def reach(self, sigma: complex, tolerance: float) -> float:
+    def largest_start(self, sigma: complex, tolerance: float) -> float:
         """The largest ν0 at which the terms left out stay below the tolerance, row by row."""
         sizes = _row_sizes(self.terms(sigma, False)[0])
         m = np.arange(FAR_TERMS - 4, FAR_TERMS)

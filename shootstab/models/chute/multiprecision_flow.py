@@ -36,18 +36,18 @@ def far_series(arithmetic: Arithmetic, chute: Chute, far_temperature: Any, terms
     with zeros for its unknowns first, and again with what came out.
     """
     zero, one = arithmetic.number(0), arithmetic.number(1)
-    graph = RelaxedSystem(arithmetic)
-    nu, T, u, Q = (graph.unknown() for _ in range(4))
+    system = RelaxedSystem(arithmetic)
+    nu, T, u, Q = (system.unknown() for _ in range(4))
     decay, T_z, u_z, Q_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.radial_law, arithmetic.pi)
     T_x, u_x, Q_x, drift = T_z / decay, u_z / decay, Q_z / decay + Q, u / decay
     first = (zero, far_temperature, zero, zero)
     for m in range(terms):
         _set(m, (nu, one if m == 1 else zero), *((y, zero if m else y0) for y, y0 in zip((T, u, Q), first[1:], strict=True)))
-        graph.extend(m)
+        system.extend(m)
         if m > 0:
             slope = [T_x.coefficients[m] / m, u_x.coefficients[m] / m, Q_x.coefficients[m] / (m + 1)]
             _set(m, *zip((T, u, Q), map(arithmetic.rounded, slope), strict=True))
-            graph.extend(m)
+            system.extend(m)
     flux = [zero, *(-drift.coefficients[m - 1] / m for m in range(1, terms))]
     return [*(y.coefficients for y in (nu, T, u, Q)), flux]
 

@@ -9,7 +9,7 @@ from typing import Any
 import mpmath
 
 from shootstab.core.errors import ConvergenceError
-from shootstab.core.progress import Tick
+from shootstab.core.progress import StepDone
 from shootstab.core.series import Series
 from shootstab.models.chute import first_order_system as system
 from shootstab.models.chute.background import Background, background, fields
@@ -55,7 +55,7 @@ class ChuteDigits:
         """See protocol.MultiprecisionProblem."""
         return ChuteIntegration(self, arithmetic, settings, base)
 
-    def base(self, arithmetic: Arithmetic, settings: Settings, progress: Tick) -> BaseFlowNumbers:
+    def base(self, arithmetic: Arithmetic, settings: Settings, progress: StepDone) -> BaseFlowNumbers:
         """(T_∞, u_∞): for a given mass flux by secants on Q0(T_∞), from a rougher precision on; u_∞ comes along."""
         flow = self.problem.flow
 

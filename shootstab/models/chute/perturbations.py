@@ -86,7 +86,7 @@ class Perturbations:
 
     def start(self, sigma: complex, tolerance: float) -> float:
         """Where the series of the far field holds to the tolerance."""
-        return self.flow.height(self.flow.inside(self._far.reach(sigma, tolerance)))
+        return self.flow.height(self.flow.inside(self._far.largest_start(sigma, tolerance)))
 
     def far_frame(self, z: float, sigma: complex) -> FarFrame:
         if z not in self._log_nu:
