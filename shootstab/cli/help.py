@@ -52,5 +52,5 @@ def with_nearest(message: str, options: Iterable[str]) -> str:
     if found := re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message):
         return message + nearest(found[1], re.findall(r"[\w-]+", found[2]))
     if found := re.search(r"unrecognized arguments: (--[\w-]+)", message):
-        return message + nearest(found[1], options)
+        return message + nearest(found[1], (option for option in options if option != found[1]))
     return message

@@ -14,6 +14,7 @@ from shootstab.cli.figures import PLAIN, Look
 from shootstab.core.errors import InputError
 from shootstab.core.records import UNRESOLVED
 from shootstab.models.chute.registry import BY_NAME
+from shootstab.problems.capabilities import BASE_FLOW
 
 if TYPE_CHECKING:
     from shootstab.analyses.sweep import Swept
@@ -47,7 +48,7 @@ def draw(found: Swept, scene: Scene) -> Any:
     varied = [axis for axis in found.axes if len(axis.values) > 1]
     one = len(varied) == 1
     figure = Figure(figsize=CURVES_SIZE if one else MAP_SIZE, layout="constrained")
-    (_curves if one else _map)(figure, found, varied, scene.unit)
+    (_curves if one else _map)(figure, found, varied, scene)
     fixed = ", ".join(f"{a.name} = {a.values[0]:g}" for a in found.axes if len(a.values) == 1)
     figure.suptitle(f"{scene.name}{': ' + fixed if fixed else ''}\n{_sentence(found)}", fontsize="medium")
     return figure
@@ -64,11 +65,16 @@ def _sentence(found: Swept) -> str:
     return f"fastest growth: σ = {outcome.sigma.real:.6g}{frequency} at {where}"
 
 
+def _label(axis: ParameterAxis, scene: Scene) -> str:
+    """What the axis is called: a parameter of the chute by its symbol and unit, one of equations by the name that it has there."""
+    return axis.name if BASE_FLOW.of(scene.problem) is None else BY_NAME[axis.name].label
+
+
 def _unit(unit: str) -> str:
     return f" / {unit}" if unit else ""
 
 
-def _curves(figure: Any, found: Swept, varied: Sequence[ParameterAxis], unit: str) -> None:
+def _curves(figure: Any, found: Swept, varied: Sequence[ParameterAxis], scene: Scene) -> None:
     """Re σ above, Im σ below; where nothing grows there is a line at zero, where nothing is known there is a gap."""
     (axis,) = varied
     x = np.array(axis.values)
@@ -86,16 +92,16 @@ def _curves(figure: Any, found: Swept, varied: Sequence[ParameterAxis], unit: st
     if unknown.any():
         above.plot(x[unknown], np.zeros(unknown.sum()), "x", color=ORANGE, markersize=6, label="no flow, or unresolved")
     below.plot(x, frequency, "-", color=BLUE, linewidth=1.6)
-    above.set_ylabel(f"growth rate Re σ{_unit(unit)}")
-    below.set_ylabel(f"Im σ{_unit(unit)}")
-    below.set_xlabel(BY_NAME[axis.name].label)
+    above.set_ylabel(f"growth rate Re σ{_unit(scene.unit)}")
+    below.set_ylabel(f"Im σ{_unit(scene.unit)}")
+    below.set_xlabel(_label(axis, scene))
     for panel in (above, below):
         panel.grid(True, linewidth=0.4, alpha=0.4)
         panel.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3), useMathText=True)
     above.legend(frameon=False, fontsize="small")
 
 
-def _map(figure: Any, found: Swept, varied: Sequence[ParameterAxis], unit: str) -> None:
+def _map(figure: Any, found: Swept, varied: Sequence[ParameterAxis], scene: Scene) -> None:
     """Contours of Re σ; white where nothing grows, hatched where nothing is known. The last axis that varies is drawn upwards."""
     from matplotlib.ticker import MaxNLocator
 
@@ -111,7 +117,7 @@ def _map(figure: Any, found: Swept, varied: Sequence[ParameterAxis], unit: str) 
         levels = np.concatenate(([NOTHING_GROWS * ticks[-1]], ticks[1:]))  # nothing is drawn where nothing grows
         drawn = panel.contourf(x, y, filled, levels=levels, cmap="viridis")
         panel.contour(x, y, filled, levels=levels[1:], colors="white", linewidths=0.5)
-        figure.colorbar(drawn, ax=panel, label=f"growth rate Re σ{_unit(unit)}", ticks=ticks[::2])
+        figure.colorbar(drawn, ax=panel, label=f"growth rate Re σ{_unit(scene.unit)}", ticks=ticks[::2])
     if unknown.any():
         ys, xs = np.nonzero(unknown)
         panel.plot(x[xs], y[ys], "x", color=ORANGE, markersize=4, label="no flow, or unresolved")
@@ -123,8 +129,8 @@ def _map(figure: Any, found: Swept, varied: Sequence[ParameterAxis], unit: str) 
     if found.fastest is not None:
         place = dict(zip(found.grid.names, found.fastest[0], strict=True))
         panel.plot(place[across.name], place[up.name], "*", color="white", markeredgecolor="black", markersize=12, clip_on=False, zorder=4)
-    panel.set_xlabel(BY_NAME[across.name].label)
-    panel.set_ylabel(BY_NAME[up.name].label)
+    panel.set_xlabel(_label(across, scene))
+    panel.set_ylabel(_label(up, scene))
     panel.ticklabel_format(style="sci", scilimits=(-2, 3), useMathText=True)
     if panel.get_legend_handles_labels()[0]:
         panel.legend(loc="upper right", frameon=True, framealpha=0.85, fontsize="small")

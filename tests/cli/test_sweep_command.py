@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -131,6 +132,14 @@ def test_curves_and_maps_show_what_was_proved() -> None:
     assert panel.get_xlabel() == "downslope wavenumber $k_x$ / $d^{-1}$"
     assert bar.get_ylabel() == "growth rate Re σ / √(g cosθ/d)"
     assert [t.get_text() for t in panel.get_legend().get_texts()] == ["no flow, or unresolved", "modes counted"]
+
+
+def test_parameters_of_equations_are_called_what_they_are_called_there() -> None:
+    """r and e are names of the chute's own parameters, which are not meant."""
+    found = swept()
+    renamed = tuple(replace(axis, name=name) for axis, name in zip(found.axes, ("r", "e"), strict=True))
+    panel = maps.draw(Swept(renamed, found.outcomes, found.settings, found.family), load("eady")).axes[0]
+    assert (panel.get_xlabel(), panel.get_ylabel()) == ("r", "e")
 
 
 def test_a_map_of_nothing_is_drawn_too(tmp_path: Path) -> None:
