@@ -5,7 +5,8 @@ from the left to the right end. By Laplace's expansion D = Σ_I b_I y_I, where b
 
     y_I(left) = (−1)^{Σ I} det a[columns not in I],
 
-polynomials in σ: the eigenvalue may stand in the conditions at both ends.
+polynomials in σ: the eigenvalue may stand in the conditions at both ends. At an end at infinity the decaying solutions stand for those that
+the conditions admit (lemma E12).
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from fractions import Fraction
 from itertools import combinations
-from typing import Any
+from typing import Any, Protocol
 
 from shootstab.core.balls import acb, acb_mat, arb
 from shootstab.formulation.atoms import Atom
@@ -27,14 +28,38 @@ from shootstab.multiprecision.tailed_series import TailedSeries
 NOWHERE = acb(arb.nan())  # defined: what is computed with it is no number
 
 
+class DecayingEnd(Protocol):
+    """An end at infinity; see enclosed_infinity."""
+
+    decaying: int
+
+    @property
+    def place(self) -> Any:
+        """Where it is left, an arb."""
+        ...
+
+    def minors(self, sigma: Any) -> list[Any]:
+        """Those of the solutions that decay towards it."""
+        ...
+
+
 class EquationEnclosable:
-    """See multiprecision.enclosable.EnclosableSystem: a system between two finite ends with conditions, without given functions."""
+    """See multiprecision.enclosable.EnclosableSystem: a system without given functions between ends with conditions or at infinity."""
 
-    lemmas: tuple[str, ...] = ("E8",)
-
-    def __init__(self, system: StatePencil, left: Fraction, right: Fraction, parameters: Mapping[Atom, Any] | None = None) -> None:
+    def __init__(
+        self,
+        system: StatePencil,
+        left: Fraction | DecayingEnd,
+        right: Fraction | DecayingEnd,
+        parameters: Mapping[Atom, Any] | None = None,
+    ) -> None:
         """parameters: values, acb, of those that are left open in the system."""
-        self._system, self._ends, self._parameters = system, (left, right), parameters or {}
+        self._system, self._left, self._right, self._parameters = system, left, right, parameters or {}
+
+    @property
+    def lemmas(self) -> tuple[str, ...]:
+        """What the ends rest on."""
+        return ("E8",) if isinstance(self._left, Fraction) and isinstance(self._right, Fraction) else ("E12", "E11", "E8")
 
     @property
     def size(self) -> int:
@@ -42,11 +67,12 @@ class EquationEnclosable:
 
     @property
     def decaying(self) -> int:
-        """The number of conditions at the right end."""
-        return self._system.right_rows
+        """The number of conditions at the right end: of solutions there that do not decay, where it is at infinity."""
+        return self._system.right_rows if isinstance(self._right, Fraction) else self.size - self._right.decaying
 
     def ends(self) -> tuple[Any, Any]:
-        return ball(self._ends[0]), ball(self._ends[1])
+        left, right = (ball(end) if isinstance(end, Fraction) else end.place for end in (self._left, self._right))
+        return left, right
 
     def pencil(self, z: Any) -> tuple[list[MinorEntries], list[MinorEntries]]:
         at = on_balls(z, self._parameters)
@@ -55,7 +81,9 @@ class EquationEnclosable:
 
     def start(self, sigma: Any) -> list[Any]:
         n, k = self.size, self.decaying
-        rows = self._rows(self._system.left, n - k, self._ends[0], sigma)
+        if not isinstance(self._left, Fraction):
+            return self._left.minors(sigma)
+        rows = self._rows(self._system.left, n - k, self._left, sigma)
         found = []
         for chosen in combinations(range(n), k):
             minor = acb_mat([[row[j] for j in range(n) if j not in chosen] for row in rows]).det() if n > k else acb(1)
@@ -63,7 +91,16 @@ class EquationEnclosable:
         return found
 
     def wall(self, sigma: Any) -> list[Any]:
-        return row_minors(self._rows(self._system.right, self.decaying, self._ends[1], sigma)) if self.decaying else [acb(1)]
+        if not isinstance(self._right, Fraction):
+            return self._complementary(self._right.minors(sigma))
+        return row_minors(self._rows(self._system.right, self.decaying, self._right, sigma)) if self.decaying else [acb(1)]
+
+    def _complementary(self, found: list[Any]) -> list[Any]:
+        """w_I = (−1)^{Σ I} of the minor in the rows that are not in I: D = ± det of both bases, by Laplace's expansion."""
+        every, n, k = range(self.size), self.size, self.decaying
+        known = dict(zip(combinations(every, n - k), found, strict=True))
+        rest = [(chosen, known[tuple(j for j in every if j not in chosen)]) for chosen in combinations(every, k)]
+        return [-x if sum(chosen) % 2 else x for chosen, x in rest]
 
     def _rows(self, parts: Powers, count: int, z: Fraction, sigma: Any) -> list[list[Any]]:
         at = on_balls(acb(ball(z)), self._parameters)

@@ -6,12 +6,16 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
+from shootstab.core.errors import InputError
 from shootstab.formulation.atoms import Atom
+from shootstab.formulation.conditions import Conditions
+from shootstab.formulation.exponentials import exponential_end
 from shootstab.formulation.expression import number
 from shootstab.formulation.first_order import first_order
 from shootstab.formulation.gaussian import Gaussian
-from shootstab.formulation.state_pencil import in_states, state_pencil
+from shootstab.formulation.state_pencil import StatePencil, in_states, state_pencil
 from shootstab.formulation.statement import Statement
+from shootstab.problems.ends import INFINITIES, Infinity
 
 if TYPE_CHECKING:
     from shootstab.multiprecision.enclosable import Enclosable
@@ -23,6 +27,22 @@ def places(statement: Statement) -> tuple[Fraction, Fraction]:
     return left, right
 
 
+def enclosed_ends(statement: Statement, system: StatePencil, ends: Callable[[complex], Any], reference: complex) -> tuple[Any, Any]:
+    """The ends as formulation.enclosed takes them; ends(σ) are those at infinity. Raises InputError for one that is not offered."""
+    from shootstab.formulation.enclosed_infinity import EnclosedInfinity
+
+    counted = {at.where: at.decaying for at in ends(reference)}
+    out: list[Any] = []
+    for end, side in ((statement.left, -1), (statement.right, 1)):
+        if isinstance(end, Conditions):
+            out.append(Fraction(Gaussian.of(end.at).re))
+        elif isinstance(end, Infinity) and end.start is None and end.limit is None:
+            out.append(EnclosedInfinity(exponential_end(system, side), system.size, counted[INFINITIES[side]], reference))
+        else:
+            raise InputError("an enclosure ends at conditions, or at infinity where coefficients come to a limit exponentially")
+    return out[0], out[1]
+
+
 def varied(statement: Statement, name: str) -> Callable[[Any], Enclosable]:
     """p ↦ the problem with the value p, an acb, of this parameter.
 
@@ -32,8 +52,9 @@ def varied(statement: Statement, name: str) -> Callable[[Any], Enclosable]:
     from shootstab.formulation.enclosed import EquationEnclosable
     from shootstab.multiprecision.enclosure import BetweenEnds
 
+    left, right = (Fraction(Gaussian.of(end.at).re) for end in (statement.left, statement.right))  # type: ignore[union-attr]
     opened = statement.varied(name)
     atom = Atom("parameter", name, 0, number(statement.names.parameters[name]))
     first = first_order(opened.system, opened.domain.vanishing, opened.domain.regular)
     system = state_pencil(first, *(in_states(list(rows), first) for rows in (opened.left_rows, opened.right_rows)))
-    return lambda value: BetweenEnds(EquationEnclosable(system, *places(statement), {atom: value}))
+    return lambda value: BetweenEnds(EquationEnclosable(system, left, right, {atom: value}))

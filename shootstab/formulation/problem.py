@@ -25,7 +25,7 @@ from shootstab.formulation.explanation import Lines, explanation
 from shootstab.formulation.first_order import FirstOrder
 from shootstab.formulation.joint_conditions import between
 from shootstab.formulation.limits import with_limit
-from shootstab.formulation.open_parameter import places, varied
+from shootstab.formulation.open_parameter import enclosed_ends, varied
 from shootstab.formulation.recorded_states import recorded_pencil
 from shootstab.formulation.reduced_layers import ReducedLayer, curves_along, pencil_of, reduced_layers
 from shootstab.formulation.singular_ends import between_periodic_ends, between_singular_ends, singular_end
@@ -122,16 +122,19 @@ class EquationProblem(LinearProblem):
 
     @property
     def enclosable(self) -> Enclosable | None:
-        """The same expressions in balls. None in layers, where a function is given to doubles only, an end has no conditions, or the
-        eigenvalue stands in a denominator, whose zeros would count.
+        """The same expressions in balls. None in layers, where a function is given to doubles only, an end is singular or at infinity
+        without an exponential limit, or the eigenvalue stands in a denominator, whose zeros would count.
         """
         told = self.statement
-        if told.domain.given or told.joints or told.denominators or not all(told.holding):
+        if told.domain.given or told.joints or told.denominators:
             return None
         from shootstab.formulation.enclosed import EquationEnclosable
         from shootstab.multiprecision.enclosure import BetweenEnds
 
-        return BetweenEnds(EquationEnclosable(self.states, *places(self.statement)))
+        try:
+            return BetweenEnds(EquationEnclosable(self.states, *enclosed_ends(told, self.states, self.ends, self.generic_sigma)))
+        except InputError:
+            return None
 
     @cached_property
     def growing_region(self) -> Callable[..., tuple[Rectangle, str]] | None:
@@ -143,7 +146,7 @@ class EquationProblem(LinearProblem):
     @property
     def varied(self) -> Callable[[str], Callable[[Any], Enclosable]] | None:
         """varied(name)(p) is the problem in balls with another value p, an acb, of that parameter. None as for `enclosable`."""
-        return None if self.enclosable is None else partial(varied, self.statement)
+        return None if self.enclosable is None or not all(self.statement.holding) else partial(varied, self.statement)
 
     @property
     def crossings(self) -> tuple[tuple[NDArray[np.float64], ComplexArray], ...]:

@@ -80,14 +80,17 @@ class TailedPencil:
         return None if tail is None else (terms, tail)
 
     def decaying(self, sigma: Any, P0: Matrix, rate: Any, nilpotent: Matrix) -> Matrix | None:
-        """P(1) (n, k) of the solutions P(t) t^(rate + nilpotent (k, k)), P(0) = P0, at a singular end, as balls; None where not bounded."""
+        """P(1) (n, k) of the solutions P(t) t^(rate + nilpotent (k, k)), P(0) = P0, at a singular end, as balls; None where not bounded.
+
+        rate has a real part above 0.
+        """
         found = self._quotient(sigma)
         if found is None:
             return None
         with capped(self.terms):
             C, D = (at_sigma(parts, sigma) for parts in self.polynomials)
             terms = decaying_series(BALLS, C, D, P0, rate, nilpotent, self.terms)
-        tail = SolutionBounds.of_singular_end(self.size, *found[1:], self.terms, rate, nilpotent).tail(terms)
+        tail = SolutionBounds.of_singular_end(self.size, *found[1:], self.terms, acb(rate).real, nilpotent).tail(terms)
         return None if tail is None else _summed(terms, tail)
 
     def contraction(self, sigma: Any, rate: Any = None, nilpotent: Matrix | None = None) -> float:

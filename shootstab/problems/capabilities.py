@@ -134,7 +134,9 @@ CLOSED_FORM = Capability(
 # exact_unknowns(exact), of a closed form: its unknowns by name, each by its factors of components {j: number}
 EXACT_UNKNOWNS = Capability("exact_unknowns", None, "this closed form does not name its unknowns")
 # a multiprecision.enclosable.Enclosable, where a problem is one otherwise than by its closed form
-ENCLOSABLE = Capability("enclosable", None, "a proof asks for a problem in closed form or in equations, between finite ends")
+ENCLOSABLE = Capability(
+    "enclosable", None, "a proof asks for a problem in closed form or in equations, between ends that are finite or have exponential limits"
+)
 # varied(name)(p): the enclosable problem with another value p, an acb, of the parameter of that name
 VARIED = Capability("varied", None, "parameters vary in problems in equations between finite ends")
 # closed forms whose discriminants multiply to that of the problem, up to a constant
