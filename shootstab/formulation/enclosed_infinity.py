@@ -22,7 +22,7 @@ from shootstab.multiprecision.tailed_pencil import BALLS, TailedPencil
 from shootstab.multiprecision.tailed_series import TailedSeries
 from shootstab.problems.ends import INFINITIES
 
-FARTHEST_START = 60  # chosen: binary orders down to which an x is looked for at which the series holds
+HIGHEST_ORDER = 60  # chosen: binary orders down to which an x is looked for at which the series holds
 DECAY_BITS = 4.0  # chosen: bits that a term gains on the one before it, about, from which their number follows
 SPARE_TERMS = 12  # chosen: terms beyond those
 
@@ -62,7 +62,7 @@ class EnclosedInfinity:
         """The end is left at x = 2^−order."""
         if self._end.constant:
             return 0
-        for order in range(1, FARTHEST_START):
+        for order in range(1, HIGHEST_ORDER):
             if self._pencil(order).contraction(self._reference, arb(1), [[arb(0)]]) <= 1.0:
                 return order
         raise ConvergenceError(f"at {INFINITIES[self._end.direction]} no start of the series of decaying solutions is found")

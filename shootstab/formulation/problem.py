@@ -18,6 +18,7 @@ from shootstab.formulation.condition_count import require_count
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
 from shootstab.formulation.continuous_spectrum import InteriorSpectrum
 from shootstab.formulation.digits_of import digits_of
+from shootstab.formulation.enclosed_problems import enclosed, varied
 from shootstab.formulation.equation_collocation import EquationCollocation, collocation
 from shootstab.formulation.equation_family import EquationFamily, family_around
 from shootstab.formulation.evaluation import Given
@@ -25,7 +26,6 @@ from shootstab.formulation.explanation import Lines, explanation
 from shootstab.formulation.first_order import FirstOrder
 from shootstab.formulation.joint_conditions import between
 from shootstab.formulation.limits import with_limit
-from shootstab.formulation.open_parameter import enclosed_ends, varied
 from shootstab.formulation.recorded_states import recorded_pencil
 from shootstab.formulation.reduced_layers import ReducedLayer, curves_along, pencil_of, reduced_layers
 from shootstab.formulation.singular_ends import between_periodic_ends, between_singular_ends, singular_end
@@ -125,16 +125,7 @@ class EquationProblem(LinearProblem):
         """The same expressions in balls. None in layers, where a function is given to doubles only, an end is singular or at infinity
         without an exponential limit, or the eigenvalue stands in a denominator, whose zeros would count.
         """
-        told = self.statement
-        if told.domain.given or told.joints or told.denominators:
-            return None
-        from shootstab.formulation.enclosed import EquationEnclosable
-        from shootstab.multiprecision.enclosure import BetweenEnds
-
-        try:
-            return BetweenEnds(EquationEnclosable(self.states, *enclosed_ends(told, self.states, self.ends, self.generic_sigma)))
-        except InputError:
-            return None
+        return enclosed(self.statement, self.states, self.ends, self.generic_sigma)
 
     @cached_property
     def growing_region(self) -> Callable[..., tuple[Rectangle, str]] | None:

@@ -1,4 +1,4 @@
-"""Equations in balls with one parameter left open: the reduction is made once, for every value of it."""
+"""Equations in balls, and with one parameter left open: the reduction is made once, for every value of it."""
 
 from __future__ import annotations
 
@@ -27,9 +27,13 @@ def places(statement: Statement) -> tuple[Fraction, Fraction]:
     return left, right
 
 
-def enclosed_ends(statement: Statement, system: StatePencil, ends: Callable[[complex], Any], reference: complex) -> tuple[Any, Any]:
-    """The ends as formulation.enclosed takes them; ends(σ) are those at infinity. Raises InputError for one that is not offered."""
+def enclosed(statement: Statement, system: StatePencil, ends: Callable[[complex], Any], reference: complex) -> Enclosable | None:
+    """The problem in balls; ends(σ) are those at infinity, reference an eigenvalue without any property. None where it has no enclosure."""
+    if statement.domain.given or statement.joints or statement.denominators:
+        return None
+    from shootstab.formulation.enclosed import EquationEnclosable
     from shootstab.formulation.enclosed_infinity import EnclosedInfinity
+    from shootstab.multiprecision.enclosure import BetweenEnds
 
     counted = {at.where: at.decaying for at in ends(reference)}
     out: list[Any] = []
@@ -37,10 +41,14 @@ def enclosed_ends(statement: Statement, system: StatePencil, ends: Callable[[com
         if isinstance(end, Conditions):
             out.append(Fraction(Gaussian.of(end.at).re))
         elif isinstance(end, Infinity) and end.start is None and end.limit is None:
-            out.append(EnclosedInfinity(exponential_end(system, side), system.size, counted[INFINITIES[side]], reference))
+            try:
+                limit = exponential_end(system, side)
+            except InputError:
+                return None
+            out.append(EnclosedInfinity(limit, system.size, counted[INFINITIES[side]], reference))
         else:
-            raise InputError("an enclosure ends at conditions, or at infinity where coefficients come to a limit exponentially")
-    return out[0], out[1]
+            return None
+    return BetweenEnds(EquationEnclosable(system, *out))
 
 
 def varied(statement: Statement, name: str) -> Callable[[Any], Enclosable]:
