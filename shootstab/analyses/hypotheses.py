@@ -104,7 +104,7 @@ def _holding(problem: Problem, digits: int, claims: Sequence[complex], factors: 
 
 
 def _may_mean_a_mode(continuation: Continuation, claim: complex) -> bool:
-    """Whether Newton's step from the claim, about the distance of the nearest zero, is short: one value of D, a verdict takes many."""
+    """Whether Newton's step from the claim, about the distance of the nearest zero, is short; that takes one value of D, a verdict many."""
     try:
         step = continuation.along(claim)[0].with_derivative(claim).newton_step
     except ConvergenceError:

@@ -153,7 +153,7 @@ def _how_many(inside: int, claims: int) -> str:
 
 
 def _parts(continuation: Continuation, region: Region, known: list[Zero], step_done: StepDone) -> tuple[list[_Part], list[str]]:
-    """The region, or the parts of it that can be searched, the unstable ones first; and where the others are, and why they cannot."""
+    """The region, or the parts of it that can be searched, the unstable ones first; of the others, where they are, and why not."""
     found, left = [], []
     waiting = [(0, region)]
     tried = 0
@@ -251,7 +251,7 @@ def claimed_modes(verdicts: Sequence[Verdict]) -> list[Zero]:
 
 
 def _extremes(region: Region) -> tuple[complex, complex]:
-    """Lower left and upper right of what the region reaches over."""
+    """The lower left and the upper right corner of the box around the region."""
     re, im = [v.real for v in region.hull], [v.imag for v in region.hull]
     return complex(min(re), min(im)), complex(max(re), max(im))
 

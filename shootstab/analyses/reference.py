@@ -28,13 +28,13 @@ def spectrum(problem: Problem, M: int | None = None, filtered: bool = True) -> S
 
 
 def claims(problem: Problem, digits: int, M: int | None = None) -> ComplexArray:
-    """The eigenvalues (m,) that the reference itself holds to be right to so many digits: their drift is a tenth of the last one."""
+    """The eigenvalues (m,) that the reference itself holds to be right to so many digits, by a drift below DRIFT of the last one."""
     found = spectrum(problem, M)
     return np.asarray(found.eigenvalues[found.drift <= DRIFT * 10.0**-digits * np.abs(found.eigenvalues)])
 
 
 def eigenvalues(problem: Problem, digits: int) -> ComplexArray:
-    """The same, and none (0,) of a problem whose reference there is not, or has no spectrum at these parameters."""
+    """The same; none, (0,), where a problem has no reference, or its reference no spectrum at these parameters."""
     if PSEUDOSPECTRAL.of(problem) is None:
         return np.empty(0, dtype=np.complex128)
     try:

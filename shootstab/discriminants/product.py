@@ -20,7 +20,7 @@ class Product:
         self._alone: dict[int, Product] = {}
 
     def vanishing_at(self, sigma: complex) -> Product:
-        """D of the one subsystem whose zero is nearest to σ, as Newton's step tells: what moves that zero is nothing to the others."""
+        """D of the one subsystem whose zero is nearest to σ, as Newton's step tells: the others do not move it."""
         if len(self.members) == 1:
             return self
         steps = [abs(member.with_derivative(sigma).newton_step) for member in self.members]

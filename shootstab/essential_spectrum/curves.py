@@ -25,7 +25,7 @@ SLOPE_STEP = 1e-4  # chosen: the step of a central difference of a curve, in its
 class Curve:
     """Segments with σ from begin to end (m,), as a parameter runs from low to high (m,).
 
-    at gives all σ of the curve at a parameter, if it has one. scale is a size of σ on the curve, to which its points round.
+    at, where the curve has it, gives all σ at a parameter. scale is a size of σ on the curve, to which its points round.
     """
 
     begin: ComplexArray
@@ -76,7 +76,7 @@ class Curve:
         return np.asarray(points[across & (points.imag >= hull.imag.min()) & (points.imag <= hull.imag.max())])
 
     def _at_least(self, sigma: complex) -> float:
-        """A bound on the distance from below, without asking the curve itself."""
+        """A lower bound on the distance, from the segments and their scale alone."""
         return float((self._segments(sigma)[1] - (1.0 - SAGITTA) * np.abs(self.end - self.begin)).min())
 
     def _offset(self, sigma: complex) -> float:

@@ -116,7 +116,7 @@ def _with(
 def _positive(part: Form, measure: Expression, statement: Statement, vanishing: Vanishing) -> tuple[Expression, RealPart] | None:
     """A weight with which ∫ ū S u is real, with nothing at the ends, and whose coefficients begin positive; None where there is none.
 
-    That the form is positive everywhere is proved in balls, by who takes it.
+    The caller proves in balls that the form is positive everywhere.
     """
     for phase in PHASES:
         weight = Expression({(): phase}) * measure
@@ -143,7 +143,7 @@ def _constraint_weight(name: str, rest: dict[str, Form], weights: dict[str, Expr
 
 
 def _groups(pairing: Sequence[str], rest: dict[str, Form], constraints: Sequence[str]) -> list[list[str]]:
-    """The unknowns in groups within which weights are not free: constraints, and derivatives of one in the equation of another, tie."""
+    """The groups of unknowns whose weights are tied, by constraints and by derivatives of one in the equation of another."""
     ties = [{name, v[0]} for name, form in rest.items() for _, v in form if v[1] > 0 or name in constraints or v[0] in constraints]
     groups = [{name} for name in pairing]
     for tied in ties:
@@ -152,7 +152,7 @@ def _groups(pairing: Sequence[str], rest: dict[str, Form], constraints: Sequence
 
 
 def _nothing_at_ends(terms: Form, statement: Statement) -> bool:
-    """Whether the conditions make every term vanish: a factor of it is zero there, or the coefficient is."""
+    """Whether every boundary term vanishes: one of its factors by a condition there, or its coefficient."""
     for end, rows in ((statement.left, statement.left_rows), (statement.right, statement.right_rows)):
         zero = {jet for _, row in rows if len(row) == 1 for jet, c in row.items() if c.constant}
         at = number(Fraction(repr(float(end.at))))  # type: ignore[union-attr]

@@ -1,4 +1,4 @@
-"""A first mesh that sees what the coefficients do: every step is short enough for five points of it to tell the others.
+"""A first mesh that sees what the coefficients do: every step is so short that a quartic through five of its points gives the others.
 
 Where a step steps over a bump, all its stages see is the constant next to it; its error is estimated as that of a constant, and no
 refinement ever comes back to it. So the coefficients are sampled at COEFFICIENT_SAMPLES points of every subdomain, and a step in which a

@@ -118,6 +118,6 @@ def _loop() -> Any:
 
 
 def _names(count: int) -> list[str]:
-    """What is called so many matrices: C is given from four on."""
+    """The names of so many matrices; with fewer than four C is the identity and has none."""
     half = count // 2
     return ["D0", "D1"] if half == 1 else [f"{part}{k}" for part in "CD" for k in range(half)]

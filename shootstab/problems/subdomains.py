@@ -40,7 +40,7 @@ class Subdomain:
     crossed: Crossed | None = None
 
     def on(self, shift: float, stretch: float) -> Subdomain:
-        """The same over another t, of which t = shift + stretch·(new t)."""
+        """The same subdomain over a new variable, with t = shift + stretch·(new t)."""
         return replace(self, offset=self.offset + self.scale * shift, scale=self.scale * stretch)
 
     def points(self, t: ComplexArray) -> ComplexArray:
@@ -53,7 +53,7 @@ class Subdomain:
         return z
 
     def pencil(self, function: PencilFunction, t: ComplexArray) -> Pencil:
-        """The matrices (m, N, N) of ψ at t (m,), and of a before it if the subdomain is augmented."""
+        """The matrices (m, N, N) of ψ at t (m,), with those of a before them if the subdomain is augmented."""
         z = self.points(t)
         p = function(z) if self.crossed is None else self.crossed.changed(function(z), z)
         own = p if self.scale == 1.0 else p.stretched(self.scale)
@@ -64,7 +64,7 @@ class Subdomain:
         return blocks([Pencil.of([still + np.eye(n), *[still for _ in own.C[1:]]], [still for _ in own.D]), own])
 
     def arriving(self, rows: ComplexArray) -> ComplexArray:
-        """Rows (m, n) for ψ where the subdomain ends, as rows for what is integrated there."""
+        """Rows (m, n) for ψ at the end of the subdomain, made rows for what is integrated there."""
         return rows if self.crossed is None else rows @ self.crossed.arrival
 
     def frame(self, sigma: complex) -> FarFrame:

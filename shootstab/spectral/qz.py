@@ -77,7 +77,7 @@ def nearest(spectrum: Spectrum, guess: complex) -> complex:
 
 
 def union(parts: list[Spectrum]) -> Spectrum:
-    """One spectrum from those of blocks that do not see each other."""
+    """One spectrum from those of blocks that nothing couples."""
     raw = _by_growth(np.concatenate([p.raw for p in parts]))
     eigenvalues, drift, tail = (np.concatenate(columns) for columns in zip(*((p.eigenvalues, p.drift, p.tail) for p in parts), strict=True))
     order = np.argsort(-eigenvalues.real, kind="stable")

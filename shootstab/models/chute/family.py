@@ -42,7 +42,7 @@ def _separated(chute: Chute, mass_flux: float) -> list[tuple[float, float]]:
 
 
 def _brackets(chute: Chute, mass_flux: float, tolerance: float) -> tuple[list[tuple[float, float]], float]:
-    """Intervals of ln T_∞ with one flow each, and how near to zero the misfit came at the ends of intervals; flows with this tolerance."""
+    """Intervals of ln T_∞ with one flow each, and how near to zero the misfit came at their ends, by flows integrated to this tolerance."""
 
     def misfit(x: float) -> float:
         return _flux(chute, x, tolerance) - mass_flux
@@ -138,7 +138,7 @@ def _fold_between(misfit: Callable[[float], float], logs: np.ndarray, at: np.nda
 
 
 def solve_between(chute: Chute, mass_flux: float, low: float, high: float) -> Flow:
-    """The flow of this mass flux with ln T_∞ between low and high, on which sides Q0 lies on either side of it."""
+    """The flow of this mass flux with ln T_∞ between low and high; the one has a larger Q0, the other a smaller one."""
     x = zero_between(lambda x: _flux(chute, x, TOLERANCE) - mass_flux, low, high)
     return replace(descend(chute, float(np.exp(x))), asked_flux=mass_flux)
 

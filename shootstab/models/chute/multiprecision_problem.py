@@ -88,7 +88,7 @@ class ChuteDigits:
         return arithmetic.to_mpmath(arithmetic.rounded((mass_flux - asked) / asked))
 
     def corrected_base(self, arithmetic: Arithmetic, end: FlowAtBase, base: BaseFlowNumbers) -> BaseFlowNumbers:
-        """(T_∞, u_∞) after one secant step from those of a flow that ended so."""
+        """(T_∞, u_∞) after one secant step from the flow with which this integration ended."""
         T, _ = base
         u = arithmetic.to_mpmath(end.far_velocity)
         if self._secant is None:

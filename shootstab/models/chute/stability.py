@@ -30,7 +30,7 @@ Wave = tuple[float, float]
 
 @dataclass(frozen=True)
 class Stability:
-    """verdict: 'unstable', for `mode` grows at `wave`; 'stable', for none grows at any wave; 'unresolved: …' says why.
+    """verdict: 'unstable' where `mode` grows at `wave`; 'stable' where none grows at any wave; 'unresolved: …' says why.
 
     Growing means Re σ > floor, or 1e−7 of the frequencies k_x u0 of the continuous spectrum where that is more.
 
