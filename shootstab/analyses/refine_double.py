@@ -8,6 +8,7 @@ import time
 from dataclasses import is_dataclass, replace
 from typing import Any
 
+from shootstab.analyses.affordable import Affordable, WanderedOff
 from shootstab.analyses.error_budget import budget
 from shootstab.analyses.multiple import cluster, count_in, multiple, told_apart
 from shootstab.core.allowed import DOUBLE_DIGITS, LEAST_MODE_RTOL, RTOL
@@ -92,7 +93,7 @@ def _attempt(problem: Problem, guess: complex, rtol: float, method: Method, atol
     before = discriminant.evaluations
     try:
         try:
-            root = find_near(discriminant, guess, LEFT * rtol)
+            root = find_near(Affordable(discriminant, guess), guess, LEFT * rtol)
         except ConvergenceError as error:
             root = _counted_near(discriminant, guess, LEFT * rtol) or _among_noise(discriminant, guess, error)
         mode, evaluations = examine(continuation, root, rtol, atol)
@@ -120,11 +121,17 @@ def find_near(discriminant: Discriminant, guess: complex, tolerance: float) -> R
 
     Raises ConvergenceError if both do.
     """
+    ended = ConvergenceError()
     for iteration in (newton, muller):
-        root = iteration(discriminant, guess, tolerance)
+        try:
+            root = iteration(discriminant, guess, tolerance)
+        except WanderedOff as error:
+            ended = error
+            continue
         if root.converged:
             return root
-    raise ConvergenceError(f"neither Newton nor Muller arrives anywhere from {guess:.6g}; the last step was {root.step:.1e}")
+        ended = ConvergenceError(f"neither Newton nor Muller arrives anywhere from {guess:.6g}; the last step was {root.step:.1e}")
+    raise ended
 
 
 def _counted_near(discriminant: AdaptiveDiscriminant, guess: complex, tolerance: float) -> Root | None:

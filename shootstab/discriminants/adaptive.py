@@ -11,7 +11,7 @@ from shootstab.core.regions import Disc
 from shootstab.core.scaled import Scaled
 from shootstab.discriminants.cells import Cell
 from shootstab.discriminants.deformed_path import DeformedPath
-from shootstab.discriminants.meshing import cut_for, made_for
+from shootstab.discriminants.meshing import TooLong, cut_for, made_for, too_long
 from shootstab.discriminants.method import Meshes, Propagator
 from shootstab.discriminants.product import Product
 from shootstab.discriminants.sampled_system import SampledSystem, sample_system
@@ -42,19 +42,21 @@ class SubsystemMeshes:
         self._kept: OrderedDict[MeshKey, Shooting | ConvergenceError] = OrderedDict()
         self._spent = 0
 
-    def at(self, sigma: complex, tangent: bool) -> Shooting:
-        """D on the mesh of the largest cell that serves σ, or on one made for σ. Raises ConvergenceError where none can be made."""
+    def at(self, sigma: complex, tangent: bool, most: int | None = None) -> Shooting:
+        """D on the mesh of the largest cell that serves σ, or on one made for σ. Raises ConvergenceError where none can be made, or none
+        of so many steps at most."""
         coarser: Shooting | None = None
-        for key in self._cells(sigma):
-            made = self._made(key, coarser)
+        for key in (*self._cells(sigma), sigma):
+            made = self._made(key, coarser, most)
             if isinstance(made, Shooting) and made is not coarser:
-                if _serves(made, sigma, tangent):
+                if most is not None and made.steps > most:
+                    raise too_long(sigma, most)
+                if key is sigma or _serves(made, sigma, tangent):
                     return made
                 coarser = made
-        own = self._made(sigma, coarser)
-        if isinstance(own, ConvergenceError):
-            raise own
-        return own
+        if isinstance(made, ConvergenceError):
+            raise made
+        return made
 
     def around(self, disc: Disc) -> Shooting:
         """D on the mesh that serves the middle of a disc, cut further where a point of its rim asks for it."""
@@ -83,17 +85,20 @@ class SubsystemMeshes:
             cells.append(cells[-1].larger)
         return [*reversed(cells)] if self._centre is None else [None, *reversed(cells[: CELL_LEVELS // 2])]
 
-    def _made(self, key: MeshKey, coarser: Shooting | None) -> Shooting | ConvergenceError:
-        """The mesh of a cell, cut from that of the cell that it lies in; what stood in the way where none can be made for the cell's σ."""
+    def _made(self, key: MeshKey, coarser: Shooting | None, most: int | None = None) -> Shooting | ConvergenceError:
+        """The mesh of a cell, cut from that of the cell that it lies in; what stood in the way where none can be made for the cell's σ.
+
+        Raises TooLong, and keeps nothing, where it would have more steps than most.
+        """
         if key not in self._kept:
-            self._kept[key] = self._make(key, coarser)
+            self._kept[key] = self._make(key, coarser, most)
             if len(self._kept) > MOST_MESHES:
                 _, dropped = self._kept.popitem(last=False)
                 self._spent += dropped.evaluations if isinstance(dropped, Shooting) else 0
         self._kept.move_to_end(key)
         return self._kept[key]
 
-    def _make(self, key: MeshKey, coarser: Shooting | None) -> Shooting | ConvergenceError:
+    def _make(self, key: MeshKey, coarser: Shooting | None, most: int | None) -> Shooting | ConvergenceError:
         smallest: complex | None = None
         if isinstance(key, complex):
             sigma: complex | None = key
@@ -106,7 +111,9 @@ class SubsystemMeshes:
         if begin is None and not isinstance(key, complex) and key in self._begin:
             begin = sample_system(self.problem, self._begin[key])
         try:
-            return made_for(self.problem, self.propagator, self.path, sigma, begin, smallest)
+            return made_for(self.problem, self.propagator, self.path, sigma, begin, smallest, most)
+        except TooLong:
+            raise
         except ConvergenceError as error:
             return error
 
@@ -146,10 +153,10 @@ class Adaptive:
         path = "" if self.path is None else f", {self.path}"
         return f"D(σ) of {self.problem!r} by {self.propagator!r}{path}"
 
-    def at(self, sigma: complex, tangent: bool = True) -> Shooting | Product:
-        """D on the mesh that serves σ. Raises ConvergenceError where none is found."""
+    def at(self, sigma: complex, tangent: bool = True, most: int | None = None) -> Shooting | Product:
+        """D on the mesh that serves σ. Raises ConvergenceError where none is found, or none of so many steps at most."""
         sigma = complex(sigma)
-        return self._together(tuple(member.at(sigma, tangent) for member in self._members))
+        return self._together(tuple(member.at(sigma, tangent, most) for member in self._members))
 
     def around(self, centre: complex, radius: float) -> Shooting | Product:
         """D on one mesh that serves the circle. Raises ConvergenceError where none is found."""

@@ -38,6 +38,10 @@ LOUDEST_NOISE = 1e-6  # chosen: a noise below which D is still worth computing; 
 Regrid = Callable[[ComplexArray, NDArray[np.float64], float], ComplexArray]
 
 
+class TooLong(ConvergenceError):  # noqa: N818
+    """A mesh would be longer than whoever asks for it wants it; for others it may serve."""
+
+
 def made_for(
     problem: Problem,
     propagator: Propagator,
@@ -45,12 +49,13 @@ def made_for(
     sigma: complex,
     coarser: Shooting | SampledSystem | None = None,
     smallest: complex | None = None,
+    most: int | None = None,
 ) -> Shooting:
     """D on a mesh on which the local errors hold at σ: cut from the coarser one, or spread from the problem's own first mesh.
 
     Where they are rounding, they are held to that. smallest is the other end of the cell whose largest σ is meant: the mesh begins as far
-    out as both need, and is cut once where it does not serve that end. Raises ConvergenceError where no mesh is found for σ, InputError
-    where the pencil is not analytic between the path and the real axis.
+    out as both need, and is cut once where it does not serve that end. Raises TooLong where the mesh would have more steps than most,
+    ConvergenceError where no mesh is found for σ, InputError where the pencil is not analytic between the path and the real axis.
     """
     start = _start(problem, propagator, sigma, smallest)
     noise = coarser.noise if isinstance(coarser, Shooting) else 0.0
@@ -82,12 +87,18 @@ def made_for(
                 knots = _overlooked(before, shooting, sigma)
             before = shooting
         errors, failed = _told(sampled.nodes, errors, failed)
-        sampled = _regridded(shooting, errors, regrids[turn] if turn < len(regrids) else subdivide, sigma)
+        cut = turn >= len(regrids)
+        sampled = _regridded(shooting, errors, subdivide if cut else regrids[turn], sigma, most if cut else None)
         if len(knots):
             sampled = resample(problem, _with_knots(sampled.nodes, knots), sampled)
     raise ConvergenceError(
         f"no mesh holds local errors of {propagator.rtol:.1e} at sigma = {sigma:.6g}: {_trouble(shooting, errors, sigma)}"
     )
+
+
+def too_long(sigma: complex, most: int) -> TooLong:
+    """What is raised where a mesh is longer than its asker wants it."""
+    return TooLong(f"the mesh for sigma = {sigma:.6g} would need more than {most} steps")
 
 
 def _told(nodes: ComplexArray, errors: NDArray[np.float64], failed: ComplexArray | None) -> tuple[NDArray[np.float64], ComplexArray | None]:
@@ -169,11 +180,14 @@ def _begun_at(problem: Problem, known: SampledSystem, start: float) -> SampledSy
     return resample(problem, np.concatenate((beyond, nodes)), known)
 
 
-def _regridded(shooting: Shooting, errors: NDArray[np.float64], regrid: Regrid, sigma: complex) -> SampledSystem:
-    """The problem on the next mesh. Raises ConvergenceError where that is too large, or a step of it too short to be one."""
+def _regridded(shooting: Shooting, errors: NDArray[np.float64], regrid: Regrid, sigma: complex, wanted: int | None = None) -> SampledSystem:
+    """The problem on the next mesh. Raises ConvergenceError where that is too large, or a step of it too short to be one, TooLong where it
+    has more steps than are wanted."""
     known = shooting.sampled
     nodes = regrid(known.nodes, errors, shooting.tolerance)
     most = int(MOST_BYTES / max(known.bytes_of_a_step, 1))
+    if wanted is not None and len(nodes) > wanted:
+        raise too_long(sigma, wanted)
     if len(nodes) > most:
         why = _trouble(shooting, errors, sigma)
         raise ConvergenceError(f"the mesh for sigma = {sigma:.6g} would need more than the {most} steps that memory allows: {why}")

@@ -113,8 +113,8 @@ class AdaptiveDiscriminant(Discriminant, Protocol):
     From cell to cell it jumps by the error of integration. Whoever needs an analytic function asks for one mesh, by `at` or `around`.
     """
 
-    def at(self, sigma: complex, tangent: bool = True) -> MeshedDiscriminant:
-        """D on the mesh that serves σ. Raises ConvergenceError where none is found."""
+    def at(self, sigma: complex, tangent: bool = True, most: int | None = None) -> MeshedDiscriminant:
+        """D on the mesh that serves σ. Raises ConvergenceError where none is found, or none of so many steps at most."""
         ...
 
     def around(self, centre: complex, radius: float) -> MeshedDiscriminant:
