@@ -10,7 +10,7 @@ from shootstab.core.scaled import Scaled
 from shootstab.discriminants.meshing import TooLong
 from shootstab.discriminants.method import AdaptiveDiscriminant, MeshedDiscriminant
 
-LONGER = 8  # chosen: the longest mesh of a search, in steps of that at the guess
+COSTLIER = 8  # chosen: the longest mesh of a search, in steps of that at the guess
 ANYWAY = 4000  # chosen: steps that a mesh of a search may have anyway; a value of D on it takes some 20 ms
 
 
@@ -29,7 +29,7 @@ class Affordable:
         """D on the mesh that serves σ; the mesh at the guess is found at once where it is kept."""
         steps = self.discriminant.at(self.guess).steps
         try:
-            return self.discriminant.at(sigma, tangent, max(ANYWAY, LONGER * steps))
+            return self.discriminant.at(sigma, tangent, max(ANYWAY, COSTLIER * steps))
         except TooLong as error:
             raise WanderedOff(f"the search from {self.guess:.6g}, where {steps} steps do, wandered off: {error}") from None
 

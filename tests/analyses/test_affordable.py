@@ -21,7 +21,7 @@ def string() -> LinearProblem:
 
 def test_a_search_that_wanders_off_is_ended_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(affordable, "ANYWAY", 1)
-    monkeypatch.setattr(affordable, "LONGER", 1)
+    monkeypatch.setattr(affordable, "COSTLIER", 1)
     told = r"the search from 0\.1\+0j, where 2 steps do, wandered off: the mesh for sigma = .* would need more than 2 steps"
     problem = string()
     lost = st.refine(problem, 0.1)
@@ -34,7 +34,7 @@ def test_a_search_that_wanders_off_is_ended_in_words(monkeypatch: pytest.MonkeyP
 
 def test_meshes_that_another_question_left_end_a_search_no_later(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(affordable, "ANYWAY", 1)
-    monkeypatch.setattr(affordable, "LONGER", 1)
+    monkeypatch.setattr(affordable, "COSTLIER", 1)
     problem = string()
     first = st.refine(string(), 0.1).status
     for known in (-9.8, -39.0, -9.9 + 4.5j):
