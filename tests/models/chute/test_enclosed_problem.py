@@ -191,8 +191,10 @@ def test_no_enclosure_holds_the_end_of_the_continuous_spectrum(scenes: dict[str,
 
 @pytest.mark.slow
 def test_the_growing_mode_of_the_high_flow_is_proved(scenes: dict[str, ChuteProblem]) -> None:
-    proof = st.prove(scenes["high"], guess=0.00397, digits=17)
-    assert proof.count == 1 and proof.region["radius"] == "1e-20"
-    assert proof.region["centre"]["re"].startswith("0.00397050463888927863491342")
+    """A disc of 1e-11 takes fewest values of D; smaller ones, and the other flows, are in validation/proofs.py."""
+    proof = st.prove(scenes["high"], guess=0.00397, digits=8)
+    assert proof.count == 1 and proof.region["radius"] == "1e-11"
+    assert proof.region["centre"]["re"].startswith("0.0039705046388892")
     assert proof.premise.startswith("a steady flow with mass_flux = 3.0 exists")
-    assert HIGH[:25] in proof.premise
+    assert HIGH[:17] in proof.premise
+    assert "C6" in proof.lemmas
