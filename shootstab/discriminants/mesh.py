@@ -13,6 +13,7 @@ from shootstab.kernels.step_control import factor
 OFF_MIDDLE = 0.02  # chosen: the part of a step by which a cut misses its middle: other roundings, and an error of the same size
 MOVED = 1e-9  # chosen: the part of a step by which a node is moved for other roundings: far above them, and the error of the step stays
 LONGER, STEP_CUTS = 4.0, 6  # chosen: the most that a step grows, and the most parts it is cut into, as the law of errors holds near only
+FITTING = 0.9  # chosen: steps that are needed, in those that there are, for which nodes are not moved once more
 KNOT_STEP = 1e-14  # chosen: the part of the largest |z| that a step over a knot may be long; tens of roundings
 TURNED = 1e-9  # chosen: the change of direction from step to step, in radians, that rounding does not make
 
@@ -36,6 +37,15 @@ def redistribute(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tol
     for first, last in _legs(h, knots):
         legs.append(_equidistribute(nodes[first : last + 1], density[first:last]))
     return np.concatenate(legs)
+
+
+def fits(errors: NDArray[np.float64], tolerance: float) -> bool:
+    """Whether the errors (N,) of the steps of a mesh meet the tolerance, and hardly fewer steps would do by the law of errors."""
+    if not (errors <= tolerance).all():
+        return False
+    with np.errstate(divide="ignore"):
+        needed = np.maximum(1.0 / factor(errors / tolerance), 1.0 / LONGER)
+    return bool(needed.sum() >= FITTING * len(errors))
 
 
 def subdivide(nodes: NDArray[np.complex128], errors: NDArray[np.float64], tolerance: float) -> NDArray[np.complex128]:

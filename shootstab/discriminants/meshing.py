@@ -11,7 +11,7 @@ from shootstab.core import polynomial
 from shootstab.core.errors import ConvergenceError
 from shootstab.discriminants.analyticity import require_analytic
 from shootstab.discriminants.deformed_path import DeformedPath
-from shootstab.discriminants.mesh import across_knots, redistribute, subdivide
+from shootstab.discriminants.mesh import across_knots, fits, redistribute, subdivide
 from shootstab.discriminants.method import Propagator
 from shootstab.discriminants.sampled_system import SampledSystem, resample, sample_system
 from shootstab.discriminants.shooting import MESH_SLACK, Shooting, far_tolerance
@@ -23,7 +23,7 @@ from shootstab.problems.protocol import ComplexArray, Problem
 # the bytes of a sampled system: with the halved mesh (2), its other cuts (2), another base flow (1) and changed entries (2) 1 GiB in all
 MOST_BYTES = 2**30 // 8  # derived
 MESH_ATTEMPTS = 30  # chosen: attempts at a mesh
-REDISTRIBUTIONS = 3  # chosen: the attempts among them that move every node
+REDISTRIBUTIONS = 3  # chosen: the attempts among them, at most, that move every node
 SAME_PLACE = 1e-9  # chosen: nodes nearer to each other than this part of the path are one
 SHORTEST_STEP = 1e-12  # chosen: steps shorter than this part of the path mean that none is short enough
 SMALL_DETERMINANT = 1e-5  # chosen: least of the largest singular value of C below which a place is called singular
@@ -75,6 +75,8 @@ def made_for(
     for turn in range(MESH_ATTEMPTS):
         shooting = known if known is not None and sampled is known.sampled else Shooting(problem, propagator, sampled, noise=noise)
         errors = shooting.propagated(sigma, False).errors
+        if turn < len(regrids) and fits(errors, shooting.asked):
+            regrids = regrids[:turn]
         if turn >= len(regrids):
             if before is not None:
                 noise = max(noise, _noise(before, shooting, sigma))

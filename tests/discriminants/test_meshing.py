@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 import shootstab as st
 from shootstab.discriminants import meshing
 from shootstab.discriminants.frame import Frame
+from shootstab.discriminants.mesh import fits
 
 SIGMA = np.array([[0.0, 0.0], [1.0, 0.0]])
 
@@ -160,3 +161,13 @@ def test_noise_next_to_the_continuous_spectrum_is_told_as_that() -> None:
     found = st.refine(st.chute.problem(flow, kx=0.62815, ky=1.5877e-7), guess=9.766983e-12 - 0.13353738206633j)
     assert not found.converged
     assert "C is nearly singular there" in found.status
+
+
+def test_a_mesh_fits_where_its_errors_hold_and_fewer_steps_would_not_do() -> None:
+    even = np.full(20, 0.6e-8)
+    assert fits(even, 1e-8)
+    assert not fits(1e-6 * even, 1e-8)  # a fifth of the steps would do
+    assert not fits(np.zeros(20), 1e-8)
+    for bad in (1.1e-8, np.nan, np.inf):
+        assert not fits(np.append(even, bad), 1e-8)
+    assert fits(np.append(even, 0.0), 1e-8)  # a step over a knot
