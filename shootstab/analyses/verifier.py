@@ -36,7 +36,7 @@ FIRST_REACH, NEXT_REACH = 100.0, 16.0  # chosen: |σ| of the first mesh on the w
 MOST_LOOSE_STEPS = 800  # chosen: steps of the loose mesh for one claim; where D must be more accurate it is some times as long
 NUDGE = 1e-3  # chosen: distance from a claim, in its size, at which the slope of D is looked at again
 FLAT_CHANGE = 1e-6  # chosen: a change of D′ over NUDGE below which the scale of D may be a thousand times the claim
-NOISY_CHANGE = 0.1  # chosen: such a change above which it is noise, or a zero of D′ is near
+NOISY_CHANGE = 0.1  # chosen: such a change above which it is noise, or a zero of D′ is near; and one of Newton's step by another mesh
 NEAR_ZERO = 100.0  # chosen: |σD′/D| above which a zero lies within two digits of σ, which is then no noise around 0
 WHOLE_AT_ZERO = 0.05  # chosen: how near σD′/D comes to a whole number next to zeros at 0
 
@@ -151,7 +151,7 @@ class Verifier:
         It is 0 where the circle of the digits is larger. A claim means a mode there up to the geometric mean of that and the
         scale, half the digits.
         """
-        if claim != 0.0 and self._next_to_a_zero_of_its_size(claim):
+        if claim != 0.0 and self._sized_on_every_mesh(claim):
             return 0.0, 0.0
         at = self._continuations[-1].at(claim).discriminant
         if claim != 0.0 and _has_a_size(at, claim):
@@ -162,12 +162,12 @@ class Verifier:
         atol = neutral(around, NEUTRAL)
         return (atol, math.sqrt(atol * around.scale)) if radius < atol < math.inf else (0.0, 0.0)
 
-    def _next_to_a_zero_of_its_size(self, claim: complex) -> bool:
-        """Whether a zero lies within two digits of the claim, on the loose mesh too, which shifts zeros at 0 a thousand times farther."""
-        at = self.continuation.at(claim).discriminant
-        steps = [D.with_derivative(claim).newton_step for D in (at, self.loose.at(claim).discriminant)]
-        near = abs(claim) / NEAR_ZERO
-        return self.loose is not self.continuation and abs(steps[0]) < near > abs(steps[1] - steps[0]) and _has_a_size(at, claim)
+    def _sized_on_every_mesh(self, claim: complex) -> bool:
+        """Whether D around the claim has a size of |claim| on the loose mesh too, which shifts zeros at 0 a thousand times farther."""
+        both = [continuation.at(claim).discriminant for continuation in (self.continuation, self.loose)]
+        step, other = (D.with_derivative(claim).newton_step for D in both)
+        alike = abs(other - step) < max(NOISY_CHANGE * abs(step), abs(claim) / NEAR_ZERO - abs(step))
+        return both[0] is not both[1] and alike and all(_has_a_size(D, claim) for D in both)
 
     def _require_reach(self, claim: complex) -> None:
         """Raise ConvergenceError where so large a |σ| needs a mesh that is too long.
