@@ -75,7 +75,7 @@ def made_for(
     for turn in range(MESH_ATTEMPTS):
         shooting = known if known is not None and sampled is known.sampled else Shooting(problem, propagator, sampled, noise=noise)
         errors = shooting.propagated(sigma, False).errors
-        if turn < len(regrids) and fits(errors, shooting.asked):
+        if turn < len(regrids) and fits(errors, shooting.tolerance):
             regrids = regrids[:turn]
         if turn >= len(regrids):
             if before is not None:
