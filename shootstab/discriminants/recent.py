@@ -1,7 +1,7 @@
 """Continuations of the problems that were asked about last, so that a second question about one finds its meshes.
 
 What is kept changes how long an answer takes, and no answer: the mesh that serves σ follows from σ. Kept is only what belongs to a problem
-whose pencil is a recorded formula. A function of the user's own may read what has changed since.
+that is made of formulas and numbers. A function of the user's own may read what has changed since.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections import OrderedDict
 
 from shootstab.discriminants.continuation import Continuation
 from shootstab.discriminants.method import Method
-from shootstab.problems.capabilities import RECORDED
+from shootstab.problems.capabilities import UNCHANGING
 from shootstab.problems.protocol import Problem
 
 RECENT = 2  # chosen: continuations that are kept: of one problem that to the tolerance asked for, and a tighter one
@@ -22,7 +22,7 @@ _kept = threading.local()  # every thread has its own: discriminants count and k
 
 def continuation_of(problem: Problem, method: Method) -> Continuation:
     """The continuation of a problem by a method, of late or a new one."""
-    if RECORDED.of(problem) is None:
+    if not UNCHANGING.of(problem):
         return Continuation(problem, method)
     recent: OrderedDict[tuple[int, Method], Continuation] = _kept.__dict__.setdefault("recent", OrderedDict())
     key = id(problem), method

@@ -116,6 +116,11 @@ class EquationProblem(LinearProblem):
         return recorded_pencil(self.states, self.layers[0].domain, self.reduction) if len(self.layers) == 1 else None
 
     @property
+    def unchanging(self) -> bool:
+        """Whether formulas define all of it."""
+        return not self.statement.doubles_only
+
+    @property
     def multiprecision(self) -> Callable[[], MultiprecisionProblem]:
         """The same expressions on power series. What it returns raises InputError, with the reason, where there is no such way."""
         return partial(digits_of, self.statement, self.states, self.layers, self.reduction)

@@ -159,5 +159,7 @@ BASE_FLOW = Capability("flow", None, "this problem has no steady flow of grains:
 GROWING_REGION = Capability("growing_region", None, "this problem has no theorem that bounds its growing modes")
 # the problem's pencil as a formula, a problems.recorded_pencil.RecordedPencil: what is sampled on a mesh is then computed by a program
 RECORDED = Capability("recorded", None, "this problem has no recorded pencil")
+# whether the problem stays what it is: no function of the user's is called, which may read what changes
+UNCHANGING = Capability("unchanging", False, "this problem calls functions that may read what changes")
 # a name and parameters by which a checker of certificates knows the problem
 CERTIFIED = Capability("certified", None, "this problem has no checker of certificates")

@@ -68,3 +68,15 @@ def test_a_zero_is_moved_by_what_moves_that_of_its_subsystem(scenes) -> None:
     for whole, part in ((D.refined(), own.refined()), (D.with_perturbed_start(1, 1e-4), own.with_perturbed_start(1, 1e-4))):
         moved, own_moved = (v.with_derivative(sigma).newton_step for v in (whole, part))
         assert own_moved == pytest.approx(moved, rel=1e-3, abs=1e-3 * abs(value.newton_step))
+
+
+@pytest.mark.parametrize("given", [False, True])
+def test_equations_are_kept_unless_they_call_a_function(given) -> None:
+    """y″ = (σ − U) y, U = 0 or what a function says: σ = U − 1."""
+    depth = [0.0]
+    walls = st.Conditions(0.0, ["y"]), st.Conditions(float(np.pi), ["y"])
+    known = {"given": {"U": lambda z, order: (depth[0] if order == 0 else 0.0) + 0 * z}} if given else {}
+    problem = st.equations(["y"], [f"d(y, 2) - (sigma - {'U' if given else '0'})*y"], *walls, **known)
+    assert (continuation_of(problem, METHOD) is continuation_of(problem, METHOD)) != given
+    for depth[0] in (0.0, 2.5) if given else (0.0,):
+        assert complex(st.refine(problem, depth[0] - 0.9, rtol=1e-9).sigma) == pytest.approx(depth[0] - 1, rel=1e-9)

@@ -65,6 +65,11 @@ class Perturbations:
             raise InputError("kx = 0 and ky = 0: allowed is any pair but this one, at which nothing decays")
 
     @property
+    def unchanging(self) -> bool:
+        """A flow and two numbers."""
+        return True
+
+    @property
     def size(self) -> int:
         return system.SIZE
 
