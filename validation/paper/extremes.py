@@ -27,7 +27,7 @@ from scenes import problem as built_in
 
 import shootstab as st
 from paper.edges import kinematic_speed
-from paper.ladder import RUNGS, SCENE, ladder
+from paper.ladder import BY_DIGITS, RUNGS, SCENE, ladder
 from paper.rows import FIGURES, Item, Reproduction, Row
 from shootstab.analyses.reference import claims
 from shootstab.models.chute import chute_collocation
@@ -49,6 +49,7 @@ LINES: dict[str, tuple[float, ...]] = {
 SLOPE_OF = {0.5: 0.433, 0.6: 0.4, 0.7: 0.357, 0.85: 0.263, 0.9: 0.218, 0.95: 0.2, 0.99: 0.15, 0.999: 0.1}  # chosen: flows of T_∞ = 7 exist
 QUICK: dict[str, tuple[float, ...]] = {"K": (1e-6, 1.0), "e": (0.95,)}
 TABLE = "extremes.csv"
+UNSEEN = 0.3  # chosen: the height at which the picture shows a cell without a value
 HOLDS, REFUSED, BROKEN, LATE, AGREE, VALUE, NO_FLOW, NO_MODE = (
     "holds", "refused", "broken", "over time", "no truth, methods agree", "the reference", "no flow", "no mode"
 )  # fmt: skip
@@ -62,7 +63,7 @@ MARKS = {
     NO_FLOW: "0.85",
     NO_MODE: "0.7",
 }
-PSEUDOSPECTRAL = f"QZ, M = {REFERENCE}"  # the name of the reference among the methods
+PSEUDOSPECTRAL = f"pseudospectral, M = {REFERENCE}"  # the name of the reference among the methods
 
 
 @dataclass(frozen=True)
@@ -160,7 +161,8 @@ def cells(line: str, value: float) -> list[ExtremeCell]:
     answers = [shot(problem, guess, make) for make in METHODS]
     answers.append(referred(problem, guess))
     start = next((a.mode.sigma for a in answers if a.mode is not None and a.mode.converged), guess)
-    truth, why = exact(problem, start)
+    near = line == "distance" and value < BY_DIGITS
+    truth, why = (None, "many digits take minutes here") if near else exact(problem, start)
     alike = truth is not None or agreeing([a.mode for a in answers if a.mode is not None and a.mode.converged])
     return [_cell(line, value, a, truth, why, alike, problem.flow.base["nu"]) for a in answers]
 
@@ -331,7 +333,7 @@ def draw(found: Sequence[ExtremeCell]) -> None:
         for method, marker in markers.items():
             for mark, colour in MARKS.items():
                 some = [c for c in found if (c.line, c.method, c.outcome) == (line, method, mark)]
-                heights = [c.digits if math.isfinite(c.digits) else 0.3 for c in some]
+                heights = [c.digits if math.isfinite(c.digits) else UNSEEN for c in some]
                 panel.plot([c.value for c in some], heights, marker, color=colour, markersize=6, alpha=0.75)
         if line not in ("e", "tan_theta"):
             panel.set_xscale("log")
@@ -340,7 +342,7 @@ def draw(found: Sequence[ExtremeCell]) -> None:
         panel.set_xlabel(label)
         panel.grid(linewidth=0.4, alpha=0.5)
     for panel in panels[::4]:
-        panel.set_ylabel("digits right; at the bottom those without a value")
+        panel.set_ylabel(f"digits right ({UNSEEN:g}: no value)")
     legend = panels[-1]
     legend.axis("off")
     said = {HOLDS: "within its bar", BROKEN: "outside its bar, or raised", VALUE: "the reference, which has no bar"}

@@ -26,7 +26,7 @@ from shootstab.models.chute import chute_collocation as chute
 from shootstab.models.chute.chute_problem import ChuteProblem
 
 SCENE, BEGIN, GUESS = "mid", 0.05, -1.22 - 0.277j  # chosen: k_x from which the mode is followed, and a mode there to two digits
-RUNGS = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10)  # chosen: distances to the curve, relative to |σ|
+RUNGS = (1e-2, 1e-4, 1e-6, 1e-7)  # chosen: distances to the curve over |σ|; from 1e-8 on a zero is told to lie on the curve
 RUNGS_QUICK = (1e-2, 1e-6)
 TRUNCATIONS, TRUNCATIONS_QUICK = (100, 200, 400), (40, 80)  # chosen: halves and doubles of a typical M, and of a small one
 NEAR = 1e-2  # chosen: the part of |σ| within which other eigenvalues of the matrices are counted
@@ -36,6 +36,7 @@ DIGITS, TIME = 18, 60.0  # chosen: the digits of the truth, four more than shoot
 BY_DIGITS = 5e-5  # chosen: the distance from which on that truth is asked for; its path is the real axis, and nearer it takes minutes
 POINTS = 4001  # chosen: heights among which the nearest point of the curve is first looked for
 TABLE = "ladder.csv"
+TRIES = 6  # chosen: secants to a rung at most
 TURNS, ASIDE = 8, 1e-4  # chosen: steps of Newton to it, and of z for the slope of the curve
 
 
@@ -85,15 +86,24 @@ def crossing() -> tuple[float, Rung]:
 
 
 def ladder(rungs: Sequence[float]) -> list[Rung]:
-    """One rung a distance, on the side from which the mode comes; k_x by the secant rule on the distance."""
+    """One rung a distance, on the side from which the mode comes, each within a factor of two of the distance wanted.
+
+    k_x by the secant rule on the distance, k_x* by that on the offset from each two rungs anew. Raises ConvergenceError.
+    """
     star, known = crossing()
     out = []
     for wanted in rungs:
-        kx = star + (known.kx - star) * wanted / known.distance
-        found = near(kx, known.sigma)
+        for _ in range(TRIES):
+            kx = star + (known.kx - star) * wanted / known.distance
+            found = near(kx, known.sigma)
+            if found.offset != known.offset and found.distance < known.distance:
+                star = found.kx - found.offset * (found.kx - known.kx) / (found.offset - known.offset)
+                known = found
+            if 0.5 * wanted < found.distance < 2.0 * wanted:
+                break
+        else:
+            raise st.ConvergenceError(f"no rung at {wanted:g}: the last one stands at {found.distance:.2e}")
         out.append(found)
-        if found.distance < 0.5 * known.distance:
-            known = found
     return out
 
 
