@@ -152,7 +152,7 @@ def _surrounded(form: Enclosable, bits: int, centre: Any, size: float, radius: f
     So it is where a smaller one has a bound that fewer values do for: an enclosure for thick σ bounds |D| much better where there is one.
     """
     outer = _outer(form, size, radius)
-    best, fewest = None, math.inf
+    best, fewest, log_size = None, math.inf, None
     while True:
         region = disc(centre, arb(outer))
         D = form.enclosure(bits, region)
@@ -162,7 +162,8 @@ def _surrounded(form: Enclosable, bits: int, centre: Any, size: float, radius: f
             if outer <= WIDEST_CIRCLE * radius and best is None:
                 raise
         else:
-            nats = nats_for(bound, _log_size(D, centre + arb(radius)))
+            log_size = _log_size(D, centre + arb(radius)) if log_size is None else log_size
+            nats = nats_for(bound, log_size)
             points = math.ceil(nats / math.log(outer / radius))
             if points < fewest:
                 best, fewest = _Surrounded(D, centre, outer, bound, form.most_points), points
