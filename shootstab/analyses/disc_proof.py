@@ -20,6 +20,7 @@ SPARE_BITS = 80  # chosen: bits beyond the digits asked for; more are taken wher
 MORE_BITS, MOST_BITS = 1.6, 4096  # chosen: the factor of bits from one attempt to the next, and a budget of some minutes
 KNOWN_BITS = 40  # chosen: bits of D on the circle: an inequality that fails with so many fails for another reason than too few bits
 TOLD, MOST_PROBES = 4, 12  # chosen: bits of D from which on it is told from 0, and how often more are tried
+LEAST_GAIN = 0.1  # chosen: bits of D gained by one more bit, at least: longer series on longer steps lose some of it
 WIDEST_CIRCLE = 4.0  # chosen: the circle on which |D| is bounded is at least so many times that of the values
 SMALLER_OUTER = 4.0  # chosen: ratio of an outer circle on which D has no bound to the next
 # chosen: the first disc, in |σ|, in the search for the largest in which a mode is alone, and the factor to the next
@@ -118,6 +119,7 @@ def _first_bits(size: float, radius: str) -> int:
 def _enough_bits(form: Enclosable, centre: Decimals, radius: str, bits: int, wanted: int) -> tuple[int, int]:
     """Bits with which D on the circle is known to so many as are wanted, and how many values it took to find out."""
     size = abs(complex(float(centre[0]), float(centre[1])))
+    before: tuple[int, int] | None = None
     for spent in range(1, MOST_PROBES):
         tried = bits
         with at_bits(bits):
@@ -125,7 +127,12 @@ def _enough_bits(form: Enclosable, centre: Decimals, radius: str, bits: int, wan
             known = int(enclosure(_number(centre) + decimal(radius)).rel_accuracy_bits())
         if known >= wanted:
             return bits, spent
-        bits = bits + wanted - known + TOLD if known >= TOLD else math.ceil(MORE_BITS * bits)
+        if known >= TOLD:
+            gain = 1.0 if before is None else min(1.0, max(LEAST_GAIN, (known - before[1]) / (bits - before[0])))
+            before = bits, known
+            bits += math.ceil((wanted - known + TOLD) / gain)
+        else:
+            bits = math.ceil(MORE_BITS * bits)
         if bits > MOST_BITS:
             break
     raise ConvergenceError(f"{tried} bits do not enclose D well enough on the circle of radius {radius}")
