@@ -27,7 +27,7 @@ from shootstab.roots.winding import Limited, Winding, wind
 ROUCHE_RATIO = 0.3  # chosen: errors of D, relative to D, all along the circle; by Rouché's theorem 1 would do
 GOAL = 0.1  # chosen, below ROUCHE_RATIO: what the next circle is made for
 CIRCLES = 12  # chosen: circles tried in all; twelve that are NEXT_CIRCLE reach over ten powers of ten
-WIDEST_CLUSTER = 0.1  # chosen: the widest circle, in the larger of |σ| and the scale of D there: wider ones would hold other modes
+WIDEST_CLUSTER = 0.25  # chosen: the widest circle, in the larger of |σ| and the scale of D there: wider ones would hold other modes
 WORTHWHILE = 0.8  # chosen: ratio of a circle to the next one that is still tried
 SMALLEST_NEXT = 1e-3  # chosen: the radius of the next circle over that of one in which zeros are counted, at least
 NEXT_CIRCLE = 8.0  # chosen: the radius of the next circle over that of one that is too small to be counted
