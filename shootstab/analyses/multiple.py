@@ -27,10 +27,11 @@ from shootstab.roots.winding import Limited, Winding, wind
 ROUCHE_RATIO = 0.3  # chosen: errors of D, relative to D, all along the circle; by Rouché's theorem 1 would do
 GOAL = 0.1  # chosen, below ROUCHE_RATIO: what the next circle is made for
 CIRCLES = 12  # chosen: circles tried in all; twelve that are NEXT_CIRCLE reach over ten powers of ten
-WIDEST_CLUSTER = 0.25  # chosen: the widest circle, in the larger of |σ| and the scale of D there: wider ones would hold other modes
+WIDEST_CLUSTER = 0.5  # chosen: the widest circle, in the larger of |σ| and the scale of D there: wider ones would hold other modes
 WORTHWHILE = 0.8  # chosen: ratio of a circle to the next one that is still tried
 SMALLEST_NEXT = 1e-3  # chosen: the radius of the next circle over that of one in which zeros are counted, at least
 NEXT_CIRCLE = 8.0  # chosen: the radius of the next circle over that of one that is too small to be counted
+WIDE_ENOUGH = 1.25  # chosen: the next circle over the one in which the errors of D would be just small enough
 CIRCLE_PROBES = 4  # chosen: samples of a circle at which the errors of D are measured
 POLISHED_STEP = 1e-12  # chosen: relative step with which zeros inside a circle are told apart
 MOST_ON_CIRCLE = 400  # chosen: evaluations along one small circle, ten times those that zeros in its middle need
@@ -79,9 +80,11 @@ def cluster(continuation: Continuation, centre: complex, radius: float, multipli
         if winding is None or off > ROUCHE_RATIO:
             if best is not None:
                 break
-            if NEXT_CIRCLE * radius > WIDEST_CLUSTER * _size(branch.discriminant, centre, NEXT_CIRCLE * radius, multiplicity):
+            # what D is off by moves zeros by a length, so that against a wider circle it is less
+            wider = radius * min(NEXT_CIRCLE, WIDE_ENOUGH * off / ROUCHE_RATIO)
+            if wider > WIDEST_CLUSTER * _size(branch.discriminant, centre, wider, multiplicity):
                 break
-            radius *= NEXT_CIRCLE
+            radius = wider
             continue
         multiplicity = winding.count
         best = Cluster(disc, moments(winding)[0], winding)
