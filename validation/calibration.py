@@ -72,6 +72,7 @@ def cases(quick: bool) -> Iterator[Case]:
     """One line a method and tolerance: how many bounds hold, and how pessimistic they are in the median and at worst."""
     ratios: dict[tuple[str, float], list[float]] = defaultdict(list)
     broken: dict[tuple[str, float], list[str]] = defaultdict(list)
+    without: list[str] = []
     for name, p, guess in scenes(quick):
         truth = st.refine(p, guess=guess, digits=25)
         if not truth.converged:
@@ -80,6 +81,9 @@ def cases(quick: bool) -> Iterator[Case]:
             # the tolerance of the integration is what is varied; rtol is loose, so that nothing is tightened
             method = make(rtol=max(0.1 * rtol, 1e-13))
             mode = st.refine(p, guess=complex(truth.sigma), rtol=max(rtol, 1e-10), method=method)
+            if not math.isfinite(mode.error):  # a search that says why it gives no bound; how often is told
+                without.append(f"{name} by {method.name}, rtol {rtol:.0e}")
+                continue
             with mpmath.workdps(40):
                 error = float(abs(mpmath.mpc(mode.sigma) - truth.sigma))
             key = (method.name, rtol)
@@ -89,6 +93,7 @@ def cases(quick: bool) -> Iterator[Case]:
     for (method_name, rtol), values in sorted(ratios.items()):
         yield _line(f"{method_name}, rtol {rtol:.0e}", values, broken[method_name, rtol])
     yield _line("all together", [r for values in ratios.values() for r in values], [b for faults in broken.values() for b in faults])
+    yield Case("searches that give no bound", f"{len(without)}", f"{len(without)}", None, "; ".join(without))
 
 
 def _line(name: str, values: list[float], faults: list[str]) -> Case:

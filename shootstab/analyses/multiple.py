@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from shootstab.analyses.error_budget import FAR_PROBE, FLOW_NOISE, FLOWS, NOISE, SAFETY, change_by_walls
 from shootstab.core.discriminant import Discriminant
-from shootstab.core.errors import ConvergenceError
+from shootstab.core.errors import ConvergenceError, Inaccurate
 from shootstab.core.numerus import number_of
 from shootstab.core.records import CONVERGED, Budget, Mode
 from shootstab.core.regions import Disc
@@ -64,8 +64,8 @@ class Cluster:
 def cluster(continuation: Continuation, centre: complex, radius: float, multiplicity: int | None = None, goal: float = 0.0) -> Cluster:
     """The zeros around a centre, in a circle about as small as D allows, or as the goal; radius is that of the first circle.
 
-    Without a multiplicity it is that of the first circle in which zeros can be counted. Raises ConvergenceError where there is none, up to
-    one of WIDEST_CLUSTER.
+    Without a multiplicity it is that of the first circle in which zeros can be counted. Raises Inaccurate where there is none, up to one
+    of WIDEST_CLUSTER.
     """
     branch = continuation.at(centre)
     best: Cluster | None = None
@@ -95,7 +95,7 @@ def cluster(continuation: Continuation, centre: complex, radius: float, multipli
         centre, radius = best.mean, smaller
     if best is None:
         many = "modes" if multiplicity is None else number_of(multiplicity, "mode")
-        raise ConvergenceError(f"no circle around {centre:.12g}, up to one of {radius:.1e}, is found in which D counts {many} for certain")
+        raise Inaccurate(f"no circle around {centre:.12g}, up to one of {radius:.1e}, is found in which D counts {many} for certain")
     return best
 
 

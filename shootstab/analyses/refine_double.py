@@ -200,6 +200,8 @@ def _simple(continuation: Continuation, root: Root, rtol: float, atol: float | N
         raise ConvergenceError(f"{halved}, at sigma = {own_value.sigma:.6g}: nothing tells how exactly the zero is known")
     if abs(fine_value.newton_step) ** 2 > LEFT * rtol * abs(own_value.sigma) * own_scale:  # one step leaves too much
         better = newton(fine, own_value.sigma, LEFT * rtol)
+        if not better.converged:
+            raise Inaccurate(f"the iteration does not settle at {own_value.sigma:.6g} on the mesh with every step halved")
         own_value, fine_value = own.with_derivative(better.sigma), fine.with_derivative(better.sigma)
     sigma = fine_value.sigma + fine_value.newton_step
     parts = budget(continuation.problem, own, own_value, fine, fine_value, own_scale)

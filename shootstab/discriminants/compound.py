@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Self
 
@@ -54,5 +53,5 @@ class Compound:
         w, dw = minors_with_slope(polynomial.value(rows, sigma).T, polynomial.slope(rows, sigma).T, lists.subsets)
         with np.errstate(invalid="ignore", over="ignore"):  # a mesh too coarse for y: the errors tell
             D, dD = w @ y, w @ dy + dw @ y
-        log_scale += math.log(norms.prod()) + far.log_scale
+        log_scale += float(np.log(norms).sum()) + far.log_scale
         return Propagation(Value(sigma, Scaled(complex(D), log_scale), complex(dD)), errors)

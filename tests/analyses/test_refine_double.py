@@ -126,3 +126,13 @@ def test_a_continuous_spectrum_inside_the_bound_is_said() -> None:
     assert not found.converged
     assert re.search(r"the continuous spectrum passes at 2\.\de-09, inside the error bound [34]\.\de-09", found.status)
     assert st.refine(string, mode, rtol=1e-12).converged
+
+
+def test_an_iteration_that_leaves_the_numbers_on_the_halved_mesh_is_told() -> None:
+    """A complex oscillator by Riccati's equation, whose solutions leave their charts: it ended in a disc of radius NaN."""
+    walls = st.Conditions(-8, ["y"]), st.Conditions(8, ["y"])
+    oscillator = st.equations(["y"], ["d(y, 2) - sigma*y - i*x**2*y"], *walls, variable="x")
+    lost = st.refine(oscillator, -9.192388155738836 - 9.192388153518412j, rtol=1e-4, method=st.Riccati(rtol=1e-5))
+    assert not lost.converged
+    assert lost.error == math.inf
+    assert st.refine(oscillator, -9.19 - 9.19j).converged
