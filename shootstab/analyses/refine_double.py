@@ -248,6 +248,8 @@ def _among_several(
     continuation: Continuation, sigma: complex, radius: float, rtol: float, atol: float | None, apart: bool = True
 ) -> tuple[Mode, int]:
     """The nearest of several zeros in a circle of about this radius where D tells them apart, and the multiple mode otherwise."""
+    if radius == 0.0:  # an iteration that came to 0 exactly
+        radius = neutral(surroundings(continuation.at(sigma).discriminant, sigma), LEAST_D_ERROR) or SMALLEST_DISTANCE
     found = cluster(continuation, sigma, radius, goal=max(rtol * abs(sigma), atol or 0.0) if not apart else 0.0)
     zeros = told_apart(continuation, found) if apart else []
     if zeros:

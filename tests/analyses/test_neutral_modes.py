@@ -126,3 +126,10 @@ def test_a_mode_at_zero_in_many_digits() -> None:
         mode = st.refine("bistable-front", guess, digits=20)
         assert mode.converged
         assert abs(mode.sigma) <= mode.error <= mode.atol < 1e-18
+
+
+def test_an_iteration_that_comes_to_a_double_zero_at_0_exactly_has_a_circle() -> None:
+    """Magnetorotational modes at this wavenumber: σ = ±0.75, and a double zero at 0, around which the radius was 0."""
+    mode = st.refine(st.scene("mri").problem, 0.225, rtol=1e-9)
+    assert (mode.multiplicity, mode.converged) == (2, True)
+    assert abs(mode.sigma) <= mode.error < 1e-9

@@ -175,6 +175,9 @@ class CoarseOnly:
     def __call__(self, sigma: complex) -> Scaled:
         return self.with_derivative(sigma).D
 
+    def vanishing_at(self, sigma: complex) -> CoarseOnly:
+        return self
+
     def refined(self) -> Any:
         return SimpleNamespace(with_derivative=lambda sigma: Value(sigma, Scaled(complex("nan"), 0.0), 1.0))
 
