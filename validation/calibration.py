@@ -75,6 +75,9 @@ def cases(quick: bool) -> Iterator[Case]:
     without: list[str] = []
     for name, p, guess in scenes(quick):
         truth = st.refine(p, guess=guess, digits=25)
+        if not truth.converged and name.startswith("random"):  # what the reference took for a mode lies on the continuous spectrum
+            without.append(f"{name}: {truth.status}")
+            continue
         if not truth.converged:
             raise st.ConvergenceError(f"{name}: no value of 25 digits, {truth.status}")
         for make, rtol in itertools.product(METHODS, TOLERANCES[::4] if quick else TOLERANCES):
