@@ -69,9 +69,10 @@ class SubsystemMeshes:
         return self._spent + sum(made.evaluations for made in self._kept.values() if isinstance(made, Shooting))
 
     @property
-    def count(self) -> int:
-        """How many meshes are kept by now; one that serves several cells is one."""
-        return len({id(made) for made in self._kept.values()})
+    def bytes_kept(self) -> int:
+        """The memory of the systems on the meshes that are kept by now; one that serves several cells is one."""
+        kept = {id(made): made for made in self._kept.values() if isinstance(made, Shooting)}
+        return sum(made.steps * made.sampled.bytes_of_a_step for made in kept.values())
 
     @property
     def nodes(self) -> dict[Cell | None, ComplexArray]:
@@ -175,9 +176,9 @@ class Adaptive:
         return max(member.evaluations for member in self._members)
 
     @property
-    def meshes_kept(self) -> int:
-        """How many meshes are kept by now, of all subsystems."""
-        return sum(member.count for member in self._members)
+    def bytes_kept(self) -> int:
+        """The memory of the systems on the meshes that are kept by now, of all subsystems."""
+        return sum(member.bytes_kept for member in self._members)
 
     @property
     def meshes(self) -> Meshes:

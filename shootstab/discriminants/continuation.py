@@ -54,9 +54,9 @@ class Continuation:
         return f"Continuation({self.problem!r}, {self.method!r})"
 
     @property
-    def meshes_kept(self) -> int:
-        """How many meshes are kept by now, along all paths."""
-        return sum(along.meshes_kept for along in (self.on_the_axis, *self._deformed.values()))
+    def bytes_kept(self) -> int:
+        """The memory of the systems on the meshes that are kept by now, along all paths."""
+        return sum(along.bytes_kept for along in (self.on_the_axis, *self._deformed.values()))
 
     def distance(self, sigma: complex) -> float:
         """The distance of σ to the continuous spectrum; infinite if there is none."""

@@ -122,8 +122,8 @@ class AdaptiveDiscriminant(Discriminant, Protocol):
         ...
 
     @property
-    def meshes_kept(self) -> int:
-        """How many meshes are kept by now."""
+    def bytes_kept(self) -> int:
+        """The memory of the systems on the meshes that are kept by now."""
         ...
 
     @property

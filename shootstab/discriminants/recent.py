@@ -15,7 +15,7 @@ from shootstab.problems.capabilities import UNCHANGING
 from shootstab.problems.protocol import Problem
 
 RECENT = 2  # chosen: continuations that are kept: of one problem that to the tolerance asked for, and a tighter one
-MOST_KEPT_MESHES = 8  # chosen: meshes of one that is kept; with its halved mesh and two base flows each takes some 10 MB
+MOST_KEPT_BYTES = 2**24  # chosen: memory of the meshes of one that is kept; with halved meshes and two base flows it is eight times that
 
 _kept = threading.local()  # every thread has its own: discriminants count and keep their values
 
@@ -26,10 +26,10 @@ def continuation_of(problem: Problem, method: Method) -> Continuation:
         return Continuation(problem, method)
     recent: OrderedDict[tuple[int, Method], Continuation] = _kept.__dict__.setdefault("recent", OrderedDict())
     key = id(problem), method
-    known = recent.pop(key, None)  # it holds its problem, so that no other one has the same id
-    if known is None or known.meshes_kept > MOST_KEPT_MESHES:
-        known = Continuation(problem, method)
-    recent[key] = known
+    for grown in [other for other, kept in recent.items() if kept.bytes_kept > MOST_KEPT_BYTES]:
+        del recent[grown]
+    # a continuation holds its problem, so that no other one has the same id
+    recent[key] = recent.pop(key) if key in recent else Continuation(problem, method)
     if len(recent) > RECENT:
         recent.popitem(last=False)
-    return known
+    return recent[key]

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import shootstab as st
+from shootstab.discriminants import recent
 from shootstab.discriminants.continuation import Continuation
-from shootstab.discriminants.recent import MOST_KEPT_MESHES, RECENT, continuation_of
+from shootstab.discriminants.recent import RECENT, continuation_of
 
 METHOD = st.Frame(rtol=1e-9)
 MODES = {"high": 0.00397, "low": 0.00727 - 0.0119j}  # published: the growth rates of the paper
@@ -31,7 +32,7 @@ def test_a_mode_is_the_same_whatever_was_asked_before(scenes, name) -> None:
     assert again.evaluations < first.evaluations == alone.evaluations
 
 
-def test_few_continuations_are_kept_and_none_that_has_grown(scenes) -> None:
+def test_few_continuations_are_kept_and_none_that_has_grown(scenes, monkeypatch: pytest.MonkeyPatch) -> None:
     problem = anew(scenes["high"])
     kept = continuation_of(problem, METHOD)
     assert continuation_of(problem, st.Frame(rtol=1e-9)) is kept
@@ -41,9 +42,11 @@ def test_few_continuations_are_kept_and_none_that_has_grown(scenes) -> None:
         continuation_of(problem, st.Frame(rtol=1e-7 / (k + 1)))
     grown = continuation_of(problem, METHOD)
     assert grown is not kept
-    for k in range(MOST_KEPT_MESHES + 1):
-        grown.at(0.004 * 3.0**-k)
-    assert grown.meshes_kept > MOST_KEPT_MESHES
+    grown.at(0.004).discriminant(0.004)
+    monkeypatch.setattr(recent, "MOST_KEPT_BYTES", grown.bytes_kept)
+    assert continuation_of(problem, METHOD) is grown
+    grown.at(0.0004).discriminant(0.0004)
+    assert continuation_of(anew(problem), METHOD) is not grown
     assert continuation_of(problem, METHOD) is not grown
 
 
