@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Sequence
 
@@ -14,9 +15,10 @@ from shootstab.problems.capabilities import FARTHER_WALLS
 from shootstab.problems.protocol import Problem
 
 HALVING = 2.0 ** (ORDER / 2) - 1.0  # derived: Richardson's 2^q − 1, for steps that have reached half the order of the pair only
+STEP_HALVING = 2.0**ORDER - 1.0  # derived: the same for steps of the whole order; what is left of each need not cancel as what went did
 FLOWS = (4.0, 2.0)  # chosen: factors by which the base flow is computed less accurately, for another one that errs about as much
 FAR_PROBE = 1e-7  # chosen: relative change of the far frame by which its influence is measured
-SAFETY = 3.0  # chosen: factor on what a random sample of the far frame shows, and on a separation that is known to some 10 %
+SAFETY = 3.0  # chosen: factor on what a random sample of far frame or steps shows, and on a separation that is known to some 10 %
 # A sample of rounding is the difference of two draws, the zero's own error and another one. With σ real the own error exceeds 5 times the
 # root mean square of four samples, and 6 times the larger of two, in less than 1 of 100 cases, with σ complex much less often.
 NOISE = 5.0  # chosen: factor on samples of the transport's rounding; validation/calibration.py measures that no error passes its bound
@@ -27,12 +29,30 @@ SYSTEM_NOISE = 4.0  # chosen
 NEGLIGIBLE_SHARE = 0.1  # chosen: part of the integration error that another part may have without being measured further
 
 
-def displacement(variant: Discriminant, value: Value) -> float:
-    """How far the zero of a variant lies from that of D, whose value at a σ next to its zero is given: |ΔD/D′|."""
+def shift(variant: Discriminant, value: Value) -> complex:
+    """ΔD/D′, by which the zero of D, whose value at a σ next to it is given, lies beyond that of a variant."""
     other = variant(value.sigma)
     scale = max(other.log_scale, value.D.log_scale)
     derivative = value.dD * math.exp(value.D.log_scale - scale)
-    return abs((other.at_scale(scale) - value.D.at_scale(scale)) / derivative) if derivative != 0.0 else math.inf
+    return (other.at_scale(scale) - value.D.at_scale(scale)) / derivative if derivative != 0.0 else complex(math.inf)
+
+
+def displacement(variant: Discriminant, value: Value) -> float:
+    """How far the zero of a variant lies from that of D, whose value at a σ next to its zero is given: |ΔD/D′|."""
+    return abs(shift(variant, value))
+
+
+def integration_error(coarse: MeshedDiscriminant, coarse_value: Value, fine_value: Value) -> float:
+    """The error that integration leaves in the zero on the halved mesh, from the values on both at one σ.
+
+    The zeros of the two differ by Σ c_j over the steps. Where these cancel by chance, the sum tells nothing of the halved mesh, whose own
+    sum need not: with about half of the steps halved, drawn at random, the zero moves by Σ over these, and twice that less the whole is
+    Σ ± c_j, a sample of √Σ |c_j|².
+    """
+    whole = coarse_value.newton_step - fine_value.newton_step
+    drawn = 2 * shift(coarse.partly_refined(1), coarse_value) - whole
+    sample = abs(drawn) if cmath.isfinite(drawn) else math.inf
+    return float(max(abs(whole) / HALVING, SAFETY * sample / STEP_HALVING))
 
 
 def budget(
@@ -43,7 +63,7 @@ def budget(
     scale is the separation |2D′/D″|, over which D is linear: Newton's step δ leaves δ²/scale. What far field and steady flow do to the
     zero is measured on the coarse mesh: a sensitivity needs few digits.
     """
-    integration = abs(coarse_value.newton_step - fine_value.newton_step) / HALVING
+    integration = integration_error(coarse, coarse_value, fine_value)
     far = SAFETY * displacement(coarse.with_perturbed_start(1, FAR_PROBE), coarse_value) / FAR_PROBE * coarse.far_error(coarse_value.sigma)
     far += _approximate_walls(problem, coarse, coarse_value)
     step = abs(fine_value.newton_step)

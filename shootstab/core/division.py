@@ -11,8 +11,7 @@ from typing import Any
 from shootstab.core.regions import Region
 
 CUTS = (0.5, 0.47, 0.55, 0.41, 0.62, 0.36)  # chosen: places of a cut, as fractions of the region's length; the next where one will not do
-# chosen: cuts at the tips of a region that is not convex, which those in the middle may cross often
-TIPS = (0.2, 0.8, 0.07, 0.93, 0.02, 0.98)
+TIPS = (0.2, 0.8, 0.07, 0.93, 0.02, 0.98)  # chosen: cuts at the tips of a region that is not convex, which others may cross often
 CUT_SAMPLES = 8  # chosen: points between two corners of a boundary at which the side of the cut is looked at
 BISECTIONS = 60  # derived: 2^−60 is below the rounding of t
 

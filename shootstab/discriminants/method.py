@@ -86,6 +86,10 @@ class MeshedDiscriminant(Discriminant, Protocol):
         """D, of another problem if one is given, on a mesh with every step halved; with a seed, cut a little off the middle."""
         ...
 
+    def partly_refined(self, seed: int) -> MeshedDiscriminant:
+        """D on a mesh with about half of the steps halved, drawn at random."""
+        ...
+
     def at_other_points(self, seed: int) -> MeshedDiscriminant:
         """D on nodes moved by so little that only mesh and samples round otherwise."""
         ...

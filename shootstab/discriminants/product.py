@@ -74,6 +74,9 @@ class Product:
             return self._each(lambda member: member.refined(seed))
         return self._of_another(problem, lambda member, other: member.refined(seed, other))
 
+    def partly_refined(self, seed: int) -> Product:
+        return self._each(lambda member: member.partly_refined(seed))
+
     def at_other_points(self, seed: int) -> Product:
         return self._each(lambda member: member.at_other_points(seed))
 

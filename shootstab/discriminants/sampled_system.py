@@ -115,6 +115,17 @@ def resample(problem: PencilSource, nodes: NDArray[np.complexfloating], known: S
     return SampledSystem(at, known.made._replace(P=P, V=V, G=G))
 
 
+def mixed(problem: PencilSource, nodes: ComplexArray, one: SampledSystem, other: SampledSystem) -> SampledSystem:
+    """The same as `sample_system` on nodes (N + 1,) whose steps are those of two meshes, from which they are copied."""
+    alike = all(map(np.array_equal, one.made.structure, other.made.structure)) and one.made.P.dtype == other.made.P.dtype
+    places = {step: i for i, step in enumerate(step for mesh in (one, other) for step in pairwise(mesh.nodes.tolist()))}
+    old = [places.get(step, -1) for step in pairwise(nodes.tolist())]
+    if not alike or -1 in old:
+        return sample_system(problem, nodes)
+    P, V, G = (np.concatenate(both)[old] for both in zip(one.made.numbers, other.made.numbers, strict=True))
+    return SampledSystem(nodes, one.made._replace(P=P, V=V, G=G))
+
+
 def _sampled(problem: PencilSource, starts: ComplexArray, h: ComplexArray) -> ReducedSystem:
     """The system on steps of these lengths from these points, in the order of the path, STEPS_AT_A_TIME of them together."""
     recorded = RECORDED.of(problem)

@@ -10,10 +10,10 @@ import numpy as np
 
 from shootstab.core.discriminant import Value
 from shootstab.core.scaled import EPSILON, Scaled
-from shootstab.discriminants.mesh import halved, moved
+from shootstab.discriminants.mesh import halved, moved, partly_halved
 from shootstab.discriminants.method import Propagation, Propagator
 from shootstab.discriminants.perturbed_pencil import PerturbedPencil, solved_with
-from shootstab.discriminants.sampled_system import SampledSystem, sample_system
+from shootstab.discriminants.sampled_system import SampledSystem, mixed, sample_system
 from shootstab.problems.capabilities import LAYOUT, RECORDED
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
 
@@ -50,6 +50,7 @@ class Shooting:
         self._known: OrderedDict[tuple[complex, bool], tuple[Propagation, float]] = OrderedDict()
         self._systems: dict[tuple[Problem, bool, int | None], SampledSystem] = {}
         self._perturbed: dict[tuple[int, float], SampledSystem] = {}
+        self._mixed: dict[int, SampledSystem] = {}
 
     def __call__(self, sigma: complex) -> Scaled:
         return self.propagated(complex(sigma), False).value.D
@@ -90,6 +91,13 @@ class Shooting:
         """
         problem = self.problem if problem is None else problem
         return self._variant(lambda far: far, self._system(problem, True, seed), problem)
+
+    def partly_refined(self, seed: int) -> Shooting:
+        """The same with about half of the steps halved, drawn at random: these err by one sum, which the others may cancel."""
+        if seed not in self._mixed:
+            fine = self._system(self.problem, True, None)
+            self._mixed[seed] = mixed(self.problem, partly_halved(self.sampled.nodes, seed), self.sampled, fine)
+        return self._variant(lambda far: far, self._mixed[seed], self.problem)
 
     def at_other_points(self, seed: int) -> Shooting:
         """The same with its nodes moved by so little that only mesh and samples round otherwise."""

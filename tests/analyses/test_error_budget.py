@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+import shootstab as st
 from shootstab.analyses.error_budget import FAR_PROBE, FLOW_NOISE, NOISE, SAFETY, SYSTEM_NOISE, SYSTEM_PROBE, budget
 from shootstab.core.discriminant import Value
 from shootstab.core.scaled import Scaled
@@ -41,6 +42,7 @@ class Linear:
     rotated: dict[int, float] = field(default_factory=dict)
     elsewhere: dict[int, float] = field(default_factory=dict)
     entries: dict[int, float] = field(default_factory=dict)
+    drawn: float | None = None  # by what the zero moves where the steps drawn are halved; by default half the way to ZERO
 
     def __call__(self, sigma: complex) -> Scaled:
         return Scaled(self.slope * (sigma - self.zero), self.log_scale)
@@ -64,6 +66,10 @@ class Linear:
         assert size == SYSTEM_PROBE
         return self.moved(self.entries.get(seed, 0.0))
 
+    def partly_refined(self, seed: int) -> Linear:
+        towards = 0.5 * (ZERO - self.zero) if self.drawn is None else self.drawn * (0.6 + 0.8j)
+        return Linear(self.zero + towards, self.slope, self.log_scale)
+
     def at_other_points(self, seed: int) -> Linear:
         return self.moved(self.elsewhere.get(seed, 0.0))
 
@@ -84,6 +90,24 @@ def test_every_part_is_what_the_variants_move_the_zero_by() -> None:
     assert found.far_field == pytest.approx(SAFETY * 4e-9 / FAR_PROBE * 1e-5, rel=CLOSE, abs=0.0)
     assert found.steady_flow == pytest.approx(FLOW_NOISE * 7e-10, rel=CLOSE, abs=0.0)
     assert found.root == pytest.approx(SAFETY * 1e-12 / 0.25, rel=CLOSE, abs=0.0)
+
+
+def test_errors_of_steps_that_cancel_by_chance_are_seen_by_halving_some_of_them() -> None:
+    """The coarse zero is off by 3e-12 only, but by ±5e-9 from the steps drawn and from the others: what is left need not cancel."""
+    coarse = Linear(ZERO + 3e-12, start=0.0, rotated={1: 3e-13, 2: 4e-13}, drawn=5e-9)
+    found = of(RoughFlow({4.0: 0.0, 2.0: 0.0}), coarse, Linear(ZERO), 0.25)
+    assert found.integration == pytest.approx(SAFETY * (2 * 5e-9) / (2.0**8 - 1.0), rel=1e-3, abs=0.0)
+    lost = Linear(ZERO + 3e-12, rotated={1: 3e-13, 2: 4e-13}, drawn=math.nan)
+    assert of(RoughFlow({4.0: 0.0, 2.0: 0.0}), lost, Linear(ZERO), 0.25).integration == math.inf
+
+
+def test_the_bound_holds_where_the_errors_of_nine_steps_cancel(scenes: dict[str, Any]) -> None:
+    """Steps of the mid flow err by up to 2e-9, and by 1e-11 together; the halved ones by 1e-12, beyond a fifteenth of that."""
+    mid = scenes["mid"]
+    truth = st.refine(mid, 0.00102, digits=16)
+    mode = st.refine(mid, complex(truth.sigma), rtol=1e-4, method=st.Frame(rtol=1e-5))
+    assert mode.converged
+    assert abs(mode.sigma - complex(truth.sigma)) <= mode.error
 
 
 def test_rounding_is_sampled_on_the_fine_mesh_where_it_matters() -> None:

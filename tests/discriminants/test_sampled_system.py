@@ -9,8 +9,9 @@ from scipy.special import lambertw
 import shootstab as st
 from shootstab.core.errors import InputError
 from shootstab.discriminants import sampled_system
+from shootstab.discriminants.mesh import halved, partly_halved
 from shootstab.discriminants.perturbed_pencil import PerturbedPencil
-from shootstab.discriminants.sampled_system import reduce_pencil, sample_system
+from shootstab.discriminants.sampled_system import mixed, reduce_pencil, sample_system
 from shootstab.discriminants.subsystems import decouple
 from shootstab.formulation.problem import EquationProblem
 from shootstab.kernels.reduced_system import ReducedSystem
@@ -214,3 +215,16 @@ def test_a_system_sampled_in_chunks_is_the_same(moving: bool, monkeypatch: pytes
     chunked = sample_system(problem, nodes)
     for a, b in zip(chunked.system, whole.system, strict=True):
         assert np.array_equal(a, b)
+
+
+@pytest.mark.parametrize("name", ["high", "low"])
+def test_steps_of_two_meshes_are_copied_as_they_would_be_sampled(scenes: dict[str, Problem], name: str) -> None:
+    nodes = scenes[name].mesh(scenes[name].start(0.01 + 0j, 1e-10)).astype(np.complex128)
+    some, all_cut = partly_halved(nodes, 1), halved(nodes)
+    assert set(nodes) < set(some) < set(all_cut)
+    assert set(partly_halved(nodes, 2)) != set(some)
+    one, other, sampled = (sample_system(scenes[name], at) for at in (nodes, all_cut, some))
+    copied = mixed(scenes[name], some, one, other)
+    assert all(map(np.array_equal, copied.made.numbers, sampled.made.numbers))
+    elsewhere = mixed(scenes[name], 0.5 * nodes[-2:], one, other)  # a step of neither
+    assert all(map(np.array_equal, elsewhere.made.numbers, sample_system(scenes[name], 0.5 * nodes[-2:]).made.numbers))

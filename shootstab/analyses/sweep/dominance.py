@@ -27,7 +27,7 @@ HIGHEST_FLOOR = 1e-4  # chosen: the floor up to which it does
 SWEEP_COUNTING = Frame(rtol=1e-6)  # chosen: a phase needs few digits
 SUGGESTING_TRUNCATIONS = (40, 64)  # chosen: orders of the pseudospectral spectra that suggest modes
 SUGGESTED = 12  # chosen: suggested modes that are tried, the fastest first
-COUNTED = ("mode is counted", "modes are counted")
+COUNTED = ("mode is counted", "modes are counted")  # words for a number of them
 SAME_MODE = 1e-5  # chosen: relative distance below which two numbers mean one mode
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
-from shootstab.analyses.error_budget import HALVING
+from shootstab.analyses.error_budget import integration_error
 from shootstab.analyses.refine import refine
 from shootstab.analyses.sweep.dominance import SAME_MODE, DominantModes, count_dominant
 from shootstab.analyses.sweep.following import ARRIVED, LOST, FollowedMode, follow, land
@@ -191,14 +191,16 @@ class _Walk:
         sigma = max(place.modes.values(), key=lambda s: (s.real, s.imag))
         here = self._at(float(i))
         try:
-            fine = here.at(sigma).refined()
-            step = fine.with_derivative(sigma).newton_step
+            coarse = here.at(sigma)
+            fine = coarse.refined()
+            value = fine.with_derivative(sigma)
+            left, step = integration_error(coarse, coarse.with_derivative(sigma), value), value.newton_step
             sigma += step
             rest = abs(fine.with_derivative(sigma).newton_step) if abs(step) > NEGLIGIBLE_STEP * self._rtol * abs(sigma) else 0.0
         except ConvergenceError as error:
             return Outcome(f"{UNRESOLVED}: {error}", floor=place.floor)
         spent = here.evaluations + fine.evaluations + place.evaluations
-        return Outcome(status, proved, sigma, abs(step) / HALVING + rest, place.floor, spent)
+        return Outcome(status, proved, sigma, left + rest, place.floor, spent)
 
     def _status(self, place: Place, anchors: Sequence[Place]) -> tuple[str, bool]:
         if place.trouble is not None:
