@@ -1,7 +1,7 @@
 """Figure 8: waves of every length on flows that are stable to the waves that edges.py counts; k → 0, what lies between, and k → ∞.
 
 Between: the kinematic mode is followed from long waves on until it is damped by the part DAMPED of |c| k. As k → 0 it is the only mode with
-Re σ → 0; where it falls all the way, the largest growth rate over all wavenumbers is the 0 that it has at k = 0.
+Re σ → 0: of long waves it decides.
 
 Straight across the slope it is none: σ would be real and negative, beyond the continuous spectrum of the far field, and decays unseen.
 
