@@ -21,13 +21,7 @@ def record_options(command: ArgumentParser) -> None:
     command.add_argument("file", type=Path, metavar="FILE", help="the baseline to write")
     command.add_argument("--guess", type=values.guess, action="append", metavar="RE[,IM]", help="a mode; may be given several times")
     command.add_argument("--from", dest="source", metavar="EIGENVALUES", help="a file with a guess of each mode")
-    command.add_argument(
-        "--digits",
-        type=values.integer(1, DOUBLE_DIGITS),
-        default=BASELINE_DIGITS,
-        metavar="N",
-        help=f"digits to be compared (default {BASELINE_DIGITS})",
-    )
+    values.counted(command, "--digits", 1, DOUBLE_DIGITS, BASELINE_DIGITS, "digits to be compared")
 
 
 def check_options(command: ArgumentParser) -> None:

@@ -183,13 +183,13 @@ def parser() -> argparse.ArgumentParser:
     spectrum.add_argument("--raw", action="store_true", help="all eigenvalues of the pencil, unfiltered")
 
     sweep = _command(subparsers, sweeping.sweep, "growth rates over wavenumbers or flows, in parallel, resumable")
-    sweeping.options(sweep, values.integer)
+    sweeping.options(sweep)
 
     trade = _command(subparsers, trading.trade, "work against accuracy of every method")
     trading.options(trade, values.guess)
 
     prove = _command(subparsers, prove_command.prove, "a theorem: exactly so many eigenvalues in a disc, a rectangle, or growing")
-    prove_command.options(prove, values.guess, values.numbers, values.integer)
+    prove_command.options(prove, values.guess, values.numbers)
     check = _command(subparsers, prove_command.check, "whether a certificate proves what it says", scene=False)
     check.add_argument("file", type=Path, metavar="FILE", help="a certificate of `shootstab prove --certificate`")
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shootstab.cli.commands import BAD_NEWS, DONE, answer
+from shootstab.cli.values import counted
 from shootstab.core.allowed import MOST_PROOF_DIGITS, PROOF_DIGITS
 from shootstab.core.errors import InputError
 from shootstab.core.regions import Rectangle
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
 
-def options(parser: argparse.ArgumentParser, guess: Callable[[str], complex], numbers: Any, integer: Any) -> None:
+def options(parser: argparse.ArgumentParser, guess: Callable[[str], complex], numbers: Any) -> None:
     """Add what `prove` takes."""
     parser.usage = f"{parser.prog} [options] SCENE (--guess | --disc | --region | --growing)"  # its own would not fit on a page
     what = parser.add_mutually_exclusive_group(required=True)
@@ -29,13 +30,7 @@ def options(parser: argparse.ArgumentParser, guess: Callable[[str], complex], nu
     what.add_argument("--region", type=numbers(4), metavar="RE0,IM0,RE1,IM1", help="how many lie in this rectangle")
     what.add_argument("--growing", type=numbers(1), metavar="X", help="how many have Re σ ≥ X, where a theorem bounds all of them")
     parser.add_argument("--over", metavar="NAME=LOW,HIGH", help="for every value of this parameter; beside --region and --growing")
-    parser.add_argument(
-        "--digits",
-        type=integer(1, MOST_PROOF_DIGITS),
-        default=PROOF_DIGITS,
-        metavar="N",
-        help=f"of the disc about the mode (default {PROOF_DIGITS})",
-    )
+    counted(parser, "--digits", 1, MOST_PROOF_DIGITS, PROOF_DIGITS, "of the disc about the mode")
     parser.add_argument("--certificate", type=Path, metavar="FILE", help="write the certificate, for `shootstab check`")
 
 

@@ -28,13 +28,7 @@ FLOW_PANELS = (
 def options(command: ArgumentParser) -> None:
     """What `steady` may be told."""
     command.add_argument("--export", type=values.table_path, metavar="FILE", help="write the profiles into a csv or npz file")
-    command.add_argument(
-        "--points",
-        type=values.integer(2, MOST_HEIGHTS),
-        default=PROFILE_HEIGHTS,
-        metavar="N",
-        help=f"heights in a file (default {PROFILE_HEIGHTS})",
-    )
+    values.counted(command, "--points", 2, MOST_HEIGHTS, PROFILE_HEIGHTS, "heights in a file")
     figures.options(command, "draw the profiles")
 
 

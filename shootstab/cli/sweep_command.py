@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from shootstab.cli import figures
 from shootstab.cli.commands import BAD_NEWS, DONE, answer
 from shootstab.cli.lines import numbered
+from shootstab.cli.values import counted, integer
 from shootstab.core.allowed import COUNT_EVERY, GROWTH_FLOOR, LARGEST_FLOOR, MOST_EVERY, MOST_SWEEP_DIGITS, MOST_WORKERS, SWEEP_DIGITS
 from shootstab.core.errors import InputError
 from shootstab.core.numerus import number_of
@@ -37,26 +38,14 @@ MOST_LISTED = 70  # chosen: points that the table lists; more are summed up
 MOST_VALUES = 1_000_000  # chosen: values along one axis of a sweep; more are a slip of the pen
 
 
-def options(parser: argparse.ArgumentParser, integer: Callable[[int, int], Any]) -> None:
+def options(parser: argparse.ArgumentParser) -> None:
     """Add what `sweep` takes."""
     for p in SWEPT:
         parser.add_argument(p.option, dest=p.name, type=_values, metavar="A:B:N", help=f"{p.meaning}: N values from A to B, or one value")
     named = "a parameter of a scene in equations, likewise; may be given for several"
     parser.add_argument("--over", type=_named_values, action="append", default=[], metavar="NAME=A:B:N", help=named)
-    parser.add_argument(
-        "--digits",
-        type=integer(1, MOST_SWEEP_DIGITS),
-        default=SWEEP_DIGITS,
-        metavar="N",
-        help=f"digits of σ at every point (default {SWEEP_DIGITS})",
-    )
-    parser.add_argument(
-        "--every",
-        type=integer(1, MOST_EVERY),
-        default=COUNT_EVERY,
-        metavar="N",
-        help=f"count modes at every N-th point (default {COUNT_EVERY})",
-    )
+    counted(parser, "--digits", 1, MOST_SWEEP_DIGITS, SWEEP_DIGITS, "digits of σ at every point")
+    counted(parser, "--every", 1, MOST_EVERY, COUNT_EVERY, "count modes at every N-th point")
     parser.add_argument(
         "--floor", type=_floor, default=GROWTH_FLOOR, metavar="X", help=f"a mode grows if Re σ > X (default {GROWTH_FLOOR:g})"
     )

@@ -30,6 +30,11 @@ def integer(least: int, most: int = LARGEST_INTEGER) -> Callable[[str], int]:
     return parse
 
 
+def counted(parser: argparse.ArgumentParser, option: str, least: int, most: int, default: int, meaning: str) -> None:
+    """Add an option that is an integer in this range, with its default told behind its meaning."""
+    parser.add_argument(option, type=integer(least, most), default=default, metavar="N", help=f"{meaning} (default {default})")
+
+
 def numbers(count: int | None = None) -> Callable[[str], tuple[float, ...]]:
     """A parser of so many finite numbers with commas between them, of any number of them for None."""
 

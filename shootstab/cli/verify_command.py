@@ -34,13 +34,7 @@ def options(command: ArgumentParser) -> None:
     command.add_argument("eigenvalues", nargs="?", metavar="EIGENVALUES", help=f"{formats} (default: the bundled reference)")
     command.add_argument("--dataset", metavar="NAME", help="the array that is meant, in a file that holds several")
     command.add_argument("--row", type=values.integer(1), metavar="N", help="the spectrum that is meant, in an array of several")
-    command.add_argument(
-        "--digits",
-        type=values.integer(1, DOUBLE_DIGITS),
-        default=VERDICT_DIGITS,
-        metavar="N",
-        help=f"digits that an eigenvalue must have (default {VERDICT_DIGITS})",
-    )
+    values.counted(command, "--digits", 1, DOUBLE_DIGITS, VERDICT_DIGITS, "digits that an eigenvalue must have")
     command.add_argument("--prove", action="store_true", help="prove what is confirmed, and that nothing lies near what is spurious")
     command.add_argument("--strict", action="store_true", help="`continuum` is bad news too")
     shown = f"show these only: bad, {', '.join(VERDICTS)}"
