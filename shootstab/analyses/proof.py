@@ -11,7 +11,7 @@ import mpmath
 
 from shootstab.multiprecision.enclosable import Enclosable
 
-COMMON = ("E1", "E2", "E3", "E4", "E5", "E6", "E7")  # lemmas of the guide's page on proofs; "with multiplicity" rests on E7
+COMMON = ("E1", "E5", "E6", "E7")  # lemmas of the guide's page on proofs; "with multiplicity" rests on E7
 
 Decimals = tuple[str, str]  # real and imaginary part
 
@@ -64,7 +64,8 @@ class Proof:
 def lemmas(forms: Sequence[Enclosable]) -> tuple[str, ...]:
     """What a proof on these factors of D relies on."""
     own = sorted({name for form in forms for name in form.lemmas})
-    return (*COMMON, *own, *(("E9",) if len(forms) > 1 else ()))
+    found = (*COMMON, *own, *(("E9",) if len(forms) > 1 else ()))
+    return tuple(sorted(found, key=lambda name: (name[0], int(name[1:]))))
 
 
 def premise(forms: Sequence[Enclosable]) -> str:

@@ -50,8 +50,8 @@ class BetweenEnds:
 
     @property
     def lemmas(self) -> tuple[str, ...]:
-        """Those of the system."""
-        return self.system.lemmas
+        """Those of steps, compound matrices and their growth, and of the system."""
+        return ("E2", "E3", "E4", *self.system.lemmas)
 
     def enclosure(self, bits: int, region: Any) -> Enclosure:
         """The same D for every region."""

@@ -65,6 +65,7 @@ def test_modes_between_ends_at_infinity_are_proved() -> None:
     proof = st.prove(well(2.5), guess=6.2, digits=12)
     assert proof.count == 1 and proof.region["centre"]["re"].startswith("6.2500000000000")
     assert "E12" in proof.lemmas
+    assert {"E2", "E3", "E4"} <= set(proof.lemmas)
     assert prove_disc(well(2.5), 0.25, 0.01).count == 1
 
 

@@ -26,7 +26,7 @@ from shootstab.multiprecision.frame_enclosure import FrameEnclosure
 from shootstab.multiprecision.settings import GUARD_DIGITS, Settings
 from shootstab.multiprecision.tailed_pencil import BALLS, TailedPencil
 
-LEMMAS = ("C1", "C2", "C3", "C4", "C5", "C6", "E11")  # lemmas of the guide's page on proofs
+LEMMAS = ("C1", "C2", "C3", "C4", "C5", "C6", "E4", "E11")  # lemmas of the guide's page on proofs; E4 where |D| is bounded by it
 FIRST_START = 2.0**-9  # chosen: ν0 from which on a start of the far field is looked for
 REUSED = 1.5  # chosen: bits, over those asked for, with which an enclosure serves again
 REGION_ROOM = 1.25  # chosen: the region that an enclosure holds for, over the one asked for

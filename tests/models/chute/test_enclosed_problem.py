@@ -198,3 +198,4 @@ def test_the_growing_mode_of_the_high_flow_is_proved(scenes: dict[str, ChuteProb
     assert proof.premise.startswith("a steady flow with mass_flux = 3.0 exists")
     assert HIGH[:17] in proof.premise
     assert "C6" in proof.lemmas
+    assert not {"E2", "E3"} & set(proof.lemmas)  # frames on given steps, in place of compound matrices
