@@ -14,6 +14,7 @@ import json
 import math
 import os
 import random
+import re
 import resource
 import signal
 import sqlite3
@@ -38,7 +39,7 @@ SWEEP = ["sweep", "layer:scene", "--kx", "0:3:2", "--far-temperature", f"50:60:{
 FIND = ["find", "layer:scene", "--corners=1,-5,60,5"]
 VERIFY = ["verify", "layer:scene", "claims.csv"]
 PROVE = ["prove", "benard", "--disc=2.1463,0,0.01"]
-PROGRESS = tuple(f"shootstab: {doing}" for doing in ("sweeping", "verifying", "finding", "proving"))  # lines that say how far it is
+PROGRESS = re.compile(r"shootstab: [a-z]+ing .+, \d+ s")  # a line that says how far it is, every ten seconds of a log
 GONE = 10.0  # seconds within which a session must be empty after its parent
 ROUNDS = 60  # the most runs of one sweep until it ends
 
@@ -63,6 +64,11 @@ def environment() -> dict[str, str]:
     """The environment of a process that finds this package and the layers, one thread each."""
     paths = [str(HERE), str(HERE.parent), os.environ.get("PYTHONPATH", "")]
     return {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in paths if p), "OMP_NUM_THREADS": "1"}
+
+
+def told(standard_error: str) -> list[str]:
+    """Lines on standard error, without those that say how far it is: whether there are any is a matter of how busy the machine is."""
+    return [line for line in standard_error.splitlines() if line.strip() and not PROGRESS.fullmatch(line)]
 
 
 @dataclass
@@ -113,8 +119,7 @@ class KilledRun:
 
     def said(self) -> list[str]:
         """Lines on standard error, without those that say how far it is."""
-        lines = self.log.read_text(errors="replace").splitlines()
-        return [line for line in lines if not line.startswith(PROGRESS)]
+        return told(self.log.read_text(errors="replace"))
 
 
 def ended(run: KilledRun, by: signal.Signals | None, found: Findings) -> int:

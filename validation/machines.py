@@ -21,6 +21,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from kills import told
+
 ROOT = Path(__file__).parent.parent
 QUESTIONS: dict[str, tuple[list[str], int]] = {
     "version": (["--version"], 0),
@@ -147,7 +149,7 @@ def obey_modes() -> None:
 
 def wrong(question: str, status: int, got: MachineAnswer, plain: MachineAnswer, there: Circumstance) -> str | None:
     """What is not as it should be."""
-    lines = [line for line in got.err.splitlines() if line.strip()]
+    lines = told(got.err)
     if "Traceback" in got.err or "Warning" in got.err:
         return got.err.strip().splitlines()[-1]
     if got.status != status and not (1 in there.closed and got.status == 4):

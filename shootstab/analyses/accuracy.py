@@ -110,5 +110,5 @@ class Tightening:
             try:
                 return continuation, ask(continuation)
             except Inaccurate as error:
-                inaccurate = error
-        raise inaccurate
+                told = str(error)
+        raise Inaccurate(told)

@@ -94,8 +94,11 @@ def _attempt(problem: Problem, guess: complex, rtol: float, method: Method, atol
     try:
         try:
             root = find_near(Affordable(discriminant, guess), guess, LEFT * rtol)
-        except ConvergenceError as error:
-            root = _counted_near(discriminant, guess, LEFT * rtol) or _among_noise(discriminant, guess, error)
+        except ConvergenceError:
+            found = _counted_near(discriminant, guess, LEFT * rtol) or _among_noise(discriminant, guess)
+            if found is None:
+                raise
+            root = found
         mode, evaluations = examine(continuation, root, rtol, atol)
     except ConvergenceError as error:
         lost = Mode(guess, math.inf, UNKNOWN, f"not converged: {error}", method.name, 0, 0.0)
@@ -121,17 +124,15 @@ def find_near(discriminant: Discriminant, guess: complex, tolerance: float) -> R
 
     Raises ConvergenceError if both do.
     """
-    ended = ConvergenceError()
-    for iteration in (newton, muller):
-        try:
-            root = iteration(discriminant, guess, tolerance)
-        except WanderedOff as error:
-            ended = error
-            continue
-        if root.converged:
-            return root
-        ended = ConvergenceError(f"neither Newton nor Muller arrives anywhere from {guess:.6g}; the last step was {root.step:.1e}")
-    raise ended
+    try:
+        root = newton(discriminant, guess, tolerance)
+    except WanderedOff:
+        root = None
+    if root is None or not root.converged:
+        root = muller(discriminant, guess, tolerance)
+    if not root.converged:
+        raise ConvergenceError(f"neither Newton nor Muller arrives anywhere from {guess:.6g}; the last step was {root.step:.1e}")
+    return root
 
 
 def _counted_near(discriminant: AdaptiveDiscriminant, guess: complex, tolerance: float) -> Root | None:
@@ -151,14 +152,11 @@ def _counted_near(discriminant: AdaptiveDiscriminant, guess: complex, tolerance:
     return None
 
 
-def _among_noise(discriminant: Discriminant, guess: complex, found_nothing: ConvergenceError) -> Root:
-    """Zeros so near to the guess that iterations find noise only: as many as are seen from afar, to be counted.
-
-    Raises what the iterations ended with where fewer than two are.
-    """
+def _among_noise(discriminant: Discriminant, guess: complex) -> Root | None:
+    """Zeros so near to the guess that iterations find noise only: as many as are seen from afar, to be counted; None for fewer than two."""
     around = surroundings(discriminant, guess)
     if around.multiplicity < 2:
-        raise found_nothing
+        return None
     return Root(guess, max(abs(guess), neutral(around, LEAST_D_ERROR)), 0, True, around.multiplicity)
 
 

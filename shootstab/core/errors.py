@@ -32,6 +32,17 @@ class Undecidable(ConvergenceError):  # noqa: N818 - it is a finding, not a faul
     """D cannot be continued over a part of the σ-plane, for the reason given: a continuous spectrum is in the way."""
 
 
+def anew(error: ConvergenceError) -> ConvergenceError:
+    """The same error, raised nowhere yet.
+
+    An error that was raised holds the frames that it came through, and so all that was computed in them. Where one of these frames holds
+    the error in turn, both stay in memory until the garbage is collected.
+    """
+    fresh = type(error).__new__(type(error), *error.args)
+    fresh.__dict__.update(error.__dict__)
+    return fresh
+
+
 def shortened(value: Any, longest: int = QUOTED) -> str:
     """A value as a refusal quotes it: its repr, not longer than a line can bear; of one that has none, what it is."""
     try:

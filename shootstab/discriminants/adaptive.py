@@ -6,12 +6,12 @@ from collections import OrderedDict
 from collections.abc import Sequence
 
 from shootstab.core.discriminant import Value
-from shootstab.core.errors import ConvergenceError
+from shootstab.core.errors import ConvergenceError, anew
 from shootstab.core.regions import Disc
 from shootstab.core.scaled import Scaled
 from shootstab.discriminants.cells import Cell
 from shootstab.discriminants.deformed_path import DeformedPath
-from shootstab.discriminants.meshing import TooLong, cut_for, made_for, too_long
+from shootstab.discriminants.meshing import MOST_BYTES, TooLong, cut_for, made_for, too_long
 from shootstab.discriminants.method import Meshes, Propagator
 from shootstab.discriminants.product import Product
 from shootstab.discriminants.sampled_system import SampledSystem, sample_system
@@ -22,6 +22,8 @@ from shootstab.problems.protocol import ComplexArray, Problem
 CELL_LEVELS = 2  # chosen: sizes of cells: what a cell of 8 % in |σ| and 4.4° does not serve has a mesh of its own
 CIRCLE_POINTS = 4  # chosen: points of a circle at which its mesh must hold: those at which a count samples it first
 MOST_MESHES = 64  # chosen: kept at a time; those that were asked for longest ago are made again if they are needed
+MOST_BYTES_KEPT = 2 * MOST_BYTES  # chosen: memory of the systems on all of them, two of the longest meshes that there may be
+ON_THE_WAY = CELL_LEVELS + 1  # derived: meshes from the largest cell of a σ to its own, kept whatever they take: each value asks for them
 
 
 MeshKey = Cell | None | complex  # the key of a mesh: the cell that it serves, what a path is meant for, or a σ of its own
@@ -37,10 +39,11 @@ class SubsystemMeshes:
         path: DeformedPath | None,
         centre: complex | None,
         begin: dict[Cell | None, ComplexArray],
+        most_bytes: int,
     ) -> None:
         self.problem, self.propagator, self.path, self._centre, self._begin = problem, propagator, path, centre, begin
         self._kept: OrderedDict[MeshKey, Shooting | ConvergenceError] = OrderedDict()
-        self._spent = 0
+        self._most_bytes, self._spent = most_bytes, 0
 
     def at(self, sigma: complex, tangent: bool, most: int | None = None) -> Shooting:
         """D on the mesh of the largest cell that serves σ, or on one made for σ. Raises ConvergenceError where none can be made, or none
@@ -55,7 +58,7 @@ class SubsystemMeshes:
                     return made
                 coarser = made
         if isinstance(made, ConvergenceError):
-            raise made
+            raise anew(made)
         return made
 
     def around(self, disc: Disc) -> Shooting:
@@ -66,18 +69,22 @@ class SubsystemMeshes:
     @property
     def evaluations(self) -> int:
         """How often D was computed on the meshes that are kept or were."""
-        return self._spent + sum(made.evaluations for made in self._kept.values() if isinstance(made, Shooting))
+        return self._spent + sum(made.evaluations for made in self.shootings)
 
     @property
     def bytes_kept(self) -> int:
-        """The memory of the systems on the meshes that are kept by now; one that serves several cells is one."""
-        kept = {id(made): made for made in self._kept.values() if isinstance(made, Shooting)}
-        return sum(made.steps * made.sampled.bytes_of_a_step for made in kept.values())
+        """The memory of the systems on the meshes that are kept by now."""
+        return sum(made.steps * made.sampled.bytes_of_a_step for made in self.shootings)
 
     @property
     def nodes(self) -> dict[Cell | None, ComplexArray]:
         """The nodes (N + 1,) of the cells that are known by now."""
         return {key: made.sampled.nodes for key, made in self._kept.items() if isinstance(made, Shooting) and not isinstance(key, complex)}
+
+    @property
+    def shootings(self) -> list[Shooting]:
+        """D on the meshes that are kept by now; one that serves several cells is one."""
+        return list({id(made): made for made in self._kept.values() if isinstance(made, Shooting)}.values())
 
     def _cells(self, sigma: complex) -> list[Cell | None]:
         """The cells around σ from the largest to the smallest; along a path, what it is meant for stands in place of the largest ones."""
@@ -93,9 +100,10 @@ class SubsystemMeshes:
         """
         if key not in self._kept:
             self._kept[key] = self._make(key, coarser, most)
-            if len(self._kept) > MOST_MESHES:
-                _, dropped = self._kept.popitem(last=False)
-                self._spent += dropped.evaluations if isinstance(dropped, Shooting) else 0
+            while len(self._kept) > MOST_MESHES or (len(self._kept) > ON_THE_WAY and self.bytes_kept > self._most_bytes):
+                before = self.evaluations
+                self._kept.popitem(last=False)
+                self._spent += before - self.evaluations
         self._kept.move_to_end(key)
         return self._kept[key]
 
@@ -116,7 +124,7 @@ class SubsystemMeshes:
         except TooLong:
             raise
         except ConvergenceError as error:
-            return error
+            return anew(error)
 
 
 def _serves(made: Shooting, sigma: complex, tangent: bool) -> bool:
@@ -145,7 +153,7 @@ class Adaptive:
         self._decoupling = decouple(problem)
         subsystems: Sequence[Problem] = (problem,) if self._decoupling is None else self._decoupling.members
         self._members = tuple(
-            SubsystemMeshes(subsystem, propagator, path, centre, _of_member(begin, i, len(subsystems)))
+            SubsystemMeshes(subsystem, propagator, path, centre, _of_member(begin, i, len(subsystems)), MOST_BYTES_KEPT // len(subsystems))
             for i, subsystem in enumerate(subsystems)
         )
         self._products: OrderedDict[tuple[int, ...], Product] = OrderedDict()
@@ -192,6 +200,9 @@ class Adaptive:
             return members[0]
         key = tuple(map(id, members))
         if key not in self._products:
+            kept = {id(shooting) for member in self._members for shooting in member.shootings}
+            for other in [other for other in self._products if not kept.issuperset(other)]:
+                del self._products[other]
             self._products[key] = Product(self._decoupling, members)
             if len(self._products) > MOST_MESHES:
                 self._products.popitem(last=False)

@@ -7,9 +7,11 @@ from either side: two branches, and of the zeros of each only those on its own s
 from __future__ import annotations
 
 import math
+from collections import OrderedDict
 from dataclasses import dataclass
 
 from shootstab.core.errors import Undecidable as Undecidable
+from shootstab.discriminants.adaptive import MOST_BYTES_KEPT
 from shootstab.discriminants.deformed_path import DeformedPath
 from shootstab.discriminants.method import AdaptiveDiscriminant, MeshedDiscriminant, Meshes, Method
 from shootstab.essential_spectrum.barrier import barrier_of
@@ -48,7 +50,7 @@ class Continuation:
         self.continuum = continuum_of(problem)
         self.barrier = barrier_of(problem)
         self.on_the_axis = method.on(problem, begin=begin)
-        self._deformed: dict[DeformedPath, AdaptiveDiscriminant] = {}
+        self._deformed: OrderedDict[DeformedPath, AdaptiveDiscriminant] = OrderedDict()
 
     def __repr__(self) -> str:
         return f"Continuation({self.problem!r}, {self.method!r})"
@@ -159,6 +161,9 @@ class Continuation:
         if path not in self._deformed:
             inside = min(max(centre, low + 0.5 * spacing), high - 0.5 * spacing)  # no path leads around a singular point at an end
             self._deformed[path] = self.method.on(self.problem, path, self.continuum.at(inside))
+            while len(self._deformed) > 1 and sum(along.bytes_kept for along in self._deformed.values()) > MOST_BYTES_KEPT:
+                self._deformed.popitem(last=False)
+        self._deformed.move_to_end(path)
         return self._deformed[path], str(path)
 
 

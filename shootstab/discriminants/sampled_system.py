@@ -177,17 +177,23 @@ def _computed(
     fields = recorded.fields(points)
     kind = np.float64 if formula.program.real and fields.dtype.kind == "f" and not h.imag.any() else np.complex128
     inputs = np.concatenate((fields, (h if kind is np.complex128 else h.real)[None])).astype(kind, copy=False)
-    values = evaluate(formula.program, inputs, recorded.parameters.astype(kind))
-    at_stages = values.T.reshape(-1, STAGES, len(values))[:, back]
+    parameters, lengths = recorded.parameters.astype(kind), np.abs(h).reshape(-1, STAGES, 1)
     entries, carried, _ = formula.counts
-    P, V, G = np.split(at_stages, (entries, entries + carried), axis=2)
-    if not (np.isfinite(values).all() and (np.abs(V) < LARGE_COMPLETION * np.abs(h).reshape(-1, STAGES, 1)).all()):
-        return None
+    numbers = [np.empty((len(lengths), STAGES, count), dtype=kind) for count in formula.counts]
+    for first in range(0, len(lengths), STEPS_AT_A_TIME):
+        chunk = slice(first, first + STEPS_AT_A_TIME)
+        values = evaluate(formula.program, np.ascontiguousarray(inputs[:, STAGES * first : STAGES * chunk.stop]), parameters)
+        at_stages = values.T.reshape(-1, STAGES, len(values))[:, back]
+        parts = np.split(at_stages, (entries, entries + carried), axis=2)
+        if not (np.isfinite(values).all() and (np.abs(parts[1]) < LARGE_COMPLETION * lengths[chunk]).all()):
+            return None
+        for whole, part in zip(numbers, parts, strict=True):
+            whole[chunk] = part
     lists = formula.start, formula.column, formula.linear, formula.higher, formula.powers, formula.carries
-    m, steps = formula.moving, len(P)
-    V, G = V.reshape(steps, STAGES, len(formula.carries), m), G.reshape(steps, STAGES, formula.of_gamma, m, m)
-    numbers = map(np.ascontiguousarray, (P, V, G))
-    return ReducedSystem(*(np.array(a, dtype=np.uint64) for a in lists), *numbers)  # type: ignore[arg-type]
+    m = formula.moving
+    shapes = (entries,), (len(formula.carries), m), (formula.of_gamma, m, m)
+    shaped = (a.reshape(len(lengths), STAGES, *shape) for a, shape in zip(numbers, shapes, strict=True))
+    return ReducedSystem(*(np.array(a, dtype=np.uint64) for a in lists), *shaped)  # type: ignore[arg-type]
 
 
 class Present(NamedTuple):

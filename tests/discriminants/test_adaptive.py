@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import gc
 import itertools
+import weakref
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pytest
 
 import shootstab as st
-from shootstab.core.errors import InputError
+from shootstab.core.errors import InputError, ShootstabError
+from shootstab.discriminants import adaptive
 from shootstab.discriminants.cells import CELL_PARTS, Cell
 from shootstab.discriminants.continuation import Continuation
+from shootstab.discriminants.method import AdaptiveDiscriminant
 from shootstab.models.gallery.poiseuille import PlanePoiseuille
 from shootstab.problems.protocol import Problem
 
@@ -106,6 +113,85 @@ def test_the_iterates_of_a_search_share_their_meshes(scenes, scene: str, rtol: f
     mode, other = st.refine(scenes[scene], guess, rtol=1e-9, method=st.Compound(rtol=rtol)), st.refine(scenes[scene], guess)
     assert mode.evaluations < 40  # 18 where one mesh serves all
     assert abs(mode.sigma - other.sigma) <= mode.error + other.error
+
+
+@pytest.mark.parametrize("scene", ["low", "high"])  # two subsystems, and one
+def test_the_meshes_that_are_kept_take_no_more_memory_than_they_may_and_change_no_answer(scenes, scene: str, monkeypatch) -> None:
+    problem, method = scenes[scene], st.Frame(rtol=1e-10)
+    sigmas = [0.007 * 1.5**k * np.exp(0.2j * k) for k in range(14)]
+    whole = method.on(problem)
+    expected = [whole.with_derivative(s) for s in sigmas]
+    bound = whole.bytes_kept // 2
+    monkeypatch.setattr(adaptive, "MOST_BYTES_KEPT", bound)
+    D = method.on(problem)
+    alive: weakref.WeakSet[Any] = weakref.WeakSet()
+    for sigma, value in zip(sigmas, expected, strict=True):
+        assert D.with_derivative(sigma) == value
+        alive |= {*getattr(D.at(sigma), "members", [D.at(sigma)])}
+        assert D.bytes_kept <= bound
+        assert sum(one.steps * one.sampled.bytes_of_a_step for one in alive) <= bound
+    assert D.evaluations == whole.evaluations
+
+
+@dataclass(frozen=True)
+class Watched:
+    """Frames, with notes on which D they made that cost no memory."""
+
+    made: weakref.WeakSet[AdaptiveDiscriminant]
+    rtol: float = 1e-9
+    name: str = "frame"
+
+    def on(self, *given: Any, **named: Any) -> AdaptiveDiscriminant:
+        D = st.Frame(rtol=self.rtol).on(*given, **named)
+        self.made.add(D)
+        return D
+
+
+@pytest.fixture
+def no_collection() -> Iterator[None]:
+    """What is not given back by counting references stays."""
+    gc.collect()
+    gc.disable()
+    yield
+    gc.enable()
+
+
+def string(singular: float = 0.0) -> Problem:
+    """y″ = σ y between walls at 0 and 1, σ = −(mπ)²; with a singular point at 1/2 where this is not 0. No function is kept from question to
+    question."""
+
+    def pencil(z: Any) -> tuple[Any, Any]:
+        one, zero = np.ones_like(z), np.zeros_like(z)
+        with np.errstate(all="ignore"):
+            D0 = np.array([[zero, one], [singular / (z - 0.5001) ** 2, zero]])
+        return D0.transpose(2, 0, 1), np.array([[zero, zero], [one, zero]]).transpose(2, 0, 1)
+
+    return st.problem(2, pencil, st.Wall(0.0, [[1, 0]]), st.Wall(1.0, [[1, 0]]), vectorized=True)
+
+
+QUESTIONS: dict[str, Callable[[Watched], Any]] = {
+    "a mode": lambda m: st.refine(string(), -9.9, method=m),
+    "a tighter tolerance": lambda m: st.refine(string(), -9.9, rtol=1e-13, method=Watched(m.made, 1e-6)),
+    "no mode": lambda m: st.refine(string(), -20.0 + 300j, method=m),
+    "no mesh": lambda m: st.refine(string(-0.3), -20.0, method=m),
+    "no count": lambda m: st.count(string(), st.Disc(-(np.pi**2) - 0.3, 0.3), method=m),
+    "no find": lambda m: st.find(string(-0.3), st.Rectangle(-50 - 1j, -1 + 1j), method=m),
+    "verdicts": lambda m: st.verify(string(), [-9.87, -39.4, 3j], method=m),
+}
+
+
+@pytest.mark.parametrize("question", QUESTIONS)
+@pytest.mark.usefixtures("no_collection")
+def test_what_a_question_computed_is_given_back_with_the_answer(question: str) -> None:
+    """An error that is kept where it was caught would hold every mesh that the search has seen: a gigabyte after a few that wander."""
+    made: weakref.WeakSet[AdaptiveDiscriminant] = weakref.WeakSet()
+    asked = []
+    try:
+        asked.append(QUESTIONS[question](Watched(made)))
+    except ShootstabError as error:
+        asked.append(str(error))
+    assert asked
+    assert not made
 
 
 @pytest.mark.parametrize("method", [st.Frame, st.Compound, st.Riccati])

@@ -92,13 +92,12 @@ def _counted(continuation: Continuation, radius: float, floor: float) -> tuple[i
         for nudge in NUDGES:
             try:
                 found = count_in_region(continuation, HalfDisc(radius, nudge * level))
-            except ConvergenceError as error:
-                failure = error
+            except ConvergenceError:
+                if nudge == NUDGES[-1] and RAISE * level > max(HIGHEST_FLOOR, floor):
+                    raise
             else:
                 return found.count, nudge * level, found.evaluations
         level *= RAISE
-        if level > max(HIGHEST_FLOOR, floor):
-            raise failure
 
 
 def suggested(problem: Problem) -> list[complex]:
