@@ -9,7 +9,7 @@ next to singular points are set twice as far from them.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TypeVar
 
 from shootstab.analyses.error_budget import FLOWS, SAFETY, change_by_walls
@@ -106,9 +106,14 @@ class Tightening:
 
     def first(self, ask: Callable[[Continuation], Answer]) -> tuple[Continuation, Answer]:
         """The first continuation that does not raise Inaccurate, and its answer. Raises Inaccurate where all do."""
-        for continuation in self:
-            try:
-                return continuation, ask(continuation)
-            except Inaccurate as error:
-                told = str(error)
-        raise Inaccurate(told)
+        return first_accurate(self, ask)
+
+
+def first_accurate(continuations: Iterable[Continuation], ask: Callable[[Continuation], Answer]) -> tuple[Continuation, Answer]:
+    """The first of some continuations that does not raise Inaccurate, and its answer; where all do, what the last one raises."""
+    for continuation in continuations:
+        try:
+            return continuation, ask(continuation)
+        except Inaccurate as error:
+            refusal = type(error)(str(error))  # another one: what was raised holds every mesh that it was raised from
+    raise refusal

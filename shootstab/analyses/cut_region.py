@@ -128,11 +128,22 @@ def _follow_boundary(contour: _Contour, region: Region, stops: Sequence[float], 
 
 def parts_inside(curve: SampledContinuum, region: Region) -> list[tuple[float, float]]:
     """Intervals of z over which σ_c lies inside the region."""
+    curve = curve.resolved(*_extent(region))
     held = np.array([region.contains(complex(s)) for s in curve.sigma])
     flips = np.flatnonzero(held[1:] != held[:-1])
     cuts = [_crossing(curve, region, float(curve.z[i]), float(curve.z[i + 1])) for i in flips]
     bounds = ([float(curve.z[0])] if held[0] else []) + cuts + ([float(curve.z[-1])] if held[-1] else [])
     return list(zip(bounds[::2], bounds[1::2], strict=True))
+
+
+def _extent(region: Region) -> tuple[complex, float, float]:
+    """The middle of a region, the radius of a circle around it that holds the region, and about its least width."""
+    hull = np.array(region.hull)
+    centre = complex(hull.mean())
+    from_centre = hull - centre
+    area = float(np.abs((from_centre.conj() * np.roll(from_centre, -1)).imag.sum())) / 2
+    radius = float(np.abs(from_centre).max())
+    return centre, radius, area / radius
 
 
 def _crossing(curve: SampledContinuum, region: Region, low: float, high: float) -> float:

@@ -13,7 +13,7 @@ from shootstab.analyses.error_budget import budget
 from shootstab.analyses.multiple import cluster, count_in, multiple, told_apart
 from shootstab.core.allowed import DOUBLE_DIGITS, LEAST_MODE_RTOL, RTOL
 from shootstab.core.discriminant import Discriminant
-from shootstab.core.errors import ConvergenceError, Inaccurate, InputError
+from shootstab.core.errors import ConvergenceError, Inaccurate, InputError, OnSpectrum
 from shootstab.core.records import CONVERGED, Budget, Mode
 from shootstab.core.regions import Disc
 from shootstab.core.scaled import EPSILON
@@ -35,6 +35,7 @@ CIRCLE_OF_PROOF = 1e-2  # chosen: the circle of the proof at least, in the accur
 DOUBLE_ATTEMPTS = 3  # chosen: local errors tried; from 1e-5 factors of 100 would need four; tolerance_for begins no mode that far off
 PROOF = 32.0  # chosen: the circle of the proof, in error bounds; the noise of D must be small on it
 WIDEST_PROOF = 1e-2  # chosen: the circle of the proof at most, in the larger of |σ| and the scale, so that it leaves other modes out
+NO_ZERO = 1e-2  # chosen: Newton's step, in |σ|, from a σ that is no zero of D itself
 LEFT = 1e-3  # chosen: what iterations may leave, in the accuracy asked for
 NEUTRAL = 1e-12  # chosen: the accuracy of a mode at 0 in the scale of D there; four digits above the rounding of a double
 COUNTED_AROUND = (1e-3, 4e-3, 1.6e-2)  # chosen: radii, in |σ|, of circles in which zeros are counted where no iteration arrives at one
@@ -182,7 +183,12 @@ def _simple(continuation: Continuation, root: Root, rtol: float, atol: float | N
     coarse_value = coarse.with_derivative(root.sigma)
     if not abs(coarse_value.newton_step) <= LEFT * rtol * abs(root.sigma):
         arrived = newton(coarse, root.sigma, LEFT * rtol)
-        if not arrived.converged:
+        if not arrived.converged or abs(arrived.sigma - root.sigma) > abs(root.sigma):
+            if continuation.distance(root.sigma) <= max(root.step, rtol * abs(root.sigma)):
+                raise OnSpectrum(f"a zero of D lies on the continuous spectrum to the error with which it was found, at {root.sigma:.12g}")
+            if math.isfinite(continuation.distance(root.sigma)) and abs(coarse_value.newton_step) > NO_ZERO * abs(root.sigma):
+                told = f"the zero at {root.sigma:.6g} is one of D continued from elsewhere, and none of D itself"
+                raise ConvergenceError(f"{told}, along the path {branch.path}: a resonance, not a mode")
             raise ConvergenceError(f"the iteration does not settle at {root.sigma:.6g} along the path {branch.path}")
         if arrived.multiplicity > 1 and not alone:
             return _among_several(continuation, arrived.sigma, max(arrived.step, LEFT * rtol * abs(arrived.sigma)), rtol, atol)
@@ -220,14 +226,15 @@ def _simple(continuation: Continuation, root: Root, rtol: float, atol: float | N
     if count > 1:
         several, evaluations = _among_several(continuation, sigma, radius, rtol, atol, apart=not alone)
         return several, fine.evaluations + evaluations
-    _require_a_mode(continuation, branch, sigma, radius)
     distance = continuation.distance(sigma)
+    if parts.total < distance:  # otherwise the status says that the side is not known
+        _require_a_mode(continuation, branch, sigma, parts.total, radius)
     status = _status(count, radius, sigma, parts.total, distance, max(rtol * abs(sigma), allowed))
     mode = Mode(sigma, parts.total, parts, status, continuation.method.name, 0, 0.0, distance, branch.path, scale=scale, atol=allowed)
     return mode, fine.evaluations
 
 
-def _require_a_mode(continuation: Continuation, branch: Branch, sigma: complex, radius: float) -> None:
+def _require_a_mode(continuation: Continuation, branch: Branch, sigma: complex, error: float, radius: float) -> None:
     """Raise ConvergenceError where a zero of a branch is none of D itself: it lies beyond the continuous spectrum.
 
     A zero on the other side of a spectrum inside that is one of D too, within the radius, belongs to a subsystem that is not singular.
@@ -236,7 +243,7 @@ def _require_a_mode(continuation: Continuation, branch: Branch, sigma: complex, 
     if continuation.barrier is not None and continuation.barrier.beyond(sigma):
         advice = "if modes of that part of the plane are wanted, reference = a sigma in it names them"
         raise ConvergenceError(f"{told} of an end at infinity: a resonance, not a mode; {advice}")
-    if continuation.own_side(branch, sigma):
+    if continuation.own_side(branch, sigma, error):
         return
     if not abs(continuation.at(sigma).discriminant.with_derivative(sigma).newton_step) <= radius:
         raise ConvergenceError(f"{told}, on D continued through it: a resonance, not a mode")

@@ -8,19 +8,19 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, is_dataclass, replace
 
-from shootstab.analyses.accuracy import Inaccurate, known_at
+from shootstab.analyses.accuracy import first_accurate, known_at
+from shootstab.analyses.claim_size import NEAR_ZERO, NOISY_CHANGE, has_a_size
 from shootstab.analyses.claims import NEAR_DIGITS, radius_of
 from shootstab.analyses.refine import refine
 from shootstab.analyses.refine_double import NEUTRAL, examine, neutral, several
 from shootstab.analyses.zeros import Crowded, Zeros, zeros_in
-from shootstab.core.discriminant import Discriminant
-from shootstab.core.errors import ConvergenceError
+from shootstab.core.errors import ConvergenceError, OnSpectrum
 from shootstab.core.records import CONTINUUM, UNRESOLVED, Mode
 from shootstab.core.regions import Disc
 from shootstab.discriminants.continuation import Continuation, Undecidable
 from shootstab.discriminants.method import Method
 from shootstab.problems.protocol import Problem
-from shootstab.roots.iterations import Root, slope_change
+from shootstab.roots.iterations import Root
 from shootstab.roots.search import Zero
 from shootstab.roots.separation import surroundings
 
@@ -34,11 +34,6 @@ TIGHTER = (1e-10, 1e-13)  # chosen: local errors to which D is computed where a 
 FAR_OFF = 10.0  # chosen: radii of the circle of the digits, beyond which a mode need not be known better than to these digits
 FIRST_REACH, NEXT_REACH = 100.0, 16.0  # chosen: |σ| of the first mesh on the way to a large claim, and the factor to the next
 MOST_LOOSE_STEPS = 800  # chosen: steps of the loose mesh for one claim; where D must be more accurate it is some times as long
-NUDGE = 1e-3  # chosen: distance from a claim, in its size, at which the slope of D is looked at again
-FLAT_CHANGE = 1e-6  # chosen: a change of D′ over NUDGE below which the scale of D may be a thousand times the claim
-NOISY_CHANGE = 0.1  # chosen: such a change above which it is noise, or a zero of D′ is near; and one of Newton's step by another mesh
-NEAR_ZERO = 100.0  # chosen: |σD′/D| above which a zero lies within two digits of σ, which is then no noise around 0
-WHOLE_AT_ZERO = 0.05  # chosen: how near σD′/D comes to a whole number next to zeros at 0
 
 
 @dataclass(frozen=True)
@@ -154,7 +149,7 @@ class Verifier:
         if claim != 0.0 and self._sized_on_every_mesh(claim):
             return 0.0, 0.0
         at = self._continuations[-1].at(claim).discriminant
-        if claim != 0.0 and _has_a_size(at, claim):
+        if claim != 0.0 and has_a_size(at, claim):
             return 0.0, 0.0
         around = surroundings(at, claim)
         if around.multiplicity > 1 and known_at(self.problem, at, claim):
@@ -167,7 +162,7 @@ class Verifier:
         both = [continuation.at(claim).discriminant for continuation in (self.continuation, self.loose)]
         step, other = (D.with_derivative(claim).newton_step for D in both)
         alike = abs(other - step) < max(NOISY_CHANGE * abs(step), abs(claim) / NEAR_ZERO - abs(step))
-        return both[0] is not both[1] and alike and all(_has_a_size(D, claim) for D in both)
+        return both[0] is not both[1] and alike and all(has_a_size(D, claim) for D in both)
 
     def _require_reach(self, claim: complex) -> None:
         """Raise ConvergenceError where so large a |σ| needs a mesh that is too long.
@@ -228,12 +223,7 @@ class Verifier:
 
     def _zeros(self, disc: Disc, most: int | None) -> Zeros:
         """The zeros found by the first continuation that is accurate enough."""
-        for continuation in self._continuations[:-1]:
-            try:
-                return zeros_in(continuation, disc, most)
-            except Inaccurate:
-                continue
-        return zeros_in(self._continuations[-1], disc, most)
+        return first_accurate(self._continuations, lambda continuation: zeros_in(continuation, disc, most))[1]
 
     def _neighbour(self, seen: Sighting, empty: float) -> complex | None:
         """The mode that Newton finds between the circle that is empty and that of two digits, which could not be counted."""
@@ -279,21 +269,16 @@ class Verifier:
             mode, _ = examine(self.loose, root, 10.0**-self.digits, atol)
             if mode.converged:
                 return mode
-        mode, _ = examine(self.continuation, root, tight, atol)
+        accurate = self._continuations[self._continuations.index(self.continuation) :]
+        mode = first_accurate(accurate, lambda continuation: _beside_the_spectrum(continuation, root, tight, atol))[1]
         return mode if mode.converged else refine(self.problem, sigma, tight, method=self.method, atol=atol)
 
 
-def _has_a_size(discriminant: Discriminant, claim: complex) -> bool:
-    """Whether D around a claim changes over distances of about |claim|, as it does not next to zeros that lie at 0 against other scales.
-
-    There D′ is constant (one zero), D like a power of σ, flat, or noise.
-    """
-    here = discriminant.with_derivative(claim)
-    change = slope_change(here, discriminant.with_derivative(claim * (1 + NUDGE)))
-    zeros = claim * here.logarithmic_derivative
-    whole = round(zeros.real) if math.isfinite(abs(zeros)) else 0
-    near_zero = whole >= 1 and abs(zeros - whole) < WHOLE_AT_ZERO and abs(change - (whole - 1) * NUDGE) < NOISY_CHANGE * NUDGE
-    noise = change > NOISY_CHANGE and not abs(zeros) > NEAR_ZERO
-    if noise:  # a smooth function would change a thousand times less over so much less
-        noise = slope_change(here, discriminant.with_derivative(claim * (1 + NUDGE * NUDGE))) > NOISY_CHANGE
-    return change > FLAT_CHANGE and abs(zeros) > NUDGE and not noise and not near_zero
+def _beside_the_spectrum(continuation: Continuation, root: Root, tight: float, atol: float) -> Mode:
+    """The mode at a root. Raises OnSpectrum where its error does not tell on which side of the continuous spectrum it lies."""
+    mode, _ = examine(continuation, root, tight, atol)
+    if mode.continuum_distance <= mode.error < math.inf:
+        raise OnSpectrum(
+            f"the continuous spectrum passes the mode at {mode.continuum_distance:.1e}, inside its error bound {mode.error:.1e}"
+        )
+    return mode

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from shootstab.analyses.accuracy import require_accurate
+from shootstab.analyses.accuracy import otherwise, require_accurate
+from shootstab.analyses.error_budget import SAFETY
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.numerus import number_of
 from shootstab.core.regions import Disc
 from shootstab.discriminants.continuation import Branch, Continuation
 from shootstab.problems.protocol import Problem
-from shootstab.roots.search import Search, Zero, find, moments, polish
+from shootstab.roots.search import Search, Zero, find, polish, together
 from shootstab.roots.winding import Limited, Winding, wind
 
 MOST_TO_SEPARATE = 1000  # chosen: evaluations to tell a few zeros in a disc apart, some ten circles' worth; more are spent in noise only
+
+
+MOST_MOVED = 0.5  # derived: the zero of a linear D moves by 2·TOLERATED_CHANGE of the radius, and so by less
+SEEDS = (1, 2)  # chosen: draws of the errors of D, so that none is small by accident
 
 
 class Crowded(ConvergenceError):  # noqa: N818 - it is a finding, not a fault
@@ -49,8 +54,23 @@ def zeros_in(continuation: Continuation, disc: Disc, most: int | None = None) ->
         if winding.count == 0:
             continue
         for zero in _told_apart(continuation.problem, branch, disc, winding):
-            (modes if continuation.own_side(branch, zero.sigma) else resonances).append(zero)
+            own = continuation.own_side(branch, zero.sigma, _error(continuation, branch, zero, disc.radius))
+            (modes if own else resonances).append(zero)
     return Zeros(tuple(modes), tuple(resonances), " and ".join(c.path for c in branches))
+
+
+def _error(continuation: Continuation, branch: Branch, zero: Zero, radius: float) -> float:
+    """The error of a zero in a disc so far as it may put the zero on another side of the continuous spectrum, and 0 where it cannot.
+
+    Where D is accurate to TOLERATED_CHANGE of itself on the circle, and about linear in it, its zero moves by less than half of the radius.
+    Nearer to the spectrum than that it is asked how far D with all errors drawn anew has its zero.
+    """
+    if zero.radius > 0.0 or branch.side == 0 or continuation.distance(zero.sigma) > MOST_MOVED * radius:
+        return zero.radius
+    steps = [
+        otherwise(continuation.problem, branch.discriminant, zero.sigma, seed).with_derivative(zero.sigma).newton_step for seed in SEEDS
+    ]
+    return SAFETY * max(map(abs, steps))
 
 
 def _told_apart(problem: Problem, branch: Branch, disc: Disc, counted: Winding) -> list[Zero]:
@@ -63,7 +83,7 @@ def _told_apart(problem: Problem, branch: Branch, disc: Disc, counted: Winding) 
     except ConvergenceError:
         if counted.count == 1:
             raise
-        return [Zero(moments(counted)[0], counted.count, disc.radius)]
+        return [together(counted, counted.count, disc)]
 
 
 def search_on(problem: Problem, branch: Branch) -> Search:

@@ -54,3 +54,7 @@ def shortened(value: Any, longest: int = QUOTED) -> str:
 
 class Inaccurate(ConvergenceError):  # noqa: N818 - it is a finding, not a fault
     """D on its mesh is not accurate enough for a count of so small a region."""
+
+
+class OnSpectrum(Undecidable, Inaccurate):
+    """A zero of D lies on a continuous spectrum to the error with which it is known; on a finer mesh it may lie beside it."""

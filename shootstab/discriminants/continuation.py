@@ -10,12 +10,13 @@ import math
 from collections import OrderedDict
 from dataclasses import dataclass
 
+from shootstab.core.errors import OnSpectrum
 from shootstab.core.errors import Undecidable as Undecidable
 from shootstab.discriminants.adaptive import MOST_BYTES_KEPT
 from shootstab.discriminants.deformed_path import DeformedPath
 from shootstab.discriminants.method import AdaptiveDiscriminant, MeshedDiscriminant, Meshes, Method
 from shootstab.essential_spectrum.barrier import barrier_of
-from shootstab.essential_spectrum.interior import continuum_of
+from shootstab.essential_spectrum.interior import SINGULAR_SETTLED, continuum_of
 from shootstab.problems.protocol import Problem
 
 NEAR_AXIS = 0.35  # chosen: singular points nearer to the real axis than this, in the scale of the curve, are passed in the complex plane
@@ -24,7 +25,7 @@ DISC_REACH = 0.3  # chosen: the singular points of a disc must stay within this 
 SCALES = math.sqrt(2.0)  # chosen: ratio of the scales that paths have
 REAL = "real"
 SPACING = 0.25  # chosen: distance of the centres that paths of one scale have, in their half width
-ON_CONTINUUM = 1e-9  # chosen: a zero whose singular point is this near to the real line, in the scale of the curve, lies on the spectrum
+SIDE_KNOWN = 10 * SINGULAR_SETTLED  # derived: Im z of a singular point, in the scale of the curve, of which no more than rounding is known
 
 
 @dataclass(frozen=True)
@@ -71,22 +72,24 @@ class Continuation:
         edges = [] if self.continuum is None else [float(self.continuum.sigma.real.max())]
         return max(edges + ([] if self.barrier is None else [self.barrier.rightmost]), default=-math.inf)
 
-    def own_side(self, branch: Branch, zero: complex) -> bool:
-        """Whether a zero of a branch is a mode, and not a resonance on the other side of the continuous spectrum.
+    def own_side(self, branch: Branch, zero: complex, error: float) -> bool:
+        """Whether a zero of a branch, known to this error, is a mode, and not a resonance on the other side of the continuous spectrum.
 
-        Raises Undecidable where the zero lies on the continuous spectrum to rounding.
+        Raises OnSpectrum where the zero lies on the continuous spectrum to its error, Undecidable where its side is not known at all.
         """
         if self.barrier is not None:
-            if self.barrier.distance(zero) == 0.0:
-                raise Undecidable(f"a zero of D lies on {self.barrier.name} at {zero:.12g}")
+            if self.barrier.distance(zero) <= error:
+                raise OnSpectrum(f"a zero of D lies on {self.barrier.name} to its error of {error:.1e}, at {zero:.12g}")
             if self.barrier.beyond(zero):
                 return False
         if branch.side == 0:
             return True
         assert self.continuum is not None
         z = self.continuum.singular_point(zero)
-        if z is None or abs(z.imag) < ON_CONTINUUM * self.continuum.scale(z.real):
-            raise Undecidable(f"a zero of D lies on the continuous spectrum, at {zero:.12g}")
+        if z is None:
+            raise Undecidable(f"the side of the continuous spectrum on which a zero of D lies is not known, at {zero:.12g}")
+        if self.continuum.distance(zero) <= error + SIDE_KNOWN * self.continuum.scale(z.real) * abs(self.continuum.slope(z.real)):
+            raise OnSpectrum(f"a zero of D lies on the continuous spectrum to its error of {error:.1e}, at {zero:.12g}")
         return (z.imag > 0.0) == (branch.side > 0)
 
     def branches(self, centre: complex, radius: float) -> tuple[Branch, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -19,6 +19,11 @@ from shootstab.problems.protocol import ComplexArray, Problem
 CURVE_SAMPLES = 2001  # chosen: samples of the curve; its scale and slope are differences of them
 CURVE_NEWTON_STEPS = 30  # chosen: the most steps of Newton; each is held to half the curve's scale
 SINGULAR_SETTLED = 1e-12  # chosen: the last step to a singular point, in the scale of the curve
+RESOLVED_LENGTH = 0.0625  # chosen: length of segments in a disc, in its radius; one of a curve as bent as the disc is off by 1/2000
+SEGMENT_PARTS = 8  # chosen: into so many a segment is cut that is too long
+CURVE_NOISE = 1e-14  # chosen: segments shorter than this part of σ are the rounding of σ_c
+Z_NOISE = 1e-14  # chosen: heights that differ by less are not told apart
+MOST_SAMPLES = 200_000  # chosen: samples at most; a region so thin and so long that it wants more keeps coarser segments
 SINGULAR_KNOWN = 1e-6  # chosen: the last step with which one is known, where rounding lets it get no smaller
 
 
@@ -35,18 +40,42 @@ class SampledContinuum:
         return complex(self.curve(np.array([z + 0j]))[0])
 
     def nearest(self, sigma: complex) -> tuple[float, float]:
-        """The distance of σ to the curve, and the real height at which it comes so near."""
+        """The distance of σ to the segments between the samples, and the real height at which they come so near."""
         offsets, z = self._offsets(sigma)
         i = offsets.argmin()
         return float(offsets[i]), float(z[i])
 
     def distance(self, sigma: complex) -> float:
-        """The distance of σ to the curve."""
-        return self.nearest(sigma)[0]
+        """The distance of σ to the curve, which between samples may be nearer than their segments, or farther."""
+        curve, last, offset = self, math.inf, self.nearest(sigma)[0]
+        while 0.0 < offset < 0.5 * last:
+            curve, last = curve.resolved(sigma, offset), offset
+            offset = curve.nearest(sigma)[0]
+        return offset
+
+    def resolved(self, centre: complex, radius: float, width: float = math.inf) -> SampledContinuum:
+        """The same curve with so many more samples that segments which a disc may hold are shorter than RESOLVED_LENGTH of its radius.
+
+        width is that of what matters in the disc, if it is thinner. Between samples a curve leaves its segments by much less than their
+        length, which tells those that the disc may hold. Segments as short as the rounding of σ_c stay whole.
+        """
+        shortest = max(RESOLVED_LENGTH * min(radius, width), CURVE_NOISE * (abs(centre) + radius))
+        fine = self
+        while len(fine.z) < MOST_SAMPLES:
+            lengths, rises = np.abs(np.diff(fine.sigma)), np.diff(fine.z)
+            held = fine._offsets(centre)[0] < radius + lengths
+            wide = np.flatnonzero(held & (lengths > shortest) & (rises > Z_NOISE * np.abs(fine.z[1:])))
+            if wide.size == 0:
+                break
+            z = (fine.z[wide, None] + np.outer(rises[wide], np.arange(1, SEGMENT_PARTS) / SEGMENT_PARTS)).ravel()
+            places = np.repeat(wide + 1, SEGMENT_PARTS - 1)
+            sigma = np.insert(fine.sigma, places, self.curve(z.astype(np.complex128)))
+            fine = replace(self, z=np.insert(fine.z, places, z), sigma=sigma)
+        return fine
 
     def passes(self, sigma: complex, radius: float) -> list[float]:
         """One height for each time that the curve comes nearer to σ than radius: of each run of segments, the nearest."""
-        offsets, z = self._offsets(sigma)
+        offsets, z = self.resolved(sigma, radius)._offsets(sigma)
         inside = np.flatnonzero(offsets < radius)
         if inside.size == 0:
             return []

@@ -69,7 +69,7 @@ def _run(steps: Iterator[Step], tolerance: float, most: int) -> Root:
     the way that was gone, or where D has one slope over a step: then the step to the zero would be the last one. Both hold at σ = 0 too.
     Next to a multiple zero noise throws an iterate anywhere: there the one before is kept.
     """
-    best, farthest, before, fold = float("inf"), 0.0, complex("nan"), 1
+    best, way, farthest, before, fold = float("inf"), 0.0, 0.0, complex("nan"), 1  # way: how far the iteration had come at its best step
     for count in range(1, most + 1):
         sigma, step, ahead, change, multiplicity = next(steps)
         length = abs(step)
@@ -77,12 +77,14 @@ def _run(steps: Iterator[Step], tolerance: float, most: int) -> Root:
             return Root(before, max(best, LEAST_D_ERROR ** (1 / multiplicity) * farthest), count, True, multiplicity)
         if not cmath.isfinite(sigma):
             return Root(sigma, float("inf"), count, False)
-        short = best <= STEP_NOISE * max(abs(sigma), farthest) or change <= STEP_NOISE
+        short = best <= STEP_NOISE * way or change <= STEP_NOISE
         if length <= tolerance * abs(sigma) or (short and length >= 0.5 * best):
             return Root(sigma, length, count, True, multiplicity)
         if ahead <= FORESIGHT * tolerance * abs(sigma):
             return Root(sigma, ahead, count, True, multiplicity)
-        best, farthest, before, fold = min(best, length), max(farthest, length), sigma, multiplicity
+        farthest, before, fold = max(farthest, length), sigma, multiplicity
+        if length < best:
+            best, way = length, max(abs(sigma), farthest)
     return Root(sigma, length, most, False)
 
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from shootstab.core.discriminant import Discriminant
 from shootstab.core.division import divisions
-from shootstab.core.errors import ConvergenceError
+from shootstab.core.errors import ConvergenceError, Inaccurate
 from shootstab.core.numerus import number_of
 from shootstab.core.regions import Disc, Region, size
 from shootstab.roots.iterations import newton
@@ -136,7 +136,15 @@ def _search(search: Search, region: Region, counted: Counted, known: list[Zero],
                 raise
         else:
             return [z for part, n in parts for z in _search(search, part, n, known, first)]
-    return [Zero(moments(counted)[0], lacking, size(region))]
+    return [together(counted, lacking, region)]
+
+
+def together(counted: Counted, multiplicity: int, region: Region) -> Zero:
+    """The zeros of a region as one multiple zero, at their mean. Raises Inaccurate where that lies outside: D is noise on the contour."""
+    mean = moments(counted)[0]
+    if not all(abs(mean - corner) <= size(region) for corner in region.hull):
+        raise Inaccurate(f"D is not known well enough near sigma = {region.hull[0]:.6g}: by it {_said(counted)} whose mean lies elsewhere")
+    return Zero(mean, multiplicity, size(region))
 
 
 def _parts(search: Search, region: Region, counted: Counted) -> list[tuple[Region, Counted]]:

@@ -209,10 +209,10 @@ def test_poiseuille_through_the_same_doors() -> None:
     assert st.count(problem, st.Rectangle(1e-4 - 1j, 0.1 + 0.5j)) == 1
 
 
-def test_distances_to_the_continuous_spectrum(scenes: dict[str, ChuteProblem]) -> None:
+def test_distances_to_segments_of_the_continuous_spectrum(scenes: dict[str, ChuteProblem]) -> None:
     bent = SampledContinuum(scenes["fig2"].continuum, np.array([0.0, 1.0, 3.0]), np.array([0, 1, 1 + 1j]))
-    assert bent.distance(0.5 + 0.25j) == pytest.approx(0.25)
-    assert bent.distance(-3 - 4j) == pytest.approx(5.0)
+    assert bent.nearest(0.5 + 0.25j) == pytest.approx((0.25, 0.5))
+    assert bent.nearest(-3 - 4j) == pytest.approx((5.0, 0.0))
     assert bent.nearest(1.5 + 0.5j) == pytest.approx((0.5, 2.0))
     assert continuum_of(PlanePoiseuille()) is None
 

@@ -114,10 +114,10 @@ def test_branches(fig2: ChuteProblem) -> None:
 def test_sides_tell_modes_from_resonances(fig2: ChuteProblem) -> None:
     continuation = Continuation(fig2, Frame(rtol=1e-9))
     below = next(c for c in continuation.branches(sigma_at(fig2, PLACE), 1e-6) if c.side == 1)
-    assert continuation.own_side(below, sigma_at(fig2, PLACE + 0.2j))
-    assert not continuation.own_side(below, sigma_at(fig2, PLACE - 0.2j))
+    assert continuation.own_side(below, sigma_at(fig2, PLACE + 0.2j), 0.0)
+    assert not continuation.own_side(below, sigma_at(fig2, PLACE - 0.2j), 0.0)
     with pytest.raises(Undecidable, match="on the continuous spectrum"):
-        continuation.own_side(below, sigma_at(fig2, PLACE))
+        continuation.own_side(below, sigma_at(fig2, PLACE), 0.0)
 
 
 def test_a_problem_without_continuous_spectrum_has_one_branch_everywhere() -> None:
@@ -146,9 +146,9 @@ def test_a_zero_on_the_continuous_spectrum_of_an_end_is_on_no_side() -> None:
     well = st.problem(2, lambda z: (np.array([[0, 1], [-2 / np.cosh(z) ** 2, 0]]), shift), st.Infinity(), st.Infinity())
     continuation = Continuation(well, Frame(rtol=1e-9))
     branch = continuation.at(0.5)
-    assert continuation.own_side(branch, 1.0)
+    assert continuation.own_side(branch, 1.0, 0.0)
     with pytest.raises(Undecidable, match="a zero of D lies on the continuous spectrum of an end at infinity"):
-        continuation.own_side(branch, -1.0)
+        continuation.own_side(branch, -1.0, 0.0)
 
 
 def test_problems_of_one_flow_and_one_kx_share_the_samples_of_their_continuous_spectrum(scenes) -> None:
