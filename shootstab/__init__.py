@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from shootstab.analyses.count import count
     from shootstab.analyses.critical import critical
     from shootstab.analyses.eigenfunction import eigenfunction
+    from shootstab.analyses.eigenspace import eigenspace
     from shootstab.analyses.find import find
     from shootstab.analyses.prove import prove
     from shootstab.analyses.refine import refine
@@ -79,6 +80,7 @@ _HOMES = {
     "critical": "shootstab.analyses.critical",
     "count_unstable": "shootstab.analyses.unstable",
     "eigenfunction": "shootstab.analyses.eigenfunction",
+    "eigenspace": "shootstab.analyses.eigenspace",
     "find": "shootstab.analyses.find",
     "gallery": "shootstab.models",
     "profile": "shootstab.problems.profile",
@@ -93,7 +95,7 @@ _HOMES = {
 
 _MODULES = ("chute", "gallery", "testing")
 _INSIDE = {"scene": "load"}  # called otherwise in its module
-_ASKED = ("count", "count_unstable", "eigenfunction", "find", "prove", "refine", "trade", "verify")
+_ASKED = ("count", "count_unstable", "eigenfunction", "eigenspace", "find", "prove", "refine", "trade", "verify")
 
 __all__ = [
     "Axis",
@@ -121,6 +123,7 @@ __all__ = [
     "critical",
     "discriminant",
     "eigenfunction",
+    "eigenspace",
     "equations",
     "find",
     "gallery",

@@ -27,7 +27,7 @@ from shootstab.analyses.refine_double import tolerance_for
 from shootstab.core.allowed import MODE_HEIGHTS, RTOL
 from shootstab.core.errors import InputError
 from shootstab.core.records import Budget, Mode
-from shootstab.discriminants.back_substitution import solution
+from shootstab.discriminants.back_substitution import Solution, solution
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.product import Product
 from shootstab.discriminants.shooting import Shooting
@@ -46,7 +46,8 @@ class Eigenfunction:
     """f(z) gives the unknowns by name, with a factor that makes the largest of all their values 1: that of peak = (unknown, z).
 
     |true − shown| ≤ error times the largest value of the unknown, for each unknown and z; budget names the parts of that. conditioning
-    says how sensitive the mode is.
+    says how sensitive the mode is. A function of the basis that a multiple mode has (see eigenspace.py) is 0 at each of
+    zeros, (unknown, z), if there are any, and its error is in parts of the largest value of all unknowns.
     """
 
     mode: Mode
@@ -55,6 +56,7 @@ class Eigenfunction:
     peak: tuple[str, float]
     budget: Budget
     conditioning: Conditioning
+    zeros: tuple[tuple[str, float], ...] = ()
 
     def __repr__(self) -> str:
         return f"Eigenfunction({', '.join(self.names)} at {complex(self.mode.sigma)}, error {self.error:.1e})"
@@ -77,7 +79,10 @@ class Eigenfunction:
     @property
     def normalization(self) -> str:
         """What the free factor is, in words."""
-        return f"{self.peak[0]} = 1 at {self.variable} = {self.peak[1]:.6g}, the largest of all values"
+        one = f"{self.peak[0]} = 1 at {self.variable} = {self.peak[1]:.6g}"
+        if self.zeros:
+            return " and ".join([one, *(f"{name} = 0 at {self.variable} = {z:.6g}" for name, z in self.zeros)])
+        return f"{one}, the largest of all values"
 
     def __call__(self, z: ArrayLike) -> Mapping[str, ComplexArray]:
         """The unknowns by name, each of the shape of z. Raises InputError for a z outside the domain."""
@@ -108,7 +113,12 @@ class Eigenfunction:
         return self.line.left(real_points(z)).conj().reshape(*np.shape(z), -1)
 
     def shift(self, other: Problem) -> complex:
-        """The displacement of the mode, to first order, where the problem becomes another one of the same structure."""
+        """The displacement of the mode, to first order, where the problem becomes another one of the same structure.
+
+        Raises InputError for a multiple mode, whose zeros move apart.
+        """
+        if self.mode.multiplicity > 1:
+            raise InputError(f"the mode at {complex(self.mode.sigma):.12g} is multiple: allowed is a simple one, that moves as one")
         own = self.line.solution.problem
         return -self.line.solution.change(replace(own, whole=other) if isinstance(own, Subsystem) else other)
 
@@ -154,15 +164,20 @@ def eigenfunction_double(
         raise InputError(f"no mode at sigma = {complex(found.sigma):.12g}: {found.status}")
     if found.multiplicity > 1:
         told = f"the mode at {complex(found.sigma):.12g} stands for {found.multiplicity} that are not told apart"
-        raise InputError(f"{told}: allowed is a simple mode, whose eigenfunction is one")
-    sigma = complex(found.sigma)
-    coarse = _shooting(problem, sigma, tolerance_for(rtol))
-    fine = coarse.refined()
-    line = OnTheLine(problem, solution(fine, sigma))
+        raise InputError(f"{told}: allowed is a simple mode; st.eigenspace gives all solutions of this one")
+    coarse = _shooting(problem, complex(found.sigma), tolerance_for(rtol))
+    return eigenfunction_on(problem, found, coarse, coarse.refined(), progress)
+
+
+def eigenfunction_on(
+    problem: Problem, mode: Mode, coarse: Shooting, fine: Shooting, progress: Callable[[int, int], None] | None = None
+) -> Eigenfunction:
+    """The eigenfunction of the simple zero that a subsystem has next to a mode, on a mesh of it and on the halved one."""
     named = unknowns(problem)
-    scaled, peak = _normalized(line, named)
-    parts = Variants(problem, coarse, fine, named, found).budget(progress)
-    return Eigenfunction(found, problem, scaled, peak, parts, conditioning(scaled))
+    right, peak = normalized(OnTheLine(problem, solution(fine, complex(mode.sigma))), named)
+    line = OnTheLine(problem, right.scaled(1.0, 1.0 / right.change_per_sigma))
+    parts = Variants(problem, coarse, fine, named, mode).budget(progress)
+    return Eigenfunction(mode, problem, line, peak, parts, conditioning(line.solution))
 
 
 def _shooting(problem: Problem, sigma: complex, rtol: float) -> Shooting:
@@ -173,8 +188,8 @@ def _shooting(problem: Problem, sigma: complex, rtol: float) -> Shooting:
     return min(whole.members, key=lambda member: abs(member.with_derivative(sigma).newton_step))
 
 
-def _normalized(line: OnTheLine, named: Unknowns) -> tuple[OnTheLine, tuple[str, float]]:
-    """The solutions scaled as `Eigenfunction` says, and where the largest value is."""
+def normalized(line: OnTheLine, named: Unknowns) -> tuple[Solution, tuple[str, float]]:
+    """The solution with a factor that makes the largest of all values 1, and where that is."""
     from scipy.optimize import minimize_scalar
 
     sigma = line.solution.sigma
@@ -193,5 +208,4 @@ def _normalized(line: OnTheLine, named: Unknowns) -> tuple[OnTheLine, tuple[str,
         lambda z: -abs(value(float(z))), bounds=bracket, method="bounded", options={"xatol": POLISHED * (bracket[1] - bracket[0])}
     )
     z = float(best.x) if -best.fun > sizes[place, which] else float(at)
-    scaled = line.solution.scaled(1.0 / value(z), 1.0)
-    return OnTheLine(line.problem, scaled.scaled(1.0, 1.0 / scaled.change_per_sigma)), (named.names[which], z)
+    return line.solution.scaled(1.0 / value(z), 1.0), (named.names[which], z)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from shootstab.cli import commands, figures, mode_in_digits, values
+from shootstab.cli import commands, field_table, figures, mode_in_digits, mode_of_several, values
 from shootstab.core.allowed import MODE_HEIGHTS, MOST_HEIGHTS, MOST_MODE_DIGITS, RTOL
 from shootstab.core.errors import InputError
 from shootstab.io import scenes as scene_files
@@ -18,7 +17,6 @@ if TYPE_CHECKING:
     from shootstab.analyses.eigenfunction_double import Eigenfunction
     from shootstab.analyses.sensitivity import Sensitivity
 
-SMALLEST_PLAIN, LARGEST_PLAIN = 1e-3, 1e5  # chosen: the range in which a number of three figures is shorter without an exponent
 SHOWN_OF_DERIVATIVE = 1e-9  # chosen: a derivative is shown to this part of itself at most
 
 
@@ -56,20 +54,23 @@ def mode(options: Namespace) -> int:
     if convention.conjugate:
         raise InputError("--conjugate: allowed with verify; here give the conjugate guess")
     scene = scene_files.load(options.scene).seen(convention)
-    from shootstab.analyses.eigenfunction import eigenfunction
+    from shootstab.analyses.eigenspace import eigenspace
     from shootstab.analyses.refine import refine
     from shootstab.analyses.sensitivity import sensitivities
     from shootstab.io.notation import as_strings
 
     with progress(f"solving {scene.name}") as told:
         refined = refine(scene.problem, options.guess, options.rtol)
-        found = eigenfunction(scene.problem, refined, options.rtol, told) if refined.converged else None
-    if found is None:
+        solved = eigenspace(scene.problem, refined, options.rtol, told) if refined.converged else None
+    if solved is None:
         from shootstab.cli import tables
         from shootstab.io import documents
 
         commands.answer(options, {"mode": documents.mode(refined)}, lambda: tables.mode(refined, scene), scene)
         return commands.BAD_NEWS
+    if solved.algebraic_multiplicity > 1:
+        return mode_of_several.answer(options, solved, scene, look)
+    (found,) = solved.basis
     with progress(f"drawing {scene.name}" if options.plot is not None else f"evaluating {scene.name}"):
         low, high = options.z or found.extent
         z = np.linspace(low, high, options.points or MODE_HEIGHTS)
@@ -94,8 +95,6 @@ def mode(options: Namespace) -> int:
 
 def _tables(found: Eigenfunction, scene: scene_files.Scene, z: Any) -> list[RenderableType]:
     """What the mode is, then each field: its largest value on these heights, where that is, and its values at both of their ends."""
-    import numpy as np
-
     from shootstab.cli import tables
     from shootstab.io.eigenfunctions import columns
     from shootstab.io.notation import held_complex
@@ -112,12 +111,8 @@ def _tables(found: Eigenfunction, scene: scene_files.Scene, z: Any) -> list[Rend
     }
     if found.kind:
         rows["kind"] = found.kind
-    x = found.variable
-    table = tables.ruled("", "field", "largest value", f"at {x}", f"at {x} = {z[0]:.4g}", f"at {x} = {z[-1]:.4g}", numbered=False)
-    for name, f in columns(found, z).items():
-        place = int(np.abs(f).argmax())
-        held = found.error * abs(f[place])
-        table.add_row(name, _short(f[place], held), f"{z[place]:.4g}", _short(f[0], held), _short(f[-1], held))
+    fields = columns(found, z)
+    table = field_table.table_of(fields, z, found.variable, {name: found.error * float(abs(f).max()) for name, f in fields.items()})
     return [tables.heading(scene), tables.pairs(rows.items()), table, tables.paragraph(f"Values at {len(z)} heights.")]
 
 
@@ -132,17 +127,3 @@ def _slopes(slopes: Sequence[Sensitivity], scene: scene_files.Scene) -> list[Ren
     for s in slopes:
         table.add_row(s.parameter, f"{s.value:g}", held_complex(s.derivative, max(s.error, SHOWN_OF_DERIVATIVE * abs(s.derivative))))
     return [table]
-
-
-def _short(value: complex, error: float) -> str:
-    """Three figures of each part; 0 for a part below the error, and nothing of a real part that is."""
-    x, y = (0.0 if abs(part) <= error else float(part) for part in (value.real, value.imag))
-    if y == 0.0:
-        return _figures(x)
-    return f"{_figures(y)}i" if x == 0.0 else f"{_figures(x)} {'-' if y < 0 else '+'} {_figures(abs(y))}i"
-
-
-def _figures(x: float) -> str:
-    """Three figures, in as few letters as a column of a table has for them."""
-    text = f"{x:.3g}" if x == 0.0 or SMALLEST_PLAIN <= abs(x) < LARGEST_PLAIN else f"{x:.2e}"
-    return re.sub(r"e([-+])0", r"e\1", text)

@@ -14,6 +14,8 @@ from shootstab.core.allowed import MODE_HEIGHTS
 
 if TYPE_CHECKING:
     from shootstab.analyses.eigenfunction_double import Eigenfunction
+    from shootstab.analyses.eigenspace import Eigenspace
+    from shootstab.core.records import Mode
     from shootstab.io.scenes import Scene
 
 REAL_PART, IMAGINARY_PART = "#0072B2", "#D55E00"  # Okabe and Ito's, told apart by the colour-blind
@@ -50,12 +52,35 @@ def draw(found: Eigenfunction, scene: Scene, low: float | None = None, high: flo
         for panel in panels[len(values) :]:
             panel.set_axis_off()
     panels = rows[0]
-    sigma = complex(found.mode.sigma)
-    imaginary = f" {'-' if sigma.imag < 0 else '+'} {abs(sigma.imag):.6g}i" if sigma.imag else ""
-    where = f"{scene.symbol} = {sigma.real:.6g}{imaginary}"
+    where = f"{scene.symbol} = {_number(found.mode)}"
     figure.suptitle(f"{scene.name}: {where}{f', {found.kind}' if found.kind else ''}", fontsize="medium")
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False, fontsize="small")
     return figure
+
+
+def draw_several(found: Eigenspace, scene: Scene, z: NDArray[np.float64], inches: Size | None = None) -> Any:
+    """All functions that belong to a multiple mode, a row for each, at heights z (m,)."""
+    from matplotlib.figure import Figure
+
+    rows = {f"{i}": f(z) for i, f in enumerate(found.basis, 1)} | {f"chain {j}": f(z) for j, f in enumerate(found.chain, 1)}
+    across = len(found.basis[0].names)
+    size = inches or (PANEL_MARGIN + PANEL_WIDTH * max(across, 2), PANEL_HEIGHT * ROW_HEIGHT * len(rows))
+    figure = Figure(figsize=size, layout="constrained")
+    panels = figure.subplots(len(rows), across, sharey="row", squeeze=False)
+    errors = [*(f.error for f in found.basis), *(f.error for f in found.chain)]
+    for line, (name, values), error in zip(panels, rows.items(), errors, strict=True):
+        _fill(line, z, values, max(error, BELOW_ROUNDING))
+        line[0].set_ylabel(f"{name}\n${found.basis[0].variable}$")
+    figure.suptitle(f"{scene.name}: {scene.symbol} = {_number(found.mode)}\n{found.structure}", fontsize="medium")
+    figure.legend(*panels[0][0].get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False, fontsize="small")
+    return figure
+
+
+def _number(mode: Mode) -> str:
+    """σ to six figures, without an imaginary part below its error."""
+    sigma = complex(mode.sigma)
+    imaginary = f" {'-' if sigma.imag < 0 else '+'} {abs(sigma.imag):.6g}i" if abs(sigma.imag) > mode.error else ""
+    return f"{sigma.real:.6g}{imaginary}"
 
 
 def layer(z: NDArray[np.float64], values: Mapping[str, Any]) -> tuple[float, float] | None:
@@ -74,13 +99,13 @@ def layer(z: NDArray[np.float64], values: Mapping[str, Any]) -> tuple[float, flo
     return max(float(z[0]), low - 0.5 * (high - low)), min(float(z[-1]), high + 0.5 * (high - low))
 
 
-def _fill(panels: Any, z: NDArray[np.float64], values: Mapping[str, Any]) -> None:
-    """One panel for each unknown at heights z (m,)."""
+def _fill(panels: Any, z: NDArray[np.float64], values: Mapping[str, Any], nothing_below: float = BELOW_ROUNDING) -> None:
+    """One panel for each unknown at heights z (m,); zero is shown below this part of the largest value of all."""
     from matplotlib.ticker import MaxNLocator
 
     largest = max(float(np.abs(f).max()) for f in values.values())
     for panel, (name, f) in zip(panels, values.items(), strict=True):
-        nothing = np.abs(f).max() <= BELOW_ROUNDING * largest
+        nothing = np.abs(f).max() <= nothing_below * largest
         shown = 0.0 * f if nothing else f
         panel.axvline(0.0, color="0.7", linewidth=0.8, zorder=0)
         panel.plot(shown.real, z, "-", color=REAL_PART, linewidth=1.6, label="real part")

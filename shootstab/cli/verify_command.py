@@ -21,6 +21,7 @@ from shootstab.io.files import write_text
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
+    from shootstab.analyses.eigenfunction_double import Eigenfunction
     from shootstab.analyses.proved_verdicts import ProvedVerdict
     from shootstab.cli.page import Page
     from shootstab.core.progress import Progress
@@ -159,7 +160,7 @@ def _write_tables(options: Namespace, report: Report, scene: scene_files.Scene) 
 
 def _page(report: Report, scene: scene_files.Scene, progress: Progress | None) -> Page:
     """The page, with the modes refined and the eigenfunctions of the fastest growing ones."""
-    from shootstab.analyses.eigenfunction import eigenfunction
+    from shootstab.analyses.eigenspace import eigenspace
     from shootstab.analyses.refine import refine
     from shootstab.cli import page, plane
 
@@ -171,12 +172,12 @@ def _page(report: Report, scene: scene_files.Scene, progress: Progress | None) -
         refined.append(refine(scene.problem, sigma))
         told(len(refined), len(sigmas) + SHAPES)
     modes = [mode for mode in refined if mode.converged]
-    shapes = []
+    shapes: list[Eigenfunction] = []
     left_out = [f"No error budget of the mode at {complex(mode.sigma):.6g}: {mode.status}." for mode in refined if not mode.converged]
     for i, mode in enumerate(modes[:SHAPES]):
         told(len(sigmas) + i, len(sigmas) + SHAPES)
         try:
-            shapes.append(eigenfunction(scene.problem, mode))
+            shapes += eigenspace(scene.problem, mode).basis
         except (InputError, ConvergenceError) as error:
             left_out.append(f"No eigenfunction of the mode at {complex(mode.sigma):.6g}: {error}.")
     if len(modes) > SHAPES:

@@ -110,12 +110,16 @@ class Solution:
     @cached_property
     def change_per_sigma(self) -> complex:
         """The derivative of `change` by σ at the same problem, by the σ-derivative of every step: dD/dσ but for a factor."""
+        return self.change_per_sigma_of(self)
+
+    def change_per_sigma_of(self, other: Solution) -> complex:
+        """The same form of this left solution and of the φ of another solution on the mesh."""
         start = float(self.nodes[0].real)
         dW = slope(self.problem.wall_rows(), self.sigma)
         dF = self.problem.far_frame(start, self.sigma).tangent
-        slopes = step_slopes(self.problem, self.sigma, self.nodes[:-1], np.diff(self.nodes), self.phi[:-1])
+        slopes = step_slopes(self.problem, self.sigma, self.nodes[:-1], np.diff(self.nodes), other.phi[:-1])
         inside = np.einsum("si,si->", self.chi[1:], slopes)
-        return complex(inside + self.wall @ dW @ self.phi[-1] + self.chi[0] @ dF @ self.coefficients)
+        return complex(inside + self.wall @ dW @ other.phi[-1] + self.chi[0] @ dF @ other.coefficients)
 
     def scaled(self, right: complex, left: complex) -> Solution:
         """φ and the left solution times these factors."""
@@ -142,17 +146,63 @@ def solution(shooting: Shooting, sigma: complex) -> Solution:
         sigma += shooting.with_derivative(sigma).newton_step
         if not np.isfinite(sigma):
             raise ConvergenceError("the iteration from the mode to the zero of D on this mesh does not arrive")
-    problem, nodes = shooting.problem, shooting.sampled.nodes
-    M = step_matrices(problem, sigma, nodes[:-1], np.diff(nodes))
-    Q, R = _factored(shooting.far(sigma).frame, M)
-    B = value(problem.wall_rows(), sigma)
-    # rows in the sizes that components have anywhere: those of B Q may vanish at a mode, and so may components at the wall
-    rows = np.abs(B) @ np.max(np.abs(Q), axis=(0, 2))
-    rows[rows == 0.0] = 1.0  # a row with σ in it may vanish at the mode
-    U, _, Vh = np.linalg.svd(B @ Q[-1] / rows[:, None])
-    wall = U[:, -1].conj() / rows
-    phi, chi, coefficients = _substituted(M, Q, R, Vh[-1].conj(), wall @ B)
-    return Solution(problem, sigma, nodes, phi, chi, wall, coefficients, shooting.propagator.rtol)
+    return BoundaryMatrix.of(shooting, sigma).solutions(1)[0]
+
+
+@dataclass(frozen=True, eq=False)
+class BoundaryMatrix:
+    """E(σ) = B Q_N (k, k) on the mesh of a discriminant, whose determinant is D but for a factor, with all that a solution is made of.
+
+    singular_values (k,) rise; they are those of E with every row in the size that its terms have anywhere, as those of B Q_N may vanish at
+    a mode, and so may components at the wall.
+    """
+
+    shooting: Shooting
+    sigma: complex
+    M: ComplexArray
+    Q: list[ComplexArray]
+    R: list[ComplexArray]
+    B: ComplexArray
+    rows: NDArray[np.float64]
+    U: ComplexArray
+    singular_values: NDArray[np.float64]
+    Vh: ComplexArray
+
+    @classmethod
+    def of(cls, shooting: Shooting, sigma: complex) -> BoundaryMatrix:
+        """The boundary matrix of a discriminant at σ."""
+        problem, nodes = shooting.problem, shooting.sampled.nodes
+        M = step_matrices(problem, sigma, nodes[:-1], np.diff(nodes))
+        Q, R = _factored(shooting.far(sigma).frame, M)
+        B = value(problem.wall_rows(), sigma)
+        rows = np.abs(B) @ np.max(np.abs(Q), axis=(0, 2))
+        rows[rows == 0.0] = 1.0  # a row with σ in it may vanish at the mode
+        U, s, Vh = np.linalg.svd(B @ Q[-1] / rows[:, None])
+        return cls(shooting, sigma, M, Q, R, B, rows, U[:, ::-1], s[::-1], Vh[::-1])
+
+    def solutions(self, count: int) -> tuple[Solution, ...]:
+        """Those of the smallest singular values, each with a left solution; for a count of the dimension of the kernel, bases of both."""
+        return tuple(self._solution(self.Vh[i].conj(), self.U[:, i].conj() / self.rows) for i in range(count))
+
+    def near_kernel(self, at_mode: BoundaryMatrix) -> Solution:
+        """φ with B φ_N + b g = 0 and wᴴφ_N = 1, b and w the left and the right singular vector of the smallest singular value at a mode.
+
+        It is analytic in σ, like the number g, which has a zero of the multiplicity of the mode where the kernel has dimension 1: φ is a
+        root function, and the coefficients of its Taylor series are the chain of the mode.
+        """
+        k = len(self.rows)
+        bordered = np.zeros((k + 1, k + 1), dtype=np.complex128)
+        bordered[:k, :k] = self.B @ self.Q[-1] / at_mode.rows[:, None]
+        bordered[:k, k] = at_mode.U[:, 0]
+        bordered[k, :k] = (at_mode.Q[-1] @ at_mode.Vh[0].conj()).conj() @ self.Q[-1]
+        c = np.asarray(np.linalg.solve(bordered, np.eye(k + 1)[k])[:k], dtype=np.complex128)
+        return self._solution(c, at_mode.U[:, 0].conj() / at_mode.rows)
+
+    def _solution(self, c: ComplexArray, wall: ComplexArray) -> Solution:
+        phi, chi, coefficients = _substituted(self.M, self.Q, self.R, c, wall @ self.B)
+        shooting = self.shooting
+        nodes, rtol = shooting.sampled.nodes, shooting.propagator.rtol
+        return Solution(shooting.problem, self.sigma, nodes, phi, chi, wall, coefficients, rtol)
 
 
 def _back_in_order(columns: NDArray[np.complexfloating], order: NDArray[np.intp]) -> ComplexArray:

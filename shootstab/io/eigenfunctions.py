@@ -31,5 +31,10 @@ def document(found: Eigenfunction, z: NDArray[np.float64]) -> dict[str, Any]:
         "conditioning": found.conditioning.as_dict(),
         "kind": found.kind,
         "z": z.tolist(),
-        "fields": {name: {"re": f.real.tolist(), "im": f.imag.tolist()} for name, f in columns(found, z).items()},
+        "fields": parts(columns(found, z)),
     }
+
+
+def parts(fields: Mapping[str, NDArray[np.complex128]]) -> dict[str, dict[str, list[float]]]:
+    """The fields (m,) by name as lists of their real and imaginary parts."""
+    return {name: {"re": f.real.tolist(), "im": f.imag.tolist()} for name, f in fields.items()}

@@ -39,6 +39,33 @@ def test_mode_says_and_writes_the_same(tmp_path: Path, capsys: pytest.CaptureFix
     assert files[2].read_bytes().startswith(b"\x89PNG")
 
 
+BLOCK = """[problem]
+equations = ["d(u,2) = sigma*u + w", "d(w,2) = sigma*w"]
+unknowns = ["u", "w"]
+left = { at = 0, conditions = ["u", "w"] }
+right = { at = 1, conditions = ["u", "w"] }
+"""
+
+
+def test_a_multiple_mode_says_its_multiplicities_and_writes_all_its_functions(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    scene, *files = [tmp_path / name for name in ("block.toml", "mode.csv", "mode.json", "mode.svg")]
+    scene.write_text(BLOCK)
+    asked = ["mode", str(scene), "--guess", "-9.8", "--rtol", "1e-6", "--points", "5"]
+    words = [*asked, "--export", str(files[0]), "--json", str(files[1]), "--plot", str(files[2])]
+    assert cli.main(words) == 0
+    said = capsys.readouterr().out
+    assert "1 independent solution, fewer than 2: defective" in said
+    assert all(len(line) <= 80 for line in said.splitlines())
+    document = json.loads(files[1].read_text())
+    assert (document["geometric_multiplicity"], document["algebraic_multiplicity"]) == (1, 2)
+    rows = list(csv.DictReader(files[0].read_text().splitlines()))
+    assert [float(row["w_chain_1_re"]) for row in rows] == document["chain"][0]["fields"]["w"]["re"]
+    assert document["chain"][0]["fields"]["w"]["re"] == pytest.approx((-np.sin(np.pi * np.linspace(0, 1, 5))).tolist(), abs=1e-6)
+    assert "geometric multiplicity 1, algebraic 2" in files[2].read_text()
+    assert cli.main([*asked, "--sensitivity", "x"]) == cli.BAD_INPUT
+    assert "allowed for a simple mode" in capsys.readouterr().err
+
+
 def test_npz_holds_complex_arrays_and_says_what_they_are(tmp_path: Path) -> None:
     path = tmp_path / "mode.npz"
     assert cli.main(["mode", "benard", "--guess", "3.4", "--export", str(path), "--quiet"]) == 0
