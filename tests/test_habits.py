@@ -115,7 +115,10 @@ def test_a_number_stands_on_the_line_of_its_name() -> None:
 EXACT_INTEGERS, EXACT_FRACTIONS = range(11), (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0)
 STYLE = re.compile(r"linewidths?|(?:framea|a)lpha|marker(?:size|edgewidth)|zorder")  # of a picture: nothing rests on them
 # formulas with numbers of their own, each with its source in the docstring
-FORMULAS = {"models/chute/constitutive.py": "the table of guide/theory.md, and (A 15)"}
+FORMULAS = {
+    "models/chute/constitutive.py": "the table of guide/theory.md, and (A 15)",
+    "checkers/granular_chute.py": "the same, typed again",
+}
 PUBLISHED_DEFAULTS = "models/gallery"  # defaults of its problems: the parameters at which others have published digits
 TABLES = {"kernels/tableau.py"}  # published numbers, a row of a table on each line
 

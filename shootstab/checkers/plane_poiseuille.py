@@ -273,8 +273,8 @@ def length(a: Ball) -> int:  # an integer ≥ |a| in units of the last place
     return abs(a.x) + abs(a.y) + a.r
 
 
-def _fraction(x: Any) -> Fraction:  # the value of an mpmath.iv with two equal ends
-    mantissa, exponent = mp.mpf(x).man_exp
+def _fraction(x: Any) -> Fraction:  # the value of an mpmath.iv with two equal ends, of which mpmath keeps 53 bits if not told otherwise
+    mantissa, exponent = mp.mpf(x, prec=2 * iv.prec).man_exp
     return Fraction(int(mantissa) * (-1 if x < 0 else 1)) * (Fraction(1 << exponent) if exponent >= 0 else Fraction(1, 1 << -exponent))
 
 

@@ -138,7 +138,11 @@ ENCLOSABLE = Capability(
     "enclosable", None, "a proof asks for a problem in closed form or in equations, between ends that are finite or have exponential limits"
 )
 # varied(name)(p): the enclosable problem with another value p, an acb, of the parameter of that name
-VARIED = Capability("varied", None, "parameters vary in problems in equations between finite ends")
+VARIED = Capability(
+    "varied",
+    None,
+    "an interval of a parameter asks for a problem in equations, with conditions at two finite ends: at infinity limits vary too",
+)
 # closed forms whose discriminants multiply to that of the problem, up to a constant
 FACTORS = Capability("factors", (), "this problem is not made of others")
 FAMILY = Capability("family", None, "this problem belongs to no family of problems with parameters: a sweep is over parameters of a family")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from shootstab.models.chute.mode_shape import ModeShape
 from shootstab.models.chute.perturbations import Perturbations
+from shootstab.models.chute.registry import CHUTE, names
 
 if TYPE_CHECKING:  # what most questions do not need is imported when it is asked for
     from shootstab.models.chute.chute_collocation import ChuteCollocation
@@ -41,6 +42,15 @@ class ChuteProblem(Perturbations):
         from shootstab.models.chute.enclosed_problem import ChuteEnclosable
 
         return ChuteEnclosable(self)
+
+    @property
+    def certified(self) -> dict[str, str]:
+        """What shootstab/checkers/granular_chute.py knows the problem by."""
+        flow = self.flow
+        numbers = {name: getattr(flow.chute, name) for name in names(CHUTE, numbers=True)} | {"kx": self.kx, "ky": self.ky}
+        asked = {"far_temperature": flow.far_temperature} if flow.asked_flux is None else {"mass_flux": flow.asked_flux}
+        decimals = {name: repr(float(x)) for name, x in (numbers | asked).items()}
+        return {"name": "granular chute", **decimals, "radial": flow.chute.radial, "wall": flow.chute.wall}
 
     def family(self, names: tuple[str, ...]) -> ChuteFamily:
         """The chutes that differ from this one in these parameters. Raises InputError for names that cannot vary, or not together."""
