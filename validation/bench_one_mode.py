@@ -22,7 +22,7 @@ from shooting_by_scipy import ScipyShooting
 import shootstab as st
 from shootstab.analyses.count import COUNTING
 from shootstab.analyses.cut_region import count_in_region
-from shootstab.analyses.refine_double import find_near
+from shootstab.analyses.root_near import find_near
 from shootstab.discriminants.continuation import Continuation
 from shootstab.models.chute import ChuteProblem
 from shootstab.models.chute import chute_collocation as pseudospectral

@@ -21,13 +21,15 @@ import numpy as np
 from shootstab.analyses.accuracy import Inaccurate, MeshedValue, require_accurate
 from shootstab.core.discriminant import Value
 from shootstab.core.division import BISECTIONS
-from shootstab.core.regions import Disc, Region
+from shootstab.core.regions import Disc, Region, size
+from shootstab.core.scaled import EPSILON
 from shootstab.discriminants.continuation import Branch, Continuation, Undecidable
 from shootstab.essential_spectrum.interior import SampledContinuum
 from shootstab.roots.winding import Legs, change, follow, whole_turns
 
 END_RADIUS = 1e-5  # chosen: radius of the circles around the ends, in the extent of the curve
 OFF = 1e-9  # chosen: how far from a crossing, in t or in z, the two sides are told apart
+ROUNDINGS = 64  # chosen: the same in roundings of σ, for a region so small that its boundary rounds to more
 RIM_OF_END = 16  # chosen: points of such a circle that must all lie in the region
 CLOSURE_SLACK = 1e-2  # chosen: part of a turn, as the legs of the contour meet to OFF only
 
@@ -164,7 +166,8 @@ def _between_crossings(curve: SampledContinuum, region: Region, inside: list[tup
     ts = sorted(region.parameter(curve.at(z)) for part in inside for z in part if z not in ends)
     if not ts:
         return [(0.0, 1.0)]
-    return [(a + OFF, b - OFF) for a, b in pairwise([*ts, ts[0] + 1.0])]
+    off = max(OFF, ROUNDINGS * EPSILON * max(map(abs, region.hull)) / size(region))
+    return [(a + off, b - off) for a, b in pairwise([*ts, ts[0] + 1.0])]
 
 
 def ends_inside(curve: SampledContinuum, region: Region) -> list[tuple[Disc, complex]]:

@@ -8,23 +8,22 @@ import time
 from dataclasses import is_dataclass, replace
 from typing import Any
 
-from shootstab.analyses.affordable import Affordable, WanderedOff
 from shootstab.analyses.error_budget import budget
-from shootstab.analyses.multiple import cluster, count_in, multiple, told_apart
+from shootstab.analyses.multiple import cluster, multiple, told_apart
+from shootstab.analyses.root_near import searches
 from shootstab.core.allowed import DOUBLE_DIGITS, LEAST_MODE_RTOL, RTOL
-from shootstab.core.discriminant import Discriminant
 from shootstab.core.errors import ConvergenceError, Inaccurate, InputError, OnSpectrum
 from shootstab.core.records import CONVERGED, Budget, Mode
 from shootstab.core.regions import Disc
 from shootstab.core.scaled import EPSILON
 from shootstab.discriminants.continuation import Branch, Continuation
 from shootstab.discriminants.frame import Frame
-from shootstab.discriminants.method import AdaptiveDiscriminant, Method
+from shootstab.discriminants.method import Method
 from shootstab.discriminants.recent import continuation_of
 from shootstab.problems.protocol import Problem
-from shootstab.roots.iterations import LEAST_D_ERROR, Root, muller, newton
-from shootstab.roots.search import Zero, moments
-from shootstab.roots.separation import SMALLEST_DISTANCE, Surroundings, separation, surroundings
+from shootstab.roots.iterations import LEAST_D_ERROR, Root, newton
+from shootstab.roots.search import Zero
+from shootstab.roots.separation import SMALLEST_DISTANCE, neutral, separation, surroundings
 from shootstab.roots.winding import count_around
 
 TIGHTEST = 1e-13  # measured (validation/calibration.py): the local error below which rounding takes over
@@ -38,7 +37,6 @@ WIDEST_PROOF = 1e-2  # chosen: the circle of the proof at most, in the larger of
 NO_ZERO = 1e-2  # chosen: Newton's step, in |σ|, from a σ that is no zero of D itself
 LEFT = 1e-3  # chosen: what iterations may leave, in the accuracy asked for
 NEUTRAL = 1e-12  # chosen: the accuracy of a mode at 0 in the scale of D there; four digits above the rounding of a double
-COUNTED_AROUND = (1e-3, 4e-3, 1.6e-2)  # chosen: radii, in |σ|, of circles in which zeros are counted where no iteration arrives at one
 LARGEST_GUESS = 1e100  # chosen: squares of σ are doubles, and so are those of ten thousand times as large ones
 UNKNOWN = Budget(math.inf, math.inf, math.inf, math.inf, math.inf)
 
@@ -90,21 +88,19 @@ def finite(guess: Any) -> complex:
 def _attempt(problem: Problem, guess: complex, rtol: float, method: Method, atol: float | None) -> tuple[Mode, int, bool]:
     """One search with one tolerance, the number of evaluations, and whether a smaller tolerance may do better."""
     continuation = continuation_of(problem, method)
-    discriminant = continuation.along(guess)[0]
-    before = discriminant.evaluations
-    try:
+    told: list[ConvergenceError] = []
+    evaluations = 0
+    for search in searches(continuation, guess, LEFT * rtol):
+        before = search.discriminant.evaluations
         try:
-            root = find_near(Affordable(discriminant, guess), guess, LEFT * rtol)
-        except ConvergenceError:
-            found = _counted_near(discriminant, guess, LEFT * rtol) or _among_noise(discriminant, guess)
-            if found is None:
-                raise
-            root = found
-        mode, evaluations = examine(continuation, root, rtol, atol)
-    except ConvergenceError as error:
-        lost = Mode(guess, math.inf, UNKNOWN, f"not converged: {error}", method.name, 0, 0.0)
-        return lost, discriminant.evaluations - before, isinstance(error, Inaccurate)
-    return mode, evaluations + discriminant.evaluations - before, math.isfinite(mode.error)
+            mode, count = examine(continuation, search.root(), rtol, atol)
+            if search.means(mode.sigma):
+                return mode, evaluations + count + search.discriminant.evaluations - before, math.isfinite(mode.error)
+        except ConvergenceError as error:
+            told.append(type(error)(str(error)))  # another one: what was raised holds every mesh that it was raised from
+        evaluations += search.discriminant.evaluations - before
+    lost = Mode(guess, math.inf, UNKNOWN, f"not converged: {told[0]}", method.name, 0, 0.0)
+    return lost, evaluations, isinstance(told[0], Inaccurate)
 
 
 def tolerance_for(rtol: float) -> float:
@@ -118,47 +114,6 @@ def tightened(method: Method) -> Method | None:
     if rtol is None or rtol <= TIGHTEST or not is_dataclass(method) or isinstance(method, type):
         return None
     return replace(method, rtol=max(TIGHTENED * rtol, TIGHTEST))
-
-
-def find_near(discriminant: Discriminant, guess: complex, tolerance: float) -> Root:
-    """Newton from the guess; Muller if that fails.
-
-    Raises ConvergenceError if both do.
-    """
-    try:
-        root = newton(discriminant, guess, tolerance)
-    except WanderedOff:
-        root = None
-    if root is None or not root.converged:
-        root = muller(discriminant, guess, tolerance)
-    if not root.converged:
-        raise ConvergenceError(f"neither Newton nor Muller arrives anywhere from {guess:.6g}; the last step was {root.step:.1e}")
-    return root
-
-
-def _counted_near(discriminant: AdaptiveDiscriminant, guess: complex, tolerance: float) -> Root | None:
-    """The zero nearest to the guess in the first circle around it that holds any, by its moments (see roots.search); None without one.
-
-    Where D varies like e^{gσ}, as between far walls, iterations arrive from within 1/|g| only; a count does not see such a factor.
-    """
-    for size in COUNTED_AROUND if guess != 0 else ():
-        disc = Disc(guess, size * abs(guess))
-        try:
-            counted = count_in(discriminant.around(guess, disc.radius), disc)
-        except ConvergenceError:
-            return None  # D is noise, or too steep for so wide a circle
-        if counted.count > 0:
-            root = newton(discriminant, min(moments(counted)[1], key=lambda zero: abs(zero - guess)), tolerance)
-            return root if root.converged and disc.contains(root.sigma) else None
-    return None
-
-
-def _among_noise(discriminant: Discriminant, guess: complex) -> Root | None:
-    """Zeros so near to the guess that iterations find noise only: as many as are seen from afar, to be counted; None for fewer than two."""
-    around = surroundings(discriminant, guess)
-    if around.multiplicity < 2:
-        return None
-    return Root(guess, max(abs(guess), neutral(around, LEAST_D_ERROR)), 0, True, around.multiplicity)
 
 
 def examine(continuation: Continuation, root: Root, rtol: float, atol: float | None = None) -> tuple[Mode, int]:
@@ -275,11 +230,6 @@ def several(continuation: Continuation, zero: Zero, rtol: float, atol: float | N
     if not zeros:
         return [multiple(continuation, found, rtol, atol or 0.0)]
     return [_simple(continuation, Root(one, 0.0, 0, True), rtol, atol, alone=True)[0] for one in zeros]
-
-
-def neutral(around: Surroundings, accuracy: float) -> float:
-    """The distance accuracy^(1/m)·scale by which a relative error of D of this accuracy moves m zeros next to 0, one if there is none."""
-    return float(accuracy ** (1 / max(1, around.multiplicity)) * around.scale)
 
 
 def _status(count: int, radius: float, sigma: complex, error: float, distance: float, allowed: float) -> str:

@@ -12,7 +12,7 @@ from shootstab.analyses.accuracy import first_accurate, known_at
 from shootstab.analyses.claim_size import NEAR_ZERO, NOISY_CHANGE, has_a_size
 from shootstab.analyses.claims import NEAR_DIGITS, radius_of
 from shootstab.analyses.refine import refine
-from shootstab.analyses.refine_double import NEUTRAL, examine, neutral, several
+from shootstab.analyses.refine_double import NEUTRAL, examine, several
 from shootstab.analyses.zeros import Crowded, Zeros, zeros_in
 from shootstab.core.errors import ConvergenceError, OnSpectrum
 from shootstab.core.records import CONTINUUM, UNRESOLVED, Mode
@@ -22,7 +22,7 @@ from shootstab.discriminants.method import Method
 from shootstab.problems.protocol import Problem
 from shootstab.roots.iterations import Root
 from shootstab.roots.search import Zero
-from shootstab.roots.separation import surroundings
+from shootstab.roots.separation import neutral, surroundings
 
 SMALLER_CIRCLE = 3.0  # chosen: the radius of a circle over which D cannot be continued, over that of the next smaller one
 FIRST_CHANGE = 2.5  # chosen: change of ln D over the radius of the first circle around a claim, a few samples' worth

@@ -21,7 +21,7 @@ import mpmath
 
 from shootstab.analyses import reference
 from shootstab.analyses.refine import refine
-from shootstab.analyses.refine_double import find_near
+from shootstab.analyses.root_near import find_near
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.progress import MILLISECONDS, Progress
 from shootstab.discriminants.method import Method

@@ -132,6 +132,11 @@ class Continuation:
         side = 1 if z.imag > 0.0 else -1
         return *self._beside(z.real, side), side
 
+    def across(self, sigma: complex) -> AdaptiveDiscriminant | None:
+        """D continued to σ from the other side of the continuous spectrum next to it; None where no path passes there."""
+        z = None if self.continuum is None else self.continuum.singular_point(sigma)
+        return None if z is None else self._beside(z.real, -1 if z.imag > 0.0 else 1)[0]
+
     def _require_one_pass(self, centre: complex, radius: float, passes: list[float]) -> None:
         assert self.continuum is not None
         curve = self.continuum

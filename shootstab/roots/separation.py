@@ -88,3 +88,8 @@ def surroundings(discriminant: Discriminant, centre: complex) -> Surroundings:
         before, distance = whole, TENFOLD * distance
     seen = found.multiplicity > 0 and abs(centre) + distance < LARGEST_LOOK
     return found if seen else Surroundings(0, empty, empty)
+
+
+def neutral(around: Surroundings, accuracy: float) -> float:
+    """The distance accuracy^(1/m)·scale by which a relative error of D of this accuracy moves m zeros next to 0, one if there is none."""
+    return float(accuracy ** (1 / max(1, around.multiplicity)) * around.scale)

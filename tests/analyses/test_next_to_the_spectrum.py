@@ -107,3 +107,21 @@ def test_a_search_that_runs_away_is_ended() -> None:
     D = Continuation(with_zero_at(curve(X - 1e-8j)), st.Frame(rtol=1e-10)).along(guess)[0]
     with pytest.raises(WanderedOff, match=r"the search from 0\.129156-0\.380633j wandered off, to 1\.1e\+15"):
         newton(Affordable(D, guess), guess, 1e-10)
+
+
+def test_a_guess_on_the_wrong_side_of_the_spectrum_means_the_mode_across() -> None:
+    """D itself has no zero at such a guess, and its continuation from where the mode lies has."""
+    sigma = curve(X + 1e-8j)
+    mode = st.refine(with_zero_at(sigma), guess=curve(X - 1e-6j), rtol=1e-9)
+    assert mode.converged
+    assert abs(mode.sigma - sigma) < mode.error < 1e-10
+
+
+def test_a_boundary_that_rounds_to_more_than_where_the_curve_crosses_it_is_followed() -> None:
+    """A disc of 1e-8 of σ has a boundary of eight digits: nearer than that the sides of a crossing are not told apart."""
+    rng = np.random.default_rng(3)
+    sigma = curve(X - 5e-9j)
+    problem = with_zero_at(sigma)
+    for angle in rng.uniform(0.0, 2 * np.pi, 6):
+        disc = Disc(sigma + 5e-9 * np.exp(1j * angle), 1.1e-8)
+        assert st.count(problem, disc) == 0
