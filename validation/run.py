@@ -18,7 +18,7 @@ import time
 from pathlib import Path
 
 from paper import SCRIPTS
-from paper.rows import load
+from paper.rows import load, processor_time
 
 # random_chutes.py and fuzz_pencils.py are searches for faults, not yet claims: they run by themselves, and what they find is open
 CLAIMS = (
@@ -85,13 +85,14 @@ def main() -> int:
         names = [*CLAIMS, *groups["paper"], *(SECONDS if options.quick else ())]
     failed = []
     for name in names:
-        began = time.perf_counter()
+        began, spent = time.perf_counter(), processor_time()
         if not checked(name, options.quick, options.again):
             failed.append(name)
-        print(f"{name}: {time.perf_counter() - began:.1f} s", flush=True)
+        print(f"{name}: {time.perf_counter() - began:.1f} s, {processor_time() - spent:.1f} s of processor", flush=True)
     if options.write:
         importlib.import_module("paper.table").write()
-    print(f"\n{len(names) - len(failed)} of {len(names)} hold" + (f"; not: {', '.join(failed)}" if failed else ""))
+    told = f"{len(names) - len(failed)} of {len(names)} hold" + (f"; not: {', '.join(failed)}" if failed else "")
+    print(f"\n{told}; {processor_time():.0f} s of processor in all")
     return bool(failed)
 
 

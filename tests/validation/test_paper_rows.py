@@ -207,5 +207,5 @@ def test_a_neutral_curve_runs_between_the_points_of_the_grid() -> None:
     assert sigma[1, 0].real > 0
     below = figure3.followed_below(flow, kx, ky, sigma)
     assert below[2, 0] == pytest.approx(complex(st.refine(st.chute.problem(flow, 0.050, 0.0), guess=-0.002 - 0.0605j).sigma).real, rel=1e-4)
-    grid = figure3.GrownGrid(kx, ky, np.nan_to_num(sigma.real), len(below), 6, 6)
+    grid = figure3.GrownGrid(kx, ky, np.nan_to_num(sigma.real), sigma, figure3.FLOOR, len(below), 6, 6)
     assert (grid.side, grid.enclosed) == ("k_y = 0", True)

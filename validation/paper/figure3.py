@@ -1,8 +1,8 @@
 """Figure 3 and section 3.2: growth rates of the three flows at Q0 = 3 over k_x and k_y, and their most unstable wavenumbers.
 
-At every point of the grid all modes that grow at least half as fast as the dominant one are counted, so that dominance, or that nothing
-grows, is proved there. The most unstable wavenumbers are found by maximization of Re σ to eight digits, and checked by the adjoint:
-Re ∂σ/∂k vanishes there.
+At every point of the grid all modes that grow at least half as fast as the dominant one are counted by the argument principle, so that
+none grows faster there, or none above the floor where nothing grows; between the points nothing is counted. The most unstable wavenumbers
+are found by maximization of Re σ to eight digits, and checked by the adjoint: Re ∂σ/∂k vanishes there.
 """
 
 from __future__ import annotations
@@ -96,11 +96,14 @@ class GrownGrid:
     """max Re σ (n, m) over k_x (n,) and k_y (m,), and in how many of its points the modes were counted.
 
     Beyond a neutral curve it is Re σ < 0 of the mode that grows at the next point, and 0 where none was followed so far.
+    sigma (n, m): the dominant modes, NaN where nothing grows above the floor, of which this is the highest.
     """
 
     kx: np.ndarray
     ky: np.ndarray
     rates: np.ndarray
+    sigma: np.ndarray
+    floor: float
     followed: int
     counted: int
     total: int
@@ -136,8 +139,11 @@ class GrownGrid:
         i, j = self.best
         largest = f"{self.rates.max():.5f} at ({self.kx[i]:.3g}, {self.ky[j]:.3g})"
         along = [f"along {name} growing up to {_last(k, r)}" for name, k, r in self.along]
-        said = f"on a grid of {len(self.kx)} by {len(self.ky)} points, largest {largest}; {', '.join(along)}; "
-        return said + f"beyond them {self.followed} modes are followed to Re σ < 0"
+        grow = int((~np.isnan(self.sigma)).sum())
+        said = f"on a grid of {len(self.kx)} by {len(self.ky)} points, largest {largest}; {', '.join(along)}; at {self.counted} of "
+        said += f"{self.total} points counts say that no mode grows faster: something grows at {grow}, at the others nothing above "
+        said += f"{self.floor:.0e}; "
+        return said + f"next to those that grow {self.followed} modes are followed to Re σ < 0"
 
     @property
     def along(self) -> tuple[tuple[str, np.ndarray, np.ndarray], ...]:
@@ -163,7 +169,8 @@ def grown_grid(flow: Any, extent: tuple[float, float], intervals: int) -> GrownG
     for place, rate in beyond.items():
         rates[place] = rate
     counted, total = (sum(f(part) for part in parts) for f in (lambda p: p.summary["counted"], lambda p: len(p.grid)))
-    return GrownGrid(kx, ky, rates, len(beyond), counted, total)
+    floor = max((o.floor for part in parts for _, o in part.rows() if o.sigma is None and o.floor is not None), default=FLOOR)
+    return GrownGrid(kx, ky, rates, sigma, floor, len(beyond), counted, total)
 
 
 def followed_below(flow: Any, kx: np.ndarray, ky: np.ndarray, sigma: np.ndarray) -> dict[tuple[int, int], float]:

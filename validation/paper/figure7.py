@@ -16,12 +16,13 @@ from figure8 import branch
 from scenes import problem
 
 import shootstab as st
-from paper.figure3 import fill_contours, grown_grid
+from paper.figure3 import GrownGrid, fill_contours, grown_grid
 from paper.figures456 import shape
 from paper.pictures import BLUE, ORANGE, panels, save
 from paper.rows import Item, Reproduction, Row, write_csv
 from shootstab.models.chute.mode_shape import CLUSTERING, VORTEX_FORMING
 from shootstab.models.chute.stability import STABLE, UNSTABLE, stability
+from shootstab.models.chute.steady_flow import Flow
 
 TAN = 0.3  # published: figure 7
 GRAINS = {"e": 0.8, "e_w": 0.8, "r": 0.6}
@@ -29,7 +30,7 @@ TEMPERATURES = np.geomspace(0.08, 20.0, 22)  # chosen: T_∞ of the flows; high,
 QUICK = TEMPERATURES[::7]  # chosen
 # chosen: T_∞ of panel (b) and k_x, k_y up to which; nothing grows at the edges
 PANELS = {15.0: (0.0075, 0.02), 4.0: (0.014, 0.042), 0.5: (0.025, 0.04)}
-INTERVALS = 5  # chosen: along each axis of panel (b)
+INTERVALS = 6  # chosen: along each axis of panel (b)
 
 
 @dataclass(frozen=True)
@@ -164,7 +165,9 @@ def kinds(quick: bool) -> Row:
         Case("its most unstable mode", CLUSTERING, shape("low").kind, 0.0),
     )
     counted = {kind: sum(f.kind == kind for f in found) for kind in (VORTEX_FORMING, CLUSTERING)}
-    said = f"of the {sum(counted.values())} growing modes of the curve {counted[VORTEX_FORMING]} are vortex-forming"
+    said = (
+        f"of the {sum(counted.values())} growing modes that make flows of the curve unstable {counted[VORTEX_FORMING]} are vortex-forming"
+    )
     if monotonic:
         said += f"; monotonic and vortex-forming: T∞ = {', '.join(f'{f.sample.far_temperature:.3g}' for f in monotonic)}"
     return Row(
@@ -185,16 +188,27 @@ def panel_b(far_temperature: float, quick: bool) -> Row:
     figure, axes = panels(1, 1, (5.6, 4.6))
     fill_contours(figure, axes[0, 0], grid)
     figure.suptitle(f"Figure 7b: T∞ = {far_temperature:g}, $Q_0$ = {flow.mass_flux:.3g}", fontsize="medium")
+    found = {place: kind_of(flow, grid, place) for place in map(tuple, np.argwhere(~np.isnan(grid.sigma)).tolist())}
+    turning = sum(kind == VORTEX_FORMING for kind in found.values())
+    kinds = [found.get(place, "") for place in np.ndindex(grid.rates.shape)]
     stem = f"figure7b-{far_temperature:g}"
-    files = (save(figure, f"{stem}.png"), write_csv(f"{stem}.csv", grid.columns))
+    files = (save(figure, f"{stem}.png"), write_csv(f"{stem}.csv", {**grid.columns, "kind": kinds}))
     return Row(
         f"figure 7b, T∞ = {far_temperature:g}, Q0 = {flow.mass_flux:.4g}",
         "3.3, figure 7b",
         "the cross-slope instability at high temperature and downslope instability at low temperature",
         grid.said,
         cases,
+        note=f"of the {len(found)} modes that grow {turning} are vortex-forming, {len(found) - turning} clustering; the fastest of them is "
+        f"{found[grid.best]}",
         figures=files,
     )
+
+
+def kind_of(flow: Flow, grid: GrownGrid, place: tuple[int, int]) -> str:
+    """The kind of the dominant mode at one point of a grid, by the rule of figure 6."""
+    p = st.chute.problem(flow, float(grid.kx[place[0]]), float(grid.ky[place[1]]))
+    return str(st.eigenfunction(p, complex(grid.sigma[place]), rtol=1e-6).kind)
 
 
 REPRODUCTION = Reproduction(

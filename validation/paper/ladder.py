@@ -1,7 +1,8 @@
 """A discrete mode brought to the continuous spectrum, rung by rung, by moving k_x: what QZ, shooting and many digits say of it.
 
 On the mid flow one mode crosses σ_c(z) between k_x = 0.011 and 0.1. With σ_c(z) = σ at a complex z, Im z is its signed offset; it is
-zero at k_x*, to which the ladder goes down.
+zero at k_x*, to which the ladder goes down. It begins at 1e-2: beyond k_x = 0.16 this mode meets the curve again, and is never farther from
+it than by about that part of |σ|. Distances of the size of |σ| are those of the modes of figure 3.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from shootstab.models.chute import chute_collocation as chute
 from shootstab.models.chute.chute_problem import ChuteProblem
 
 SCENE, BEGIN, GUESS = "mid", 0.05, -1.22 - 0.277j  # chosen: k_x from which the mode is followed, and a mode there to two digits
-RUNGS = (1e-2, 1e-4, 1e-6, 1e-7)  # chosen: distances to the curve over |σ|; from 1e-8 on a zero is told to lie on the curve
+RUNGS = (1e-2, 1e-4, 1e-6, 1e-7, 1e-8, 1e-10)  # chosen: distances to the curve over |σ|
 RUNGS_QUICK = (1e-2, 1e-6)
 TRUNCATIONS, TRUNCATIONS_QUICK = (100, 200, 400), (100, 200)  # chosen: halves and doubles of a typical M
 NEAR = 1e-2  # chosen: the part of |σ| within which other eigenvalues of the matrices are counted

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import page
@@ -29,7 +30,14 @@ def table(of: Sequence[Reproduction] | None = None, results: Path = RESULTS) -> 
         lines += [_line(stored[item.key]) if item.key in stored else _not_yet(reproduction, item) for item in reproduction.items]
         figures = dict.fromkeys(name for entry in stored.values() for name in entry.row.figures if name.endswith(".png"))
         lines += ["", *(f"![{name.removesuffix('.png')}](paper/figures/{name})" for name in figures), ""]
-    return "\n".join(lines)
+    return "\n".join([*lines, _sum([load(r.name, results) for r in (reproductions() if of is None else of)])])
+
+
+def _sum(stored: Sequence[Mapping[str, Stored]]) -> str:
+    """How many rows there are, with what verdicts, and their seconds in all."""
+    rows = [entry.row for entries in stored for entry in entries.values()]
+    verdicts = ", ".join(f"{n} {verdict}" for verdict, n in sorted(Counter(row.verdict for row in rows).items()))
+    return f"{len(rows)} rows: {verdicts or 'none'}. Their seconds are {sum(row.seconds for row in rows):.0f} in all."
 
 
 def _origin(reproduction: Reproduction, stored: Sequence[Stored]) -> str:
