@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from shootstab.core.errors import InputError
+from shootstab.core.errors import InputError, shortened
 from shootstab.core.numerus import number_of
 from shootstab.core.records import CONFIRMED, INACCURATE, SPURIOUS, UNRESOLVED, Mode, Verdict, digits_between
 
@@ -34,8 +34,8 @@ def finite_claims(eigenvalues: Any) -> list[complex]:
     for i, value in enumerate(given, 1):
         try:
             claims.append(complex(value))
-        except (TypeError, ValueError):
-            raise InputError(f"eigenvalue {i} is {value!r}: allowed is a finite number") from None
+        except (TypeError, ValueError, OverflowError):
+            raise InputError(f"eigenvalue {i} is {shortened(value)}: allowed is a finite number") from None
         if not cmath.isfinite(claims[-1]):
             raise InputError(f"eigenvalue {i} is {claims[-1]}: allowed is a finite number")
     if not claims:

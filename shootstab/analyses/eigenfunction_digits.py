@@ -20,6 +20,7 @@ import mpmath
 from shootstab.analyses.eigenfunction_double import Eigenfunction, eigenfunction_double
 from shootstab.analyses.refine_digits import CHANGE_SAFETY, DIGIT_ATTEMPTS, SPARE_TO_DIGITS, as_far_off, in_digits, refine_digits
 from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.given import require_whole
 from shootstab.core.progress import TOTAL, Progress
 from shootstab.core.records import Budget, Mode
 from shootstab.kernels.step_control import FLOOR
@@ -93,8 +94,7 @@ def eigenfunction_digits(
     Raises InputError for a mode that stands for several, or a problem without a formulation for many digits, ConvergenceError where the
     digits are not reached. arithmetic is that of refine_digits.
     """
-    if digits < 1:
-        raise InputError(f"digits = {digits}: allowed is 1 or more")
+    require_whole("digits", digits, 1)
     rough = eigenfunction_double(problem, mode)
     inner, unit = UNSCALED.of(problem) or (problem, 1.0)
     guess, numbers = complex(rough.mode.sigma), choose(arithmetic)

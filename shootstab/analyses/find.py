@@ -16,6 +16,7 @@ from shootstab.analyses.resonances import find_resonances
 from shootstab.analyses.zeros import MOST_TO_SEPARATE, accurate_count
 from shootstab.core.allowed import FINDING_RTOL, LEAST_MODE_RTOL
 from shootstab.core.errors import ConvergenceError
+from shootstab.core.given import require_rtol
 from shootstab.core.numerus import number_of
 from shootstab.core.progress import StepDone
 from shootstab.core.records import Mode
@@ -64,6 +65,7 @@ def find(
     What lies within counted.left_out, around ends of the continuous spectrum, is not looked for. Raises Undecidable or ConvergenceError
     where the region as a whole cannot be counted.
     """
+    require_rtol(rtol, LEAST_MODE_RTOL)
     require_atol(atol)
     continuation, zeros, whole = find_modes(Continuation(problem, method_named(method, SEARCHING) or Frame(rtol=SEARCHING)), region)
     within = max(KNOWN_WITHIN * size(region), LEAST_MODE_RTOL * max(map(abs, region.hull)))

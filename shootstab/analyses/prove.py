@@ -19,6 +19,7 @@ from shootstab.analyses.proof import Decimals, Proof
 from shootstab.analyses.refine import refine
 from shootstab.core.allowed import MOST_PROOF_DIGITS, PROOF_DIGITS
 from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.given import complex_of, require_above_0, require_whole
 from shootstab.core.progress import Progress
 from shootstab.core.regions import Rectangle
 from shootstab.multiprecision.arithmetic import exact
@@ -36,8 +37,7 @@ def prove(problem: Problem, guess: complex, digits: int = PROOF_DIGITS) -> Proof
 
     Raises InputError for a problem that has no enclosure, ConvergenceError where the mode is not found or the inequality does not hold.
     """
-    if not 1 <= digits <= MOST_PROOF_DIGITS:
-        raise InputError(f"digits = {digits}: allowed is 1 to {MOST_PROOF_DIGITS}")
+    require_whole("digits", digits, 1, MOST_PROOF_DIGITS)
     forms, began = factors(problem), perf_counter()
     mode = refine(problem, guess)
     if not mode.converged:
@@ -59,9 +59,8 @@ def prove_disc(problem: Problem, centre: complex, radius: float, alone: bool = F
 
     With alone the largest disc about the same centre is found in which there are as many. Raises ConvergenceError where none is proved.
     """
-    if not 0.0 < radius < math.inf:
-        raise InputError(f"radius = {radius!r}: allowed is a finite number above 0")
-    at = complex(centre)
+    require_above_0("radius", radius)
+    at = complex_of("centre", centre)
     return around(factors(problem), (repr(at.real), repr(at.imag)), repr(float(radius)), alone)
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from shootstab.core.allowed import LEAST_TRUNCATION, MOST_TRUNCATION
-from shootstab.core.errors import InputError, ShootstabError
+from shootstab.core.errors import ShootstabError
+from shootstab.core.given import require_whole
 from shootstab.problems.capabilities import PSEUDOSPECTRAL, Pseudospectral
 from shootstab.problems.protocol import ComplexArray, Problem
 from shootstab.spectral.qz import Spectrum
@@ -20,8 +21,7 @@ def spectrum(problem: Problem, M: int | None = None, filtered: bool = True) -> S
     Raises InputError for a problem that has no bundled reference.
     """
     M = TRUNCATION if M is None else M
-    if not LEAST_TRUNCATION <= M <= MOST_TRUNCATION:
-        raise InputError(f"M = {M}: allowed is {LEAST_TRUNCATION} to {MOST_TRUNCATION}")
+    require_whole("M", M, LEAST_TRUNCATION, MOST_TRUNCATION)
     twin: Pseudospectral = PSEUDOSPECTRAL.required(problem)
     found: Spectrum = twin.spectrum(M, filtered)
     return found

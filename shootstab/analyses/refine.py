@@ -8,8 +8,9 @@ from typing import Any
 
 from shootstab.analyses.refine_double import finite, refine_double, tolerance_for
 from shootstab.analyses.zeros import zeros_in
-from shootstab.core.allowed import DOUBLE_DIGITS, GUESS_RADIUS, RTOL
+from shootstab.core.allowed import DOUBLE_DIGITS, GUESS_RADIUS, LEAST_MODE_RTOL, RTOL
 from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.given import require_rtol, require_whole
 from shootstab.core.records import Mode
 from shootstab.core.regions import Disc
 from shootstab.discriminants.continuation import Continuation
@@ -42,9 +43,9 @@ def refine(
     """
     guess = finite(guess)
     if digits is None:
+        require_rtol(rtol, LEAST_MODE_RTOL)
         return _placed(problem, guess, refine_double(problem, guess, rtol, method_named(method, tolerance_for(rtol)), atol))
-    if digits < 1:
-        raise InputError(f"digits = {digits}: allowed is 1 or more")
+    require_whole("digits", digits, 1)
     if digits <= DOUBLE_DIGITS:
         rtol = 10.0**-digits
         return _placed(problem, guess, refine_double(problem, guess, rtol, method_named(method, tolerance_for(rtol)), atol))

@@ -18,6 +18,7 @@ import mpmath
 from shootstab.analyses.refine_double import UNKNOWN, refine_double
 from shootstab.core.allowed import GUESS_RADIUS, MOST_DIGITS
 from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.given import require_whole
 from shootstab.core.progress import StageClock, TimedProgress
 from shootstab.core.records import CONVERGED, Budget, Mode
 from shootstab.multiprecision.arithmetic import Arithmetic
@@ -64,8 +65,7 @@ def refine_digits(problem: Problem, guess: Any, digits: int, progress: TimedProg
         inner, unit = unscaled
         return _in_other_units(inner, unit, guess, digits, progress, arithmetic)
     began = perf_counter()
-    if not 1 <= digits <= MOST_DIGITS:
-        raise InputError(f"digits = {digits}: allowed is 1 to {MOST_DIGITS}")
+    require_whole("digits", digits, 1, MOST_DIGITS)
     guess, numbers, problem_in_digits = complex(guess), choose(arithmetic), in_digits(problem)
     seed = refine_double(problem, guess, rtol=START)
     if not seed.converged and not seed.error <= ROUGHEST_SEED * abs(seed.sigma):

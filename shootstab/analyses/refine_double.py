@@ -13,6 +13,7 @@ from shootstab.analyses.multiple import cluster, multiple, told_apart
 from shootstab.analyses.root_near import searches
 from shootstab.core.allowed import DOUBLE_DIGITS, LEAST_MODE_RTOL, RTOL
 from shootstab.core.errors import ConvergenceError, Inaccurate, InputError, OnSpectrum
+from shootstab.core.given import complex_of, require_real, require_rtol
 from shootstab.core.records import CONVERGED, Budget, Mode
 from shootstab.core.regions import Disc
 from shootstab.core.scaled import EPSILON
@@ -51,8 +52,7 @@ def refine_double(problem: Problem, guess: Any, rtol: float = RTOL, method: Meth
     """
     began = time.perf_counter()
     guess = near = finite(guess)
-    if not LEAST_MODE_RTOL <= rtol < 1.0:
-        raise InputError(f"rtol = {rtol!r}: allowed is a number from {LEAST_MODE_RTOL:g} to 1")
+    require_rtol(rtol, LEAST_MODE_RTOL)
     require_atol(atol)
     tried: Method = method or Frame(rtol=tolerance_for(rtol))
     evaluations = 0
@@ -71,15 +71,13 @@ def refine_double(problem: Problem, guess: Any, rtol: float = RTOL, method: Meth
 
 def require_atol(atol: float | None) -> None:
     """Raise InputError for an atol that is no finite number ≥ 0."""
-    if atol is not None and not 0.0 <= atol < math.inf:
-        raise InputError(f"atol = {atol!r}: allowed is a finite number from 0 on, in the units of sigma, or None")
+    if atol is not None:
+        require_real("atol", atol, lambda a: a >= 0.0, "a finite number from 0 on, in the units of sigma, or None")
 
 
 def finite(guess: Any) -> complex:
     """The guess as a complex number. Raises InputError where it is not finite, or too large."""
-    number = complex(guess)
-    if not cmath.isfinite(number):
-        raise InputError(f"guess = {number}: allowed is a finite number")
+    number = complex_of("guess", guess)
     if abs(number) > LARGEST_GUESS:
         raise InputError(f"guess = {number:.6g}: allowed is a number up to {LARGEST_GUESS:.0e} in size")
     return number

@@ -21,6 +21,7 @@ from shootstab.analyses.cut_region import RegionCount
 from shootstab.core.allowed import GROWTH_FLOOR, LARGEST_FLOOR
 from shootstab.core.discriminant import Discriminant
 from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.given import require_floor
 from shootstab.core.regions import Rectangle
 from shootstab.discriminants.continuation import Continuation, Undecidable
 from shootstab.discriminants.frame import Frame
@@ -101,8 +102,7 @@ def count_unstable(problem: Problem, floor: float = GROWTH_FLOOR, method: Method
     Raises Undecidable where the essential spectrum reaches beyond the floor, ConvergenceError where no radius is found beyond which D
     follows its law of growth.
     """
-    if not 0.0 < floor < LARGEST_FLOOR:
-        raise InputError(f"floor = {floor!r}: allowed is a number above 0 and below {LARGEST_FLOOR:g}")
+    require_floor(floor)
     used = method or UNSTABLE_COUNTING
     continuation = Continuation(problem, used)
     if continuation.rightmost > floor:

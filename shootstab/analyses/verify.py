@@ -29,7 +29,8 @@ from shootstab.analyses.refine_double import TIGHTEST, require_atol
 from shootstab.analyses.unstable import count_unstable
 from shootstab.analyses.verifier import Sighting, Verifier
 from shootstab.core.allowed import DOUBLE_DIGITS, GROWTH_FLOOR, VERDICT_DIGITS
-from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.errors import ConvergenceError
+from shootstab.core.given import require_whole
 from shootstab.core.numerus import number_of
 from shootstab.core.progress import Progress, StageClock
 from shootstab.core.records import UNRESOLVED, Mode, Report, Verdict
@@ -75,8 +76,7 @@ def verify(
     the region.
     """
     claims = finite_claims(eigenvalues)
-    if not 1 <= digits <= DOUBLE_DIGITS:
-        raise InputError(f"digits = {digits}: allowed is 1 to {DOUBLE_DIGITS}")
+    require_whole("digits", digits, 1, DOUBLE_DIGITS)
     wish = require_missing(missing, region)
     require_atol(atol)
     tolerance = max(10.0 ** -(digits + EXTRA_DIGITS), TIGHTEST)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from shootstab.core.errors import InputError
+from shootstab.core.errors import InputError, shortened
+from shootstab.core.given import is_complex, is_real
 
 SIDES = 12  # chosen: sides of the polygon that stands for the hull of a disc
 
@@ -50,8 +52,9 @@ class Disc:
     radius: float
 
     def __post_init__(self) -> None:
-        if not (cmath.isfinite(self.centre) and 0.0 < self.radius < math.inf):
-            raise InputError(f"disc with centre {self.centre} and radius {self.radius}: allowed are finite numbers, the radius above 0")
+        if not (is_complex(self.centre) and is_real(self.radius) and self.radius > 0.0):
+            told = f"disc with centre {shortened(self.centre)} and radius {shortened(self.radius)}"
+            raise InputError(f"{told}: allowed are finite numbers, the radius above 0")
 
     @property
     def corners(self) -> tuple[float, ...]:
@@ -83,9 +86,10 @@ class Rectangle:
     upper_right: complex
 
     def __post_init__(self) -> None:
-        a, b = complex(self.lower_left), complex(self.upper_right)
-        if not (cmath.isfinite(a) and cmath.isfinite(b) and a.real < b.real and a.imag < b.imag):
-            raise InputError(f"rectangle from {a} to {b}: allowed are finite corners, lower left first, upper right second")
+        a, b = self.lower_left, self.upper_right
+        if not (is_complex(a) and is_complex(b) and a.real < b.real and a.imag < b.imag):
+            told = f"rectangle from {shortened(a)} to {shortened(b)}"
+            raise InputError(f"{told}: allowed are finite corners, lower left first, upper right second")
 
     @property
     def vertices(self) -> tuple[complex, ...]:
@@ -123,8 +127,10 @@ class Polygon:
     points: tuple[complex, ...]
 
     def __post_init__(self) -> None:
+        if not isinstance(self.points, Iterable) or not all(map(is_complex, self.points)):
+            raise InputError(f"polygon {shortened(self.points)}: allowed are finite numbers as corners")
         points = tuple(complex(p) for p in self.points)
-        if len(points) < 3 or not all(cmath.isfinite(p) for p in points) or _area(points) == 0.0:
+        if len(points) < 3 or _area(points) == 0.0:
             raise InputError(f"polygon {points}: allowed are three or more finite corners that are not on one line")
         object.__setattr__(self, "points", points if _area(points) > 0.0 else points[::-1])
 

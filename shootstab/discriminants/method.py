@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
@@ -11,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.discriminant import Discriminant, Value
-from shootstab.core.errors import InputError
+from shootstab.core.errors import InputError, shortened
+from shootstab.core.given import is_real
 from shootstab.discriminants.cells import Cell
 from shootstab.discriminants.deformed_path import DeformedPath
 from shootstab.discriminants.sampled_system import SampledSystem
@@ -160,5 +160,5 @@ class Method(Protocol):
 def require_tolerance(method: Propagator) -> None:
     """Raise InputError unless local errors can be held to the method's rtol: what a method does before anything else."""
     rtol = method.rtol
-    if not (isinstance(rtol, int | float) and math.isfinite(rtol) and LEAST_RTOL <= rtol <= LARGEST_RTOL):
-        raise InputError(f"rtol = {rtol!r} of the method: allowed is a number from {LEAST_RTOL:.1e} to {LARGEST_RTOL:g}")
+    if not (is_real(rtol) and LEAST_RTOL <= rtol <= LARGEST_RTOL):
+        raise InputError(f"rtol = {shortened(rtol)} of the method: allowed is a number from {LEAST_RTOL:.1e} to {LARGEST_RTOL:g}")

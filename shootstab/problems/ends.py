@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from shootstab.core import polynomial
-from shootstab.core.errors import InputError
+from shootstab.core.errors import InputError, shortened
+from shootstab.core.given import is_real
 from shootstab.problems.protocol import GENERIC_SIGMA, ComplexArray
 
 WALLS = {-1: "left", 1: "right"}  # words for the sides
@@ -67,8 +68,8 @@ class Infinity:
     limit: tuple[ArrayLike, ...] | None = None
 
     def __post_init__(self) -> None:
-        if self.start is not None and not 0.0 < self.start < math.inf:
-            raise InputError(f"Infinity has start = {self.start!r}: allowed is a finite number above 0, the |z| to begin at")
+        if self.start is not None and not (is_real(self.start) and self.start > 0.0):
+            raise InputError(f"Infinity has start = {shortened(self.start)}: allowed is a finite number above 0, the |z| to begin at")
 
 
 @dataclass(frozen=True, eq=False)

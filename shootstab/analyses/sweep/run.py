@@ -20,7 +20,7 @@ from shootstab.analyses.sweep.store import Store
 from shootstab.analyses.sweep.walk import WalkSettings, walk
 from shootstab.analyses.sweep.workers import on_cluster, serially
 from shootstab.core.allowed import COUNT_EVERY, GROWTH_FLOOR, MOST_WORKERS, SWEEP_DIGITS
-from shootstab.core.errors import InputError
+from shootstab.core.given import require_whole
 from shootstab.core.progress import Progress
 from shootstab.core.records import UNRESOLVED
 from shootstab.problems.capabilities import FAMILY, Family
@@ -113,8 +113,8 @@ def sweep(
     cannot be written.
     """
     family_of = FAMILY.required(problem)
-    if workers is not None and not 1 <= workers <= MOST_WORKERS:
-        raise InputError(f"workers = {workers}: allowed is 1 to {MOST_WORKERS}")
+    if workers is not None:
+        require_whole("workers", workers, 1, MOST_WORKERS)
     settings = WalkSettings(digits, every, floor)
     family = family_of(tuple(axes))
     grid = SweepGrid.of(axes, family)

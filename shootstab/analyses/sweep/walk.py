@@ -17,8 +17,9 @@ from shootstab.analyses.sweep.dominance import SAME_MODE, DominantModes, count_d
 from shootstab.analyses.sweep.following import ARRIVED, LOST, FollowedMode, follow, land
 from shootstab.analyses.sweep.grid import GridLine
 from shootstab.analyses.sweep.outcomes import FOLLOWED, NONE_GROWS, PROVED, Outcome
-from shootstab.core.allowed import COUNT_EVERY, GROWTH_FLOOR, LARGEST_FLOOR, MOST_EVERY, MOST_SWEEP_DIGITS, SWEEP_DIGITS
-from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.allowed import COUNT_EVERY, GROWTH_FLOOR, MOST_EVERY, MOST_SWEEP_DIGITS, SWEEP_DIGITS
+from shootstab.core.errors import ConvergenceError
+from shootstab.core.given import require_floor, require_whole
 from shootstab.core.records import UNRESOLVED
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.method import AdaptiveDiscriminant
@@ -40,12 +41,9 @@ class WalkSettings:
     floor: float = GROWTH_FLOOR
 
     def __post_init__(self) -> None:
-        if not 1 <= self.digits <= MOST_SWEEP_DIGITS:
-            raise InputError(f"digits = {self.digits}: allowed is 1 to {MOST_SWEEP_DIGITS}")
-        if not 1 <= self.every <= MOST_EVERY:
-            raise InputError(f"every = {self.every}: allowed is 1 to {MOST_EVERY}")
-        if not 0.0 < self.floor < LARGEST_FLOOR:
-            raise InputError(f"floor = {self.floor!r}: allowed is a number above 0 and below {LARGEST_FLOOR:g}")
+        require_whole("digits", self.digits, 1, MOST_SWEEP_DIGITS)
+        require_whole("every", self.every, 1, MOST_EVERY)
+        require_floor(self.floor)
 
 
 @dataclass

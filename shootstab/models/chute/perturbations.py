@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
+from shootstab.core.given import require_real
 from shootstab.models.chute import first_order_system as system
 from shootstab.models.chute.background import Background
 from shootstab.models.chute.family import with_base_flow_error
@@ -59,8 +60,7 @@ class Perturbations:
 
     def __post_init__(self) -> None:
         for name, value in (("kx", self.kx), ("ky", self.ky)):
-            if not math.isfinite(value):
-                raise InputError(f"{name} = {value!r}: allowed is a finite number")
+            require_real(name, value, lambda _: True, "a finite number")
         if self.kx == 0.0 and self.ky == 0.0:
             raise InputError("kx = 0 and ky = 0: allowed is any pair but this one, at which nothing decays")
 

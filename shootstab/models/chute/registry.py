@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from shootstab.core.errors import InputError, shortened
+from shootstab.core.given import require_real
 
 RADIAL = ("lun-savage", "carnahan-starling")  # their order is the number by which compiled code knows them
 WALL_FORMS = ("printed", "isotropic")
@@ -63,8 +64,8 @@ class Parameter:
         if self.choices:
             if value not in self.choices:
                 raise InputError(f"{self.name} = {shortened(value)}: allowed is one of {', '.join(self.choices)}")
-        elif not self.holds(value):
-            raise InputError(f"{self.name} = {shortened(value)}: allowed is {self.allowed}")
+        else:
+            require_real(self.name, value, self.holds, self.allowed)
 
 
 def _positive(x: float) -> bool:

@@ -12,7 +12,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from shootstab.core.errors import InputError
+from shootstab.core.errors import InputError, shortened
+from shootstab.core.given import is_complex
 from shootstab.problems.protocol import ComplexArray
 
 VelocityProfile = Callable[[ComplexArray], tuple[ComplexArray, ComplexArray]]  # U, U″ at points
@@ -50,5 +51,5 @@ def velocities(alpha: complex, size: int = 4) -> dict[str, ComplexArray]:
 def require_positive(**values: complex) -> None:
     """Raise InputError unless every value is finite with a real part above 0."""
     for name, value in values.items():
-        if not (0.0 < complex(value).real < np.inf and np.isfinite(value)):
-            raise InputError(f"{name} = {value!r}: allowed is a finite number above 0")
+        if not (is_complex(value) and value.real > 0.0):
+            raise InputError(f"{name} = {shortened(value)}: allowed is a finite number above 0")

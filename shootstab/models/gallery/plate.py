@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from shootstab.core.errors import InputError
+from shootstab.core.given import require_real
 from shootstab.models.catalogue.plate import MALIK_CASES, RANKINES
 from shootstab.models.gallery.orr_sommerfeld import require_positive
 from shootstab.models.gallery.plate_flow import AIR_GAMMA, Gas, PlateFlow, plate_flow
@@ -140,5 +141,5 @@ def _dense(
 
 def _require(reynolds: float, second: float, **others: float) -> None:
     require_positive(reynolds=reynolds, **others)
-    if not STOKES <= second < MOST_VISCOSITY:
-        raise InputError(f"second = {second!r}: allowed is -2/3 (Stokes) or more, and below {MOST_VISCOSITY:g}, in units of the viscosity")
+    allowed = f"-2/3 (Stokes) or more, and below {MOST_VISCOSITY:g}, in units of the viscosity"
+    require_real("second", second, lambda s: STOKES <= s < MOST_VISCOSITY, allowed)

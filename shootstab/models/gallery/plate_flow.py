@@ -20,7 +20,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from shootstab.core.errors import InputError, NoFlowError
+from shootstab.core.errors import NoFlowError
+from shootstab.core.given import require_above_0, require_real
 from shootstab.core.scaled import TINY
 from shootstab.models.catalogue.plate import RANKINES
 from shootstab.problems.base_flow_error import off_by
@@ -57,14 +58,11 @@ class Gas:
 
     def __post_init__(self) -> None:
         for name in ("mach", "far_temperature", "prandtl"):
-            if not 0.0 < getattr(self, name) < np.inf:
-                raise InputError(f"{name} = {getattr(self, name)!r}: allowed is a finite number above 0")
-        if not 0.0 <= self.sutherland < np.inf or not 1.0 < self.gamma < LARGEST_GAMMA:
-            raise InputError(
-                f"sutherland = {self.sutherland!r}, gamma = {self.gamma!r}: allowed are 0 or more, and 1 < gamma < {LARGEST_GAMMA:g}"
-            )
-        if self.wall is not None and not 0.0 < self.wall < np.inf:
-            raise InputError(f"wall = {self.wall!r}: allowed is a finite number above 0, or none for an adiabatic wall")
+            require_above_0(name, getattr(self, name))
+        require_real("sutherland", self.sutherland, lambda s: s >= 0.0, "a finite number from 0 on")
+        require_real("gamma", self.gamma, lambda g: 1.0 < g < LARGEST_GAMMA, f"a number above 1 and below {LARGEST_GAMMA:g}")
+        if self.wall is not None:
+            require_real("wall", self.wall, lambda w: w > 0.0, "a finite number above 0, or none for an adiabatic wall")
 
     def viscosity(self, T: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
         """μ = T^{3/2} (1 + s)/(T + s), s = S/T_∞, with dμ/dT and d²μ/dT², each (m,) as T is."""

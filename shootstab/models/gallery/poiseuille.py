@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
+from shootstab.core.given import require_above_0
 from shootstab.core.regions import Rectangle
 from shootstab.models.gallery.orr_sommerfeld import CLAMPED, REGION_MARGIN, orr_sommerfeld, require_positive, velocities
 from shootstab.models.gallery.poiseuille_collocation import PoiseuilleCollocation
@@ -40,8 +41,7 @@ class PlanePoiseuille:
 
     def __post_init__(self) -> None:
         for name, value in (("reynolds", self.reynolds), ("alpha", self.alpha)):
-            if not 0.0 < value < math.inf:
-                raise InputError(f"{name} = {value!r}: allowed is a finite number above 0")
+            require_above_0(name, value)
 
     @property
     def size(self) -> int:
