@@ -133,12 +133,16 @@ def bound(discriminant: AdaptiveDiscriminant) -> tuple[float, float]:
 
     Raises ConvergenceError, before long, where none is found.
     """
-    radius, work = SMALLEST_RADIUS, 0
+    radius, work, without = SMALLEST_RADIUS, 0, ""
     while radius <= LARGEST_RADIUS:
         departures = []
         for factor in OUTWARDS:
-            departures.append(departure_from_law(discriminant, radius * factor))
-            work += len(ANGLES) * discriminant.at(radius * factor).steps
+            try:
+                departures.append(departure_from_law(discriminant, radius * factor))
+                work += len(ANGLES) * discriminant.at(radius * factor).steps
+            except ConvergenceError as error:  # an arc that ends on the continuous spectrum, say: farther out are others
+                departures.append(math.inf)
+                without = f" ({error})"
             if not departures[-1] < LAW or work > MOST_WORK:
                 break
         if len(departures) == len(OUTWARDS) and max(departures) < LAW:
@@ -148,7 +152,7 @@ def bound(discriminant: AdaptiveDiscriminant) -> tuple[float, float]:
         radius *= 4.0
     raise ConvergenceError(
         f"no bound on |sigma| of growing modes is known: D does not follow its law of growth, ln D = 2A sigma^(1/2) + B ln sigma, "
-        f"up to |sigma| = {radius:.2g}; modes can be counted in a region that is named"
+        f"up to |sigma| = {radius:.2g}{without}; modes can be counted in a region that is named"
     )
 
 

@@ -237,8 +237,8 @@ def _over_knots(nodes: ComplexArray, errors: NDArray[np.float64]) -> float:
 def _overlooked(before: Shooting, after: Shooting, sigma: complex) -> NDArray[np.float64]:
     """Knots in the steps whose errors did not fall with the order of the method when they were cut: narrow features, say.
 
-    The steps with the largest errors are looked at, in a problem that may have knots. Every coefficient is raised by its largest value on
-    the mesh: what rounds as that does, as 1 − tanh² where it vanishes, is noise and no row of knots.
+    The steps with the largest errors are looked at, in a problem that may have knots. Every coefficient is raised by twice its largest size
+    on the mesh: what rounds as that size does, as 1 − tanh² where it vanishes, is noise and no row of knots, and nothing cancels.
     """
     problem, nodes = after.problem, after.sampled.nodes
     first = np.flatnonzero(np.isin(nodes[:-1], before.sampled.nodes[:-1]))
@@ -257,7 +257,7 @@ def _overlooked(before: Shooting, after: Shooting, sigma: complex) -> NDArray[np
 
     if not len(worst):
         return np.zeros(0)
-    largest = np.abs(coefficients(nodes.real)).max(axis=0)
+    largest = 2.0 * np.abs(coefficients(nodes.real)).max(axis=0)
 
     def raised(t: NDArray[np.float64]) -> ComplexArray:
         return np.asarray(coefficients(t) + largest)

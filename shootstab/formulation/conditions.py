@@ -66,7 +66,7 @@ def rows_of(end: End, side: str, names: Names) -> tuple[tuple[tuple[str, Equatio
     denominators: list[tuple[str, Expression]] = []
     for i, formula in enumerate(end.conditions, 1):
         where = f"{side} condition {i}"
-        row, found = row_of(names.expression(formula, where), where)
+        row, found = row_of(names.expression(formula, where), where, names.text)
         rows.append((where, row))
         denominators += found
     return tuple(rows), tuple(denominators)

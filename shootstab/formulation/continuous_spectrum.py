@@ -15,6 +15,7 @@ from shootstab.formulation.domain import ZERO_TOLERANCE, Domain
 from shootstab.formulation.evaluation import on_arrays
 from shootstab.formulation.expression import Expression, number, quotient
 from shootstab.formulation.first_order import FirstOrder
+from shootstab.formulation.names import Names
 from shootstab.formulation.system import SIGMA, coefficients, degree, shown
 from shootstab.problems.protocol import ComplexArray
 
@@ -102,7 +103,7 @@ class InteriorSpectrum:
         return [*known, *found.T]
 
 
-def interior_spectrum(first: FirstOrder, domain: Domain, variable: str) -> InteriorSpectrum:
+def interior_spectrum(first: FirstOrder, domain: Domain, names: Names) -> InteriorSpectrum:
     """Raises InputError where C is singular at a point whatever σ is: the order of the equations changes there."""
     determinant = first.determinant
     highest = max(determinant, default=0)
@@ -110,12 +111,15 @@ def interior_spectrum(first: FirstOrder, domain: Domain, variable: str) -> Inter
         raise InputError("the highest derivatives are dependent: allowed are equations that determine those of all unknowns")
     places = [domain.zero(c) for c in determinant.values()]
     if all(place is not None for place in places) and len(determinant) == 1:
-        singular = dict.fromkeys(name for row in first.leading for name, c in row.items() if domain.zero(c) is not None)
-        orders = {name: 1 + max(order for at, order in first.states if at == name) for name in singular}
-        told = ", ".join(shown(jet) for jet in orders.items()) or "the highest derivatives"
+        singular = {(i, name) for i, row in enumerate(first.leading) for name, c in row.items() if domain.zero(c) is not None}
+        if not singular:  # no coefficient vanishes by itself, but rows with several of them become dependent
+            singular = {(i, name) for i, row in enumerate(first.leading) for name in row if len(row) > 1}
+        orders = {name: 1 + max(order for at, order in first.states if at == name) for name in sorted({name for _, name in singular})}
+        equations = dict.fromkeys(first.leading_names[i] for i in sorted({i for i, _ in singular}))
+        told = f"{', '.join(shown(jet) for jet in orders.items())} in {', '.join(equations)}"
         raise InputError(
-            f"the order of the equations changes at {variable} = {places[0]:.4g}, where {determinant[highest]} vanishes, or has a "
-            f"pole, that multiplies {told}: allowed is a domain without such a point inside"
+            f"the order of the equations changes at {names.variable} = {places[0]:.4g}, where {names.text(determinant[highest])} vanishes, "
+            f"or has a pole, that multiplies {told}: allowed is a domain without such a point inside"
         )
     single = True
     if highest > 1:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import re
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import partial
@@ -12,6 +11,7 @@ from shootstab.formulation.base_flow import highest_derivatives
 from shootstab.formulation.base_solution import found_values, limit_of
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
 from shootstab.formulation.continuous_spectrum import InteriorSpectrum
+from shootstab.formulation.constraints import constraints
 from shootstab.formulation.dispersion import FlowLimit, dispersion_relation, free_name, zero_in_sigma
 from shootstab.formulation.expression import VARIABLE, Expression, number
 from shootstab.formulation.joint_conditions import rows_over_states
@@ -24,7 +24,6 @@ from shootstab.formulation.system import EquationRow, coefficients, degree, show
 from shootstab.problems.ends import INFINITIES
 
 Lines = list[tuple[str, str]]
-LONGEST_SHOWN = 400  # chosen: characters of a formula that are shown
 
 
 def explanation(
@@ -36,14 +35,7 @@ def explanation(
     """Pairs of a heading and what belongs to it; formulas in the user's names, parameters by their values."""
     names, first = statement.names, layers[0].first_order
 
-    def text(expression: Expression) -> str:
-        found = str(expression)
-        for ours, theirs in (("sigma", names.eigenvalue), ("z", names.variable)):
-            found = _renamed(found, ours, theirs)
-        return found if len(found) <= LONGEST_SHOWN else found[:LONGEST_SHOWN] + " …"
-
-    def row_text(row: EquationRow) -> str:
-        return " + ".join(f"({text(c)})*{shown(at)}" for at, c in sorted(row.items()))
+    text, row_text = names.text, names.row_text
 
     def condition_text(condition: Condition) -> str:
         return row_text({first.states[j]: c for j, c in condition.items()}) + " = 0"
@@ -65,6 +57,9 @@ def explanation(
         lines += [("base flow", told) for told in found_values(statement.base, names.variable)]
     for flux, row in first.fluxes.items():
         lines.append(("flux", f"{flux} = {row_text(row)}, a state in place of a division"))
+    for at, others, factor in constraints(statement.system, first):
+        over = "" if factor == number(1) else f" / ({text(factor)})"
+        lines.append(("constraint", f"{shown(at)} = [{row_text(others) or '0'}]{over}, by the equations and their derivatives"))
     states = {name for name, _ in first.states}
     for name, ((_, top), row) in first.rules.items():
         if name not in states and top == 0:
@@ -146,7 +141,3 @@ def _pole(denominator: Expression, names: Names, text: Callable[[Expression], st
     if set(powers) <= {0, 1}:
         place = f"{names.eigenvalue} = {text(-powers.get(0, number(0)) / powers[1])}"
     return f"at {place}{along} what is written has no meaning, and a zero of D is no eigenvalue"
-
-
-def _renamed(text: str, ours: str, theirs: str) -> str:
-    return text if ours == theirs else re.sub(rf"\b{ours}\b", theirs, text)

@@ -27,7 +27,8 @@ class FirstOrder:
     """states: ψ, each an unknown (or a flux) with the order of its derivative; C and D by their non-zero entries, polynomials in σ.
 
     rules give what is no state: row = 0 holds, and finds the jet that it is filed under. fluxes are the unknowns that were introduced.
-    factors: what equations were multiplied by that may vanish somewhere, with the names of the equations.
+    factors: what equations were multiplied by that may vanish somewhere, with the names of the equations. leading: the coefficients of the
+    highest derivatives, and leading_names the equations that these rows came from.
     """
 
     states: tuple[Jet, ...]
@@ -37,6 +38,7 @@ class FirstOrder:
     fluxes: Mapping[str, EquationRow]
     factors: tuple[tuple[Expression, str], ...]
     leading: tuple[dict[str, Expression], ...]
+    leading_names: tuple[str, ...]
     vanishing: Vanishing
 
     @property
@@ -89,7 +91,9 @@ def first_order(system: System, vanishing: Vanishing, regular: Callable[[Express
     C: ExpressionEntries = {(i, i): number(1) for (name, k), i in at.items() if k + 1 < tops[name]}
     D: ExpressionEntries = {(i, i + 1): number(1) for (name, k), i in at.items() if k + 1 < tops[name]}
     leading: list[dict[str, Expression]] = []
-    for name, row in zip(names, _in_order(reduction, names, tops), strict=True):
+    ordered = _in_order(reduction, names, tops)
+    leading_names = tuple(where for where, _ in ordered)
+    for name, (_, row) in zip(names, ordered, strict=True):
         place = at[name, tops[name] - 1]
         leading.append({other: row[other, tops[other]] for other in names if (other, tops[other]) in row})
         for other, c in leading[-1].items():
@@ -99,7 +103,7 @@ def first_order(system: System, vanishing: Vanishing, regular: Callable[[Express
                 D[place, at[jet]] = -c
     _free_of_sigma(C, D, vanishing, regular)
     rules = {jet[0]: (jet, row) for jet, row in (*reduction.rules, *_solved(reduction, names, tops))}
-    return FirstOrder(states, C, D, rules, reduction.fluxes, tuple(reduction.factors), tuple(leading), vanishing)
+    return FirstOrder(states, C, D, rules, reduction.fluxes, tuple(reduction.factors), tuple(leading), leading_names, vanishing)
 
 
 def _free_of_sigma(C: ExpressionEntries, D: ExpressionEntries, vanishing: Vanishing, regular: Callable[[Expression], bool]) -> None:
@@ -131,8 +135,8 @@ def _free_of_sigma(C: ExpressionEntries, D: ExpressionEntries, vanishing: Vanish
                             entries[r, j] = left
 
 
-def _in_order(reduction: Reduction, names: list[str], tops: dict[str, int]) -> list[EquationRow]:
-    """The rows so that each has its own unknown's highest derivative, alone with the factor 1 where it is a number that stands there."""
+def _in_order(reduction: Reduction, names: list[str], tops: dict[str, int]) -> list[tuple[str, EquationRow]]:
+    """The rows, with the names of the equations they came from, so that each has its own unknown's highest derivative, alone with the factor 1 where it is a number that stands there."""
     price = np.full((len(names), len(names)), NO_DERIVATIVE)
     for i, row in enumerate(reduction.rows):
         for j, name in enumerate(names):
@@ -140,11 +144,11 @@ def _in_order(reduction: Reduction, names: list[str], tops: dict[str, int]) -> l
                 c = row[name, tops[name]]
                 price[j, i] = 0.0 if c.constant is not None else 1.0 + len(c.terms) + PRICE_OF_DEGREE * degree(c)
     _, chosen = linear_sum_assignment(price)
-    rows = [reduction.rows[i] for i in chosen]
     out = []
-    for name, row in zip(names, rows, strict=True):
+    for name, i in zip(names, chosen, strict=True):
+        row = reduction.rows[i]
         pivot = row.get((name, tops[name]), number(0)).constant
-        out.append({at: c / number(pivot) for at, c in row.items()} if pivot else row)
+        out.append((reduction.names[i], {at: c / number(pivot) for at, c in row.items()} if pivot else row))
     return out
 
 

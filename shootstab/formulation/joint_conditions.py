@@ -17,6 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from shootstab.core.errors import InputError
+from shootstab.formulation.dependent_conditions import require_independent_rows
 from shootstab.formulation.evaluation import Given, on_arrays
 from shootstab.formulation.expression import VARIABLE, Expression, number, quotient
 from shootstab.formulation.first_order import FirstOrder, reduced_to
@@ -38,22 +39,27 @@ def rows_over_states(joint: Joint, layers: tuple[FirstOrder, FirstOrder]) -> lis
         for name, (at, rule) in layer.rules.items()
     }
     vanishing = layers[0].vanishing
-    rows = [{at: _here(joint, c) for at, c in reduced_to(row, states, rules, vanishing).items()} for _, row in joint.rows]
+    rows = [{at: _here(joint, where, c) for at, c in reduced_to(row, states, rules, vanishing).items()} for where, row in joint.rows]
     rows = [{at: c for at, c in row.items() if not vanishing(c)} for row in rows]
     for (where, _), row in zip(joint.rows, rows, strict=True):
         if not row:
             raise InputError(f"{where} says nothing: the equations themselves make it true; allowed are conditions that they leave open")
+    written = rows
     for name in joint.amplitudes:
         rows = _without(joint, name, rows, vanishing)
     n = layers[0].order
     if len(rows) != n:
         told = f"{len(joint.rows)} conditions and {len(joint.amplitudes)} amplitudes at the interface {joint.at:g}"
         raise InputError(f"{told}: allowed are {n} conditions, the order of the equations, and one for each amplitude")
+    require_independent_rows(joint.rows, written, f"{joint.names.variable} = {joint.at:g}", joint.names, vanishing)
     return rows
 
 
-def _here(joint: Joint, coefficient: Expression) -> Expression:
-    return substituted(coefficient, VARIABLE, number(joint.at))
+def _here(joint: Joint, where: str, coefficient: Expression) -> Expression:
+    try:
+        return substituted(coefficient, VARIABLE, number(joint.at))
+    except ZeroDivisionError:
+        raise InputError(f"{where}: {joint.names.text(coefficient)} is not finite there: allowed are finite coefficients") from None
 
 
 def _without(joint: Joint, name: str, rows: list[EquationRow], vanishing: Vanishing) -> list[EquationRow]:

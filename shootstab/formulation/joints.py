@@ -29,11 +29,15 @@ class InterfaceConditions:
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """An interface whose conditions have been read: rows over before(u), behind(u) and the amplitudes, times their denominators."""
+    """An interface whose conditions have been read: rows over before(u), behind(u) and the amplitudes, times their denominators.
+
+    names are those of the layer before it.
+    """
 
     at: float
     rows: tuple[tuple[str, EquationRow], ...]
     amplitudes: tuple[str, ...]
+    names: Names
     denominators: Denominators = ()
 
 
@@ -68,10 +72,10 @@ def read_joint(given: InterfaceConditions, names: tuple[Names, Names], layered: 
     denominators: list[tuple[str, Expression]] = []
     for i, formula in enumerate(given.conditions, 1):
         place = f"{where}, condition {i}"
-        row, found = row_of(FormulaReader(formula, place, outside, listed, scopes).equation(), place)
+        row, found = row_of(FormulaReader(formula, place, outside, listed, scopes).equation(), place, names[0].text)
         denominators += found
         for name, order in row:
             if name in given.amplitudes and order:
                 raise InputError(f"{place}: a derivative of the amplitude {name}, which is a number: allowed is {name} alone")
         rows.append((place, row))
-    return Joint(float(given.at), tuple(rows), tuple(given.amplitudes), tuple(denominators))
+    return Joint(float(given.at), tuple(rows), tuple(given.amplitudes), names[0], tuple(denominators))

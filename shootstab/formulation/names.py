@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -10,8 +11,9 @@ from shootstab.core.errors import InputError, shortened
 from shootstab.formulation.atoms import Atom
 from shootstab.formulation.expression import FUNCTIONS, PI, Expression, Z, number, of_atom
 from shootstab.formulation.grammar import read
-from shootstab.formulation.system import SIGMA, jet
+from shootstab.formulation.system import SIGMA, EquationRow, jet, shown
 
+LONGEST_SHOWN = 400  # chosen: characters of a formula that are shown
 RESERVED = ("i", "I", "d", "pi", *FUNCTIONS)
 
 
@@ -89,6 +91,16 @@ class Names:
             finally:
                 self._open.pop()
         return self._known[name]
+
+    def text(self, expression: Expression) -> str:
+        """A formula as it is shown: in the user's names, parameters by their values, cut where it is long."""
+        theirs = {"sigma": self.eigenvalue, "z": self.variable}
+        found = re.sub(r"\b(sigma|z)\b", lambda name: theirs[name.group()], str(expression))
+        return found if len(found) <= LONGEST_SHOWN else found[:LONGEST_SHOWN] + " …"
+
+    def row_text(self, row: EquationRow) -> str:
+        """A row likewise, as a sum of coefficients times derivatives."""
+        return " + ".join(f"({self.text(c)})*{shown(at)}" for at, c in sorted(row.items()))
 
     def listed(self) -> str:
         names = [*self.unknowns, *self.where, *self.given, *self.parameters, self.variable, self.eigenvalue, "pi", "i"]

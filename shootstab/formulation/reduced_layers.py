@@ -39,7 +39,7 @@ def reduced_layers(layers: Sequence[Layer]) -> tuple[ReducedLayer, ...]:
     out = []
     for layer in layers:
         first = first_order(layer.system, layer.domain.vanishing, layer.domain.regular)
-        out.append(ReducedLayer(first, interior_spectrum(first, layer.domain, layer.names.variable), layer.domain))
+        out.append(ReducedLayer(first, interior_spectrum(first, layer.domain, layer.names), layer.domain))
     for layer, reduced in zip(layers, out, strict=True):
         if reduced.first_order.states != out[0].first_order.states:
             told = " and ".join(", ".join(map(shown, r.first_order.states)) for r in (out[0], reduced))

@@ -111,7 +111,7 @@ def stated(
             flow = base_flow(base, names, (low, high))
             functions_of_z |= functions(flow)
         read = {f"equation {i}": names.expression(e, f"equation {i}") for i, e in enumerate(equations, 1)}
-        layers.append(Layer(names, System.of(names.unknowns, read), Domain(begin, end, functions_of_z)))
+        layers.append(Layer(names, System.of(names.unknowns, read, names.text), Domain(begin, end, functions_of_z)))
     layered = [name for table in (parameters, where) for name, value in table.items() if isinstance(value, list | tuple)]
     read_joints = [read_joint(joint, (a.names, b.names), layered) for joint, (a, b) in zip(joints, itertools.pairwise(layers), strict=True)]
     rows = [rows_of(end, side, layers[j].names) for end, side, j in zip(ends, ("left", "right"), (0, -1), strict=True)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -11,6 +11,7 @@ from shootstab.core.numerus import number_of
 from shootstab.formulation.atoms import Atom
 from shootstab.formulation.denominators import cleared
 from shootstab.formulation.expression import Expression, number, of_atom
+from shootstab.formulation.gaussian import ONE
 from shootstab.formulation.vanishing import Vanishing
 
 Jet = tuple[str, int]  # an unknown and the order of its derivative
@@ -39,10 +40,10 @@ def shown(at: Jet) -> str:
 Denominators = tuple[tuple[str, Expression], ...]  # where each stood, and what it is: see denominators.py
 
 
-def row_of(expression: Expression, where: str) -> tuple[EquationRow, Denominators]:
+def row_of(expression: Expression, where: str, text: Callable[[Expression], str]) -> tuple[EquationRow, Denominators]:
     """The coefficients of the unknowns and their derivatives, polynomials in the eigenvalue, and the denominators that were cleared.
 
-    Raises InputError for what is not linear in the unknowns.
+    text shows an expression in the user's names. Raises InputError for what is not linear in the unknowns.
     """
     row: EquationRow = {}
     for outer, coefficient in expression.collected(lambda atom: atom.kind == "jet"):
@@ -50,10 +51,11 @@ def row_of(expression: Expression, where: str) -> tuple[EquationRow, Denominator
             atom = outer[0][0]
             row[atom.name, atom.order] = coefficient
         elif outer:
-            product = "*".join(str(a) if e == 1 else f"{a}**{e}" for a, e in outer)
-            raise InputError(f"{where} is not linear: it holds {product}: allowed are the unknowns times functions of the coordinate")
+            raise InputError(
+                f"{where} is not linear: it holds {text(Expression({outer: ONE}))}: allowed are the unknowns times functions of the coordinate"
+            )
         else:
-            raise InputError(f"{where} holds the term {coefficient} without an unknown: allowed are homogeneous linear equations")
+            raise InputError(f"{where} holds the term {text(coefficient)} without an unknown: allowed are homogeneous linear equations")
     if not row:
         raise InputError(f"{where} holds no unknown: allowed are linear equations for them")
     row, denominators = cleared(row, where)
@@ -120,9 +122,9 @@ class System:
     denominators: Denominators = ()
 
     @staticmethod
-    def of(unknowns: tuple[str, ...], equations: Mapping[str, Expression]) -> System:
+    def of(unknowns: tuple[str, ...], equations: Mapping[str, Expression], text: Callable[[Expression], str]) -> System:
         """The system of named expressions. Raises InputError: not linear, more or fewer equations than unknowns, an unknown nowhere."""
-        read = [row_of(expression, where) for where, expression in equations.items()]
+        read = [row_of(expression, where, text) for where, expression in equations.items()]
         rows = tuple(row for row, _ in read)
         if len(rows) != len(unknowns):
             raise InputError(f"{equations_for(len(rows), unknowns)}: allowed are as many")

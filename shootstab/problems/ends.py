@@ -145,8 +145,7 @@ def as_matrix(values: ArrayLike, shape: tuple[int | None, int], named: str) -> C
 def require_independent(rows: Sequence[ComplexArray], named: str) -> None:
     """Raise InputError if the rows of W0 + σ W1 + …, (k, n), are dependent whatever σ is."""
     sizes = np.abs(rows).max(axis=(0, 2))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        matrix = polynomial.value(rows, GENERIC_SIGMA * (1 + 1j)) / sizes[:, None]
-        rank = 0 if (sizes == 0.0).any() else int(np.linalg.matrix_rank(matrix))
+    matrix = polynomial.value(rows, GENERIC_SIGMA * (1 + 1j)) / np.where(sizes == 0.0, 1.0, sizes)[:, None]
+    rank = int(np.linalg.matrix_rank(matrix))
     if rank < len(rows[0]):
         raise InputError(f"{named} are {len(rows[0])} conditions of rank {rank}: allowed are independent ones")

@@ -23,6 +23,16 @@ def test_waves_follow_no_law_of_diffusion_and_little_work_is_spent_on_it() -> No
         st.count_unstable(problem)
 
 
+def test_an_arc_that_ends_on_the_continuous_spectrum_is_followed_by_others_farther_out() -> None:
+    """The stratified flow U = z has σ = -ikz, up to |σ| = k, as its continuous spectrum: there D does not exist."""
+    stratified = ["(sigma + i*k*z)*u + w + i*k*p", "(sigma + i*k*z)*w + d(p) - b", "i*k*u + d(w)", "(sigma + i*k*z)*b + J*w"]
+    ends = st.Conditions(0, ["w"]), st.Conditions(1, ["w"])
+    D = Frame(rtol=1e-6).on(st.equations(["u", "w", "p", "b"], stratified, *ends, parameters={"k": 0.5, "J": 5}))
+    with pytest.raises(ConvergenceError, match=r"no step is short enough at sigma = .* next to z = 0\.02"):
+        D.at(-0.01j)
+    assert bound(D)[0] > 0.5
+
+
 def test_an_essential_spectrum_that_grows_is_refused_at_once() -> None:
     """y″ = (σ − 1/2 − 2 sech² z) y: essential spectrum up to 1/2, and a mode at 3/2."""
 

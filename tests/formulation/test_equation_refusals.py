@@ -135,6 +135,29 @@ SIGMAS = st.InterfaceConditions(0.5, ["jump(y) + sigma*a", "jump(d(y)) + (sigma 
             "interfaces beside an axis or periodic ends: that is not offered; allowed are ends with conditions, or at infinity",
         ),
         (
+            {"interfaces": [st.InterfaceConditions(0.5, ["jump(y) + jump(d(y))", "2*jump(d(y)) + 2*jump(y)"])]},
+            "the interface 0.5, condition 2 follows from the interface 0.5, condition 1, at z = 0.5: allowed are independent conditions",
+        ),
+        (
+            {"interfaces": [st.InterfaceConditions(0.5, ["jump(y)/(z - 1/2)", "jump(d(y))"])]},
+            "the interface 0.5, condition 1: ",
+        ),
+        (
+            {"left": st.Conditions(0, ["y", "z*d(y)"]), "right": st.Infinity()},
+            "left condition 2 says nothing at z = 0: what it multiplies d(y) by vanishes there; allowed are conditions that leave something",
+        ),
+        (
+            {"equations": ["d(y,4) - sigma*y"], "left": st.Conditions(0, ["y + sigma*d(y)", "d(y,2)", "y + d(y,2) + sigma*d(y)"])},
+            "left condition 3 follows from left condition 1, left condition 2, at z = 0: allowed are independent conditions",
+        ),
+        (
+            {"unknowns": ["u", "v"], "equations": ["d(u,2) + z*d(v,2) - sigma*u", "d(u,2) + d(v,2)/2 - v"]}
+            | {"left": st.Conditions(0, ["u", "v"]), "right": st.Conditions(1, ["u", "v"])},
+            "where 1 - 2*z vanishes, or has a pole, that multiplies d(u,2), d(v,2) in equation 1, equation 2: allowed is a domain",
+        ),
+        ({"equations": ["d(y,2) - s*y + x*y**2"], "variable": "x", "eigenvalue": "s"}, "equation 1 is not linear: it holds y**2: allowed"),
+        ({"equations": ["d(y,2) - s*y + s*x"], "variable": "x", "eigenvalue": "s"}, "equation 1 holds the term s*x without an unknown"),
+        (
             {"interfaces": [SIGMAS]},
             "at the interface 0.5 3 conditions multiply the amplitude a by the eigenvalue, not all in the same way: allowed are two such",
         ),
@@ -199,7 +222,7 @@ def test_leading_coefficients_without_a_determinant() -> None:
     problem = st.equations(["u", "v"], ["d(u) - v", "d(v) - sigma*u"], st.Conditions(0, ["u"]), st.Conditions(1, ["u"]))
     row = {"u": number(1), "v": number(2)}
     with pytest.raises(InputError, match=r"the highest derivatives are dependent: allowed are equations that determine those of all"):
-        interior_spectrum(replace(problem.first_order, leading=(row, row)), problem.statement.domain, "z")
+        interior_spectrum(replace(problem.first_order, leading=(row, row)), problem.statement.domain, problem.statement.names)
 
 
 def test_families() -> None:
