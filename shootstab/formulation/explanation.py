@@ -10,8 +10,8 @@ from functools import partial
 from shootstab.formulation.base_flow import highest_derivatives
 from shootstab.formulation.base_solution import found_values, limit_of
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
-from shootstab.formulation.continuous_spectrum import InteriorSpectrum
 from shootstab.formulation.constraints import constraints
+from shootstab.formulation.continuous_spectrum import InteriorSpectrum
 from shootstab.formulation.dispersion import FlowLimit, dispersion_relation, free_name, zero_in_sigma
 from shootstab.formulation.expression import VARIABLE, Expression, number
 from shootstab.formulation.joint_conditions import rows_over_states
@@ -20,7 +20,7 @@ from shootstab.formulation.names import Names
 from shootstab.formulation.reduced_layers import ReducedLayer
 from shootstab.formulation.state_pencil import Condition, StatePencil, independent_states
 from shootstab.formulation.statement import Statement
-from shootstab.formulation.system import EquationRow, coefficients, degree, shown
+from shootstab.formulation.system import coefficients, degree, shown
 from shootstab.problems.ends import INFINITIES
 
 Lines = list[tuple[str, str]]

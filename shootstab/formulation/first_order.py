@@ -136,7 +136,10 @@ def _free_of_sigma(C: ExpressionEntries, D: ExpressionEntries, vanishing: Vanish
 
 
 def _in_order(reduction: Reduction, names: list[str], tops: dict[str, int]) -> list[tuple[str, EquationRow]]:
-    """The rows, with the names of the equations they came from, so that each has its own unknown's highest derivative, alone with the factor 1 where it is a number that stands there."""
+    """The rows, with the names of the equations they came from, in the order of the unknowns whose highest derivatives they have.
+
+    Where a number stands at that derivative the row is divided by it.
+    """
     price = np.full((len(names), len(names)), NO_DERIVATIVE)
     for i, row in enumerate(reduction.rows):
         for j, name in enumerate(names):

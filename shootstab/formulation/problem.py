@@ -17,7 +17,6 @@ from shootstab.formulation.base_solution import functions
 from shootstab.formulation.condition_count import require_count
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
 from shootstab.formulation.continuous_spectrum import InteriorSpectrum
-from shootstab.formulation.dependent_conditions import require_independent_conditions
 from shootstab.formulation.digits_of import digits_of
 from shootstab.formulation.enclosed_problems import enclosed, varied
 from shootstab.formulation.equation_collocation import EquationCollocation, collocation
@@ -33,7 +32,7 @@ from shootstab.formulation.singular_ends import between_periodic_ends, between_s
 from shootstab.formulation.state_pencil import Condition, StatePencil, in_states, state_pencil
 from shootstab.formulation.stated_unknowns import unknowns_of
 from shootstab.formulation.statement import Statement, stated
-from shootstab.formulation.walls import require_finite, wall_at
+from shootstab.formulation.walls import require_finite, require_independent_ends, wall_at
 from shootstab.problems.ends import Infinity
 from shootstab.problems.knots import as_knots
 from shootstab.problems.linear_problem import MOST_STATES, LinearProblem
@@ -239,10 +238,7 @@ def assembled(
     systems = [system, *(layer.states for layer in layers[1:])]
     matrices = PencilFunction(system.size, pencil_of(systems, [layer.domain for layer in layers]), vectorized=True)
     require_finite(matrices, statement)
-    for end, rows, layer, own in zip(ends, (statement.left_rows, statement.right_rows), (layers[0], layers[-1]), conditions, strict=True):
-        if isinstance(end, Conditions):
-            over_states = [{layer.first_order.states[j]: c for j, c in row.items()} for row in own]
-            require_independent_conditions(rows, over_states, end.at, statement.names, domain.given, domain.vanishing)
+    require_independent_ends(statement, first, conditions)
     curve: Callable[[Any], Any] | None = spectrum.curve if spectrum.curves and len(layers) == 1 else None
     made: list[Any] = []
     for end, rows, count, side in zip(ends, (system.left, system.right), (system.left_rows, system.right_rows), (-1, 1), strict=True):

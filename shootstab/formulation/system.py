@@ -51,9 +51,8 @@ def row_of(expression: Expression, where: str, text: Callable[[Expression], str]
             atom = outer[0][0]
             row[atom.name, atom.order] = coefficient
         elif outer:
-            raise InputError(
-                f"{where} is not linear: it holds {text(Expression({outer: ONE}))}: allowed are the unknowns times functions of the coordinate"
-            )
+            product = text(Expression({outer: ONE}))
+            raise InputError(f"{where} is not linear: it holds {product}: allowed are the unknowns times functions of the coordinate")
         else:
             raise InputError(f"{where} holds the term {text(coefficient)} without an unknown: allowed are homogeneous linear equations")
     if not row:

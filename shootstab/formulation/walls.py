@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from shootstab.core.errors import InputError
 from shootstab.formulation.conditions import Conditions
+from shootstab.formulation.dependent_conditions import require_independent_conditions
 from shootstab.formulation.evaluation import Given, filled, on_arrays
-from shootstab.formulation.state_pencil import Powers
+from shootstab.formulation.first_order import FirstOrder
+from shootstab.formulation.state_pencil import Condition, Powers
 from shootstab.formulation.statement import Statement
 from shootstab.problems.ends import Wall
 from shootstab.problems.pencil_function import PencilFunction
@@ -21,6 +25,15 @@ def require_finite(matrices: PencilFunction, statement: Statement) -> None:
             raise InputError(
                 f"at the {side} end, {place}, the equations are singular, or beyond 1e308: allowed is st.Axis({end.at:g}), or another end"
             )
+
+
+def require_independent_ends(statement: Statement, first: FirstOrder, conditions: Sequence[Sequence[Condition]]) -> None:
+    """Raise InputError where one of the conditions of an end, given over states, follows from others; layers have the same states."""
+    domain = statement.domain
+    for end, rows, own in zip((statement.left, statement.right), (statement.left_rows, statement.right_rows), conditions, strict=True):
+        if isinstance(end, Conditions):
+            over_states = [{first.states[j]: c for j, c in row.items()} for row in own]
+            require_independent_conditions(rows, over_states, end.at, statement.names, domain.given, domain.vanishing)
 
 
 def wall_at(z: float, rows: Powers, count: int, size: int, given: Given) -> Wall:

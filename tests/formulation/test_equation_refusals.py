@@ -144,7 +144,7 @@ SIGMAS = st.InterfaceConditions(0.5, ["jump(y) + sigma*a", "jump(d(y)) + (sigma 
         ),
         (
             {"left": st.Conditions(0, ["y", "z*d(y)"]), "right": st.Infinity()},
-            "left condition 2 says nothing at z = 0: what it multiplies d(y) by vanishes there; allowed are conditions that leave something",
+            "left condition 2 says nothing at z = 0: what it multiplies d(y) by vanishes there; allowed are conditions that leave some",
         ),
         (
             {"equations": ["d(y,4) - sigma*y"], "left": st.Conditions(0, ["y + sigma*d(y)", "d(y,2)", "y + d(y,2) + sigma*d(y)"])},
