@@ -14,7 +14,7 @@ from typing import Any
 
 import bench_startup
 import numpy as np
-import page
+import readme_tables
 from bench import BenchLine, at_least, at_most, best, duration, once, show
 from bench_one_mode import TRUNCATIONS, coarsest, matrices
 from scenes import GUESS, problem
@@ -127,7 +127,7 @@ def the_rest(digits: bool) -> Iterator[BenchLine]:
 def written(lines: list[BenchLine]) -> None:
     """The table in README.md, in place of the one that stands there."""
     table = ["| what | measured | asked |", "|---|---|---|", *(f"| {line.what} | {line.obtained} | {line.asked} |" for line in lines)]
-    page.write("bench_user", "\n".join(table))
+    readme_tables.write("bench_user", "\n".join(table))
 
 
 def main() -> int:

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import machines
-import page
+import readme_tables
 
 ROOT = Path(__file__).parent.parent
 # the file of one's own: the first modes of plane Poiseuille flow as a MATLAB code prints them, one of them with a wrong digit
@@ -158,7 +158,7 @@ def main() -> int:
         done = [tried(step, work) for step in steps(wheel, folder / "environment")]
     print("\n" + table(done))
     if write_table:
-        page.write("newcomer", table(done))
+        readme_tables.write("newcomer", table(done))
     return int(any(d.wrong for d in done))
 
 

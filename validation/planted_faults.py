@@ -11,8 +11,8 @@ from claims import Case, Claim, main
 from scenes import problem
 
 import shootstab as st
-from shootstab.analyses.claims import radius_of
 from shootstab.analyses.reference import claims
+from shootstab.analyses.verdicts import radius_of
 from shootstab.core.records import Report
 from shootstab.models.chute import ChuteProblem
 from shootstab.models.gallery.poiseuille import PlanePoiseuille

@@ -33,7 +33,7 @@ UNTOLD = -200  # chosen: ln |D| that is taken, for a choice of points, where D i
 
 
 @dataclass(frozen=True)
-class _Counted:
+class _CountedFactor:
     """What Pellet's theorem gave for one factor of D."""
 
     count: int
@@ -90,7 +90,7 @@ def polished(form: Enclosable, seed: complex, places: int, radius: str) -> Decim
     raise ConvergenceError(f"no mode to prove: the secants leave the mode that double precision found at {seed:.12g}")
 
 
-def _counted(form: Enclosable, centre: Decimals, radius: str, alone: bool) -> _Counted:
+def _counted(form: Enclosable, centre: Decimals, radius: str, alone: bool) -> _CountedFactor:
     size = max(abs(complex(float(centre[0]), float(centre[1]))), float(radius))
     bits, spent = _enough_bits(form, centre, radius, _first_bits(size, radius), KNOWN_BITS)
     with at_bits(bits):
@@ -108,7 +108,7 @@ def _counted(form: Enclosable, centre: Decimals, radius: str, alone: bool) -> _C
             wider = _wide_model(surrounded, float(radius), size)
             widest = max(_alone(wider, count, float(radius)), float(radius))
             spent += len(wider.sizes) + 2
-    return _Counted(count, model.margin(count), bits, len(model.sizes), spent, widest)
+    return _CountedFactor(count, model.margin(count), bits, len(model.sizes), spent, widest)
 
 
 def _first_bits(size: float, radius: str) -> int:

@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
 
-from shootstab.analyses.claims import NEAR_DIGITS, radius_of
 from shootstab.analyses.cut_region import RegionCount
 from shootstab.analyses.find import find_modes, modes_of, without_repetition
+from shootstab.analyses.verdicts import NEAR_DIGITS, radius_of
 from shootstab.core.allowed import RTOL
 from shootstab.core.division import distance_outside, divided, divisions
 from shootstab.core.errors import ConvergenceError, InputError

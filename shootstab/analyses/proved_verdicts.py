@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from shootstab.analyses.claims import radius_of
 from shootstab.analyses.proof import at_most
 from shootstab.analyses.prove import prove_disc
+from shootstab.analyses.verdicts import radius_of
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.records import CONFIRMED, SPURIOUS, Report, Verdict
 from shootstab.problems.protocol import Problem

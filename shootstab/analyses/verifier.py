@@ -10,9 +10,9 @@ from dataclasses import dataclass, is_dataclass, replace
 
 from shootstab.analyses.accuracy import first_accurate, known_at
 from shootstab.analyses.claim_size import NEAR_ZERO, NOISY_CHANGE, has_a_size
-from shootstab.analyses.claims import NEAR_DIGITS, radius_of
 from shootstab.analyses.refine import refine
 from shootstab.analyses.refine_double import NEUTRAL, examine, several
+from shootstab.analyses.verdicts import NEAR_DIGITS, radius_of
 from shootstab.analyses.zeros import Crowded, Zeros, zeros_in
 from shootstab.core.errors import ConvergenceError, OnSpectrum
 from shootstab.core.records import CONTINUUM, UNRESOLVED, Mode

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.analyses.assignment import Candidate, assign, shared
-from shootstab.analyses.claims import Circle, finite_claims, spurious, verdict_on
 from shootstab.analyses.find import find_modes
 from shootstab.analyses.missing import (
     NONE,
@@ -27,6 +26,7 @@ from shootstab.analyses.missing import (
 from shootstab.analyses.nearest import with_nearest
 from shootstab.analyses.refine_double import TIGHTEST, require_atol
 from shootstab.analyses.unstable import count_unstable
+from shootstab.analyses.verdicts import Circle, finite_claims, spurious, verdict_on
 from shootstab.analyses.verifier import Sighting, Verifier
 from shootstab.core.allowed import DOUBLE_DIGITS, GROWTH_FLOOR, VERDICT_DIGITS
 from shootstab.core.errors import ConvergenceError

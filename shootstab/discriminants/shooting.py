@@ -14,7 +14,7 @@ from shootstab.discriminants.mesh import halved, moved, partly_halved
 from shootstab.discriminants.method import Propagation, Propagator
 from shootstab.discriminants.perturbed_pencil import PerturbedPencil, solved_with
 from shootstab.discriminants.sampled_system import SampledSystem, mixed, sample_system
-from shootstab.problems.capabilities import LAYOUT, RECORDED
+from shootstab.problems.capabilities import PLACEMENTS, RECORDED
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
 
 KEPT = 8  # chosen: evaluations: those of a circle that was asked whether its mesh serves it are asked for again
@@ -133,7 +133,7 @@ class Shooting:
             if (recorded is None or recorded.constant_pivots) and solved_with(self.problem, nodes):
                 sampled = sample_system(PerturbedPencil(self.problem, seed, size), nodes)
             at = np.abs(nodes[:-1])
-            places = [abs(part.offset) + abs(part.scale) * at for part in LAYOUT.of(self.problem)]
+            places = [abs(part.offset) + abs(part.scale) * at for part in PLACEMENTS.of(self.problem)]
             self._perturbed[seed, size] = sampled.perturbed(seed, size, np.max([at, *places], axis=0))
         return self._variant(self._start, self._perturbed[seed, size], self.problem)
 

@@ -75,14 +75,14 @@ def _not_found(flow: BaseFlow) -> ConvergenceError:
 
 def _at(flow: BaseFlow, z: Reals, y: Reals, expressions: tuple[Expression, ...]) -> Reals:
     """Expressions (k, m) where the states are y (n, m) at z (m,); what is not real is no number."""
-    given: Given = {name: _Values(flow, z, y, name) for name in flow.unknowns}
+    given: Given = {name: _SampledFunction(flow, z, y, name) for name in flow.unknowns}
     at = on_arrays(z, given)
     with np.errstate(all="ignore"):
         values = [np.broadcast_to(np.asarray(at(e), dtype=np.complex128), z.shape) for e in expressions]
     return np.array([np.where(v.imag == 0.0, v.real, np.nan) for v in values])
 
 
-class _Values:
+class _SampledFunction:
     """A function of the base flow where its states are known at all points."""
 
     def __init__(self, flow: BaseFlow, z: Reals, y: Reals, name: str) -> None:

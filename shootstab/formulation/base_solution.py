@@ -89,7 +89,7 @@ class FlowTable:
             def known(other: str, at: int) -> Any:
                 return states[other, at] if (other, at) in states else evaluator(self.flow.higher(other, at))
 
-            given = {other: _Known(known, other) for other in self.flow.unknowns}
+            given = {other: _KnownFunction(known, other) for other in self.flow.unknowns}
             evaluator = on_arrays(points, given)
             found = np.broadcast_to(np.asarray(evaluator(self.flow.higher(name, order))), points.shape)
         return found.reshape(np.shape(z))
@@ -102,7 +102,7 @@ class FlowTable:
 
 
 @dataclass(frozen=True, eq=False)
-class _Known:
+class _KnownFunction:
     known: Any
     name: str
 

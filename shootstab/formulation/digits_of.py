@@ -10,7 +10,7 @@ from shootstab.core.errors import InputError
 from shootstab.formulation.axis import RegularSpace
 from shootstab.formulation.base_digits import FlowDigits
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
-from shootstab.formulation.digits import EquationDigits
+from shootstab.formulation.equation_digits import EquationDigits
 from shootstab.formulation.exponentials import exponential_end
 from shootstab.formulation.expression import number
 from shootstab.formulation.gaussian import Gaussian

@@ -25,7 +25,7 @@ BaseFields = Callable[[Evaluator, str, int], Any]
 def on_numbers(arithmetic: Arithmetic, z: Any, fields: BaseFields | None = None) -> Evaluator:
     """Expressions at one z, in numbers of the arithmetic."""
     seed = partial(_seed, arithmetic)
-    given = _Given(fields)
+    given = _FieldDerivatives(fields)
     given.at = Evaluator(partial(_number, arithmetic), seed, partial(_root, arithmetic), {"z": z, "pi": arithmetic.pi}, given)
     return given.at
 
@@ -45,7 +45,7 @@ def on_relaxed(system: RelaxedSystem, z: RelaxedSeries, fields: BaseFields) -> E
     def power(x: Any, e: Fraction) -> Any:
         return functions.power(x, e) if isinstance(x, RelaxedSeries) else _root(arithmetic, x, e)
 
-    given = _Given(fields)
+    given = _FieldDerivatives(fields)
     given.at = Evaluator(partial(_number, arithmetic), applied, power, {"z": z, "pi": arithmetic.pi}, given)
     return given.at
 
@@ -74,12 +74,12 @@ def on_series(arithmetic: Arithmetic, z: Taylor, sigma: Any = None, fields: Base
             return 1 / x ** -int(exponent)
         return computed(x, lambda functions, a: functions.power(a, exponent), True)
 
-    given = _Given(fields)
+    given = _FieldDerivatives(fields)
     given.at = Evaluator(partial(_number, arithmetic), applied, power, {"z": z, "pi": arithmetic.pi, "sigma": sigma}, given)
     return given.at
 
 
-class _Given:
+class _FieldDerivatives:
     """Functions that no formula defines, of the evaluator that asks for them."""
 
     at: Evaluator

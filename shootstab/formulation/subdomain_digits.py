@@ -81,7 +81,7 @@ class AtSingularEnd:
         self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction, flow: FlowSeries | None
     ) -> Beginning:
         place = self.at + self.direction * self.start.x / Fraction(2) ** round(settings.far_shift)
-        return _Fixed(place, lambda sigma: self.start.frame(arithmetic, settings, sigma), arithmetic.number(1))
+        return _FixedBeginning(place, lambda sigma: self.start.frame(arithmetic, settings, sigma), arithmetic.number(1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +100,7 @@ class AtWall:
         found = null_space(
             arithmetic, [[at(self.rows[i, j]) if (i, j) in self.rows else nothing for j in range(n)] for i in range(self.count)], n
         )
-        return _Fixed(self.at, lambda sigma: found, arithmetic.number(1))
+        return _FixedBeginning(self.at, lambda sigma: found, arithmetic.number(1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,10 +113,10 @@ class AugmentedBeginning:
         self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction, flow: FlowSeries | None
     ) -> Beginning:
         identity = [[arithmetic.number(int(i == j)) for j in range(system.size)] for i in range(system.size)]
-        return _Fixed(self.at, lambda sigma: [*identity, *[list(row) for row in identity]], arithmetic.number(1))
+        return _FixedBeginning(self.at, lambda sigma: [*identity, *[list(row) for row in identity]], arithmetic.number(1))
 
 
-class _Fixed:
+class _FixedBeginning:
     """See Beginning: one whose place does not depend on σ."""
 
     def __init__(self, place: Fraction, made: Any, factor: Any) -> None:

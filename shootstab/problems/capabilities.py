@@ -154,7 +154,7 @@ EXPLANATION = Capability("explanation", None, "this problem was not written in e
 # unknowns.Unknowns: what the state of the problem stands for, by name
 UNKNOWNS = Capability("unknowns", None, "this problem does not name its unknowns")
 # unknowns.Placement of every subdomain, where the line of integration is not z itself
-LAYOUT = Capability("layout", (), "this problem is integrated over z itself")
+PLACEMENTS = Capability("placements", (), "this problem is integrated over z itself")
 # a Shape: what eigenfunctions stand for
 MODE_SHAPE = Capability("mode_shape", None, "this problem says nothing of its eigenfunctions beside their unknowns")
 BASE_FLOW = Capability("flow", None, "this problem has no steady flow of grains: allowed is a scene with a [flow]")

@@ -55,7 +55,7 @@ BISECTED = 0.1  # chosen: the part of a hair to which the place of a jump is bis
 
 
 @dataclass(frozen=True)
-class _Pieces:
+class _Intervals:
     """Intervals of one generation (m,): ends, the size of each entry (m, entries), residuals, those of their parents, and ancestors."""
 
     low: Reals
@@ -66,7 +66,7 @@ class _Pieces:
     slow: NDArray[np.bool_]
     ancestor: NDArray[np.int64]
 
-    def where(self, chosen: NDArray[np.bool_]) -> _Pieces:
+    def where(self, chosen: NDArray[np.bool_]) -> _Intervals:
         """The intervals that a mask (m,) names."""
         return replace(self, **{field.name: getattr(self, field.name)[chosen] for field in fields(self)})
 
@@ -134,7 +134,7 @@ def with_pairs(nodes: Reals, pairs: Reals) -> Reals:
     return np.asarray(out if nodes[-1] > nodes[0] else out[::-1])
 
 
-def _roots(coefficients: CoefficientFunction, ends: Reals) -> _Pieces:
+def _roots(coefficients: CoefficientFunction, ends: Reals) -> _Intervals:
     """The intervals to begin with that are not resolved, FIRST_INTERVALS in all or two between each pair of ends if that is more."""
     lengths = np.diff(ends)
     counts = np.maximum(2, np.ceil(FIRST_INTERVALS * lengths / lengths.sum())).astype(int)
@@ -151,22 +151,22 @@ def _roots(coefficients: CoefficientFunction, ends: Reals) -> _Pieces:
     around = np.maximum(noise, np.maximum(np.roll(noise, 1, axis=0), np.roll(noise, -1, axis=0)))
     size = np.maximum(size, NOISE_FACTOR / RESIDUAL_RESOLVED * around)
     residual = _residuals(coefficients, low, high, size)
-    return _Pieces(low, high, size, residual, np.full(len(low), np.inf), np.zeros(len(low), dtype=bool), np.arange(len(low))).where(
+    return _Intervals(low, high, size, residual, np.full(len(low), np.inf), np.zeros(len(low), dtype=bool), np.arange(len(low))).where(
         residual > RESIDUAL_RESOLVED
     )
 
 
-def _halves(coefficients: CoefficientFunction, parents: _Pieces) -> _Pieces:
+def _halves(coefficients: CoefficientFunction, parents: _Intervals) -> _Intervals:
     """Both parts of every interval, in turn."""
     middle = parents.low + INTERVAL_CUT * (parents.high - parents.low)
     low, high = np.column_stack((parents.low, middle)).ravel(), np.column_stack((middle, parents.high)).ravel()
     size = np.repeat(parents.size, 2, axis=0)
     residual = _residuals(coefficients, low, high, size) if len(low) else np.zeros(0)
     before, slow = np.repeat(parents.residual, 2), residual * KNOT_FALL > np.repeat(parents.before, 2)
-    return _Pieces(low, high, size, residual, before, slow, np.repeat(parents.ancestor, 2))
+    return _Intervals(low, high, size, residual, before, slow, np.repeat(parents.ancestor, 2))
 
 
-def _without_noise(active: _Pieces) -> _Pieces:
+def _without_noise(active: _Intervals) -> _Intervals:
     """Those of which a part is smooth, or whose residual is no noise; from here on each is an ancestor of its own."""
     _, family, members = np.unique(active.ancestor, return_inverse=True, return_counts=True)
     largest = np.zeros(len(members))
@@ -234,7 +234,7 @@ def _between_fits(coefficients: CoefficientFunction, ends: Reals, low: float, hi
     return np.array([0.5 * (low + high)])
 
 
-def _require_smooth_beside(coefficients: CoefficientFunction, at: _Pieces, ends: Reals) -> None:
+def _require_smooth_beside(coefficients: CoefficientFunction, at: _Intervals, ends: Reals) -> None:
     """Raise InputError where coefficients go with a power of the distance beside a knot: their residual does with that of the length."""
     length = at.high - at.low
     for side, edge in ((-1.0, at.low), (1.0, at.high)):

@@ -280,7 +280,7 @@ class LinearProblem:
         return self.bounded or getattr(self._in_equations, "growing_region", None)
 
     @property
-    def layout(self) -> tuple[Placement, ...]:
+    def placements(self) -> tuple[Placement, ...]:
         """Where the components of each subdomain live; of an augmented one those of ψ, behind those of a."""
         return self.reduction.placements(self.function.size)
 

@@ -121,7 +121,7 @@ class Rescaled:
         return None if own is None else own.in_units_of(self.unit)
 
     @property
-    def layout(self) -> tuple[Placement, ...]:
+    def placements(self) -> tuple[Placement, ...]:
         return placements(self.problem)
 
     @property

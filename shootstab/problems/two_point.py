@@ -1,4 +1,4 @@
-"""The layout of ends and interfaces as subdomains on one line, with the rows that hold where all of them arrive.
+"""The two-point reduction: ends and interfaces as subdomains on one line, with the rows that hold where all of them arrive.
 
 Without an interface there is one subdomain and t is z itself. On the whole line with its fold, or with interfaces whose conditions hold σ
 or cannot be solved, t = 0 is where a subdomain meets the next, and all begin at the same t: see subdomains.py. Other interfaces a

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from shootstab.core.errors import InputError
-from shootstab.problems.capabilities import LAYOUT, UNKNOWNS
+from shootstab.problems.capabilities import PLACEMENTS, UNKNOWNS
 from shootstab.problems.crossed import Crossed
 from shootstab.problems.protocol import ComplexArray, Problem
 
@@ -82,8 +82,8 @@ class Placement:
 
 
 def placements(problem: Problem) -> tuple[Placement, ...]:
-    """One for each subdomain; a problem without a layout of its own is integrated over z itself."""
-    found: tuple[Placement, ...] = LAYOUT.of(problem) or (Placement(0.0, 1.0, 0, problem.size),)
+    """One for each subdomain; a problem without placements of its own is integrated over z itself."""
+    found: tuple[Placement, ...] = PLACEMENTS.of(problem) or (Placement(0.0, 1.0, 0, problem.size),)
     return found
 
 

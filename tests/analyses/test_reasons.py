@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import shootstab as st
-from shootstab.analyses.claims import Circle, verdict_on
 from shootstab.analyses.root_near import find_near
+from shootstab.analyses.verdicts import Circle, verdict_on
 from shootstab.core.discriminant import Value
 from shootstab.core.errors import ConvergenceError, Undecidable
 from shootstab.core.records import CONFIRMED, CONVERGED, UNRESOLVED, Budget, Mode

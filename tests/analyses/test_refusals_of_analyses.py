@@ -15,7 +15,6 @@ import pytest
 
 import shootstab as st
 from shootstab.analyses import critical, eigenfunction_digits, find, refine_digits, verifier
-from shootstab.analyses.claims import radius_of
 from shootstab.analyses.prove import prove_interval
 from shootstab.analyses.refine_double import examine
 from shootstab.analyses.sensitivity import sensitivities
@@ -23,6 +22,7 @@ from shootstab.analyses.sweep import dominance, grid, workers
 from shootstab.analyses.sweep.outcomes import NONE_GROWS, Outcome
 from shootstab.analyses.sweep.store import Store
 from shootstab.analyses.unstable import count_unstable
+from shootstab.analyses.verdicts import radius_of
 from shootstab.analyses.work_precision import trade
 from shootstab.analyses.zeros import Crowded, zeros_in
 from shootstab.core.discriminant import Value

@@ -11,10 +11,10 @@ import pytest
 
 import shootstab as st
 from shootstab.analyses.accuracy import Tightening
-from shootstab.analyses.claims import Circle, verdict_on
 from shootstab.analyses.count import counted_twice
 from shootstab.analyses.cut_region import RegionCount, count_in_region
 from shootstab.analyses.multiple import cluster, multiple
+from shootstab.analyses.verdicts import Circle, verdict_on
 from shootstab.core.errors import ConvergenceError, Inaccurate, Undecidable
 from shootstab.core.records import CONFIRMED, CONVERGED, Budget, Mode
 from shootstab.discriminants.continuation import Continuation

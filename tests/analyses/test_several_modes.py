@@ -96,7 +96,7 @@ def test_one_claim_where_two_modes_share_its_digits_is_unresolved_and_one_is_mis
 
 def test_a_mode_at_the_edge_of_its_circle_may_lie_on_either_side() -> None:
     """−π² is 5e−6/√2 off at six digits with an edge within the error bound of a double mode of 1e−9."""
-    from shootstab.analyses.claims import radius_of
+    from shootstab.analyses.verdicts import radius_of
 
     claim = -PI2 + radius_of(complex(-PI2), 6)
     (verdict,) = st.verify(strings(1.0, 1.0), [claim], region=st.Rectangle(1 + 1j, 2 + 2j)).verdicts

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import shootstab as st
-from shootstab.analyses.claims import radius_of
 from shootstab.analyses.error_budget import displacement
 from shootstab.analyses.reference import claims, spectrum
+from shootstab.analyses.verdicts import radius_of
 from shootstab.essential_spectrum.interior import SampledContinuum, continuum_of
 from shootstab.models.chute import ChuteProblem
 from shootstab.models.chute import chute_collocation as pseudospectral

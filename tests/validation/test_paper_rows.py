@@ -9,10 +9,10 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-import page
 import paper.rows
 import paper.table
 import pytest
+import readme_tables
 import run
 import scenes
 from claims import Case
@@ -122,15 +122,15 @@ def test_the_table_is_made_of_what_is_stored(tmp_path: Path) -> None:
 
 
 def test_the_page_holds_the_table_of_what_is_stored() -> None:
-    text = page.README.read_text(encoding="utf-8")
-    assert page.between(text, MARK, table()) == text
+    text = readme_tables.README.read_text(encoding="utf-8")
+    assert readme_tables.between(text, MARK, table()) == text
 
 
 def test_a_text_is_put_between_its_marks_and_nowhere_else() -> None:
     text = "before\n<!-- a -->\nold\n<!-- a: end -->\nafter\n<!-- b -->\n<!-- b: end -->\n"
-    assert page.between(text, "a", "new") == text.replace("old", "new")
+    assert readme_tables.between(text, "a", "new") == text.replace("old", "new")
     with pytest.raises(ValueError, match="no <!-- c -->"):
-        page.between(text, "c", "new")
+        readme_tables.between(text, "c", "new")
 
 
 def test_a_sentence_that_a_case_refutes_is_not_printed() -> None:

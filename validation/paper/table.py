@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-import page
+import readme_tables
 
 from paper import SCRIPTS
 from paper.rows import RESULTS, Item, Reproduction, Stored, fingerprint, load
@@ -63,6 +63,6 @@ def _line(stored: Stored) -> str:
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
-def write(readme: Path = page.README) -> None:
+def write(readme: Path = readme_tables.README) -> None:
     """Put the table between its marks."""
-    page.write(MARK, table(), readme)
+    readme_tables.write(MARK, table(), readme)

@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from shootstab.analyses.sweep.run import Swept, sweep
+from shootstab.analyses.sweep.swept import Swept, sweep
 
 __all__ = ["Swept", "sweep"]

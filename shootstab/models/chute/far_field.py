@@ -97,7 +97,7 @@ class FarField:
         states, equations, solutions = _turns(SIZE, TURNED_STATES), _turns(SIZE, TURNED_EQUATIONS), _turns(DECAYING, TURNED_SOLUTIONS)
         of_system = equations.conj()[:, None] * states
         of_frame = states.conj()[:, None] * solutions
-        of_flow = _Series(
+        of_flow = _FarSeries(
             recurrence(of_system * matrices[:2], of_system * matrices[2:]),
             self.exponents[3, 3].real,
             solutions.conj() * (2 * left - basis @ left),  # the inverse of basis, applied
@@ -150,7 +150,7 @@ class FarField:
         return series_value(P, nu) * self._back, series_value(dP, nu) * self._back, float(tail)
 
 
-class _Series(NamedTuple):
+class _FarSeries(NamedTuple):
     """What the series is made of, all real or all complex; P_0 = constant + pole/Ω."""
 
     system: Recurrence
@@ -170,13 +170,13 @@ class _Series(NamedTuple):
         series_terms(self.system, sigma, self.rate, self.left, self.right, P, dP, tangent)
         return P, dP
 
-    def in_real_numbers(self) -> _Series | None:
+    def in_real_numbers(self) -> _FarSeries | None:
         """The same in float64; None if it is not real."""
         numbers, vectors = (self.system.values, self.system.slopes), self[2:]
         if any(a.imag.any() for a in (*numbers, *vectors)):
             return None
         values, slopes = (a.real.copy() for a in numbers)
-        return _Series(self.system._replace(values=values, slopes=slopes), self.rate, *(a.real.copy() for a in vectors))
+        return _FarSeries(self.system._replace(values=values, slopes=slopes), self.rate, *(a.real.copy() for a in vectors))
 
 
 def _turns(count: int, turned: list[int]) -> ComplexArray:
