@@ -60,6 +60,13 @@ def certify(problem: Problem, proof: Proof, spare_bits: int = CONTOUR_BITS) -> d
     return _certified(problem, proof, proof.count, spare_bits)
 
 
+def require_checker(problem: Problem) -> None:
+    """Raises InputError for a problem that no checker knows."""
+    for part in FACTORS.of(problem) or (problem,):
+        if CERTIFIED.of(part) is None:
+            raise InputError(f"a certificate of this problem: allowed is one for {', '.join(CHECKERS)}")
+
+
 def _certified(problem: Any, proof: Proof, count: int, spare_bits: int) -> dict[str, Any]:
     named: dict[str, Any] = CERTIFIED.required(problem)
     checker = CHECKERS[named["name"]]

@@ -23,6 +23,7 @@ NEXT_LENGTH, TRIED_LENGTH = 1.2, 0.75  # chosen: factors from one step to the ne
 SHORTEST_LENGTH_TRIED, LENGTH_PLACES = 1e-6, 6  # chosen: the shortest step, and its decimals
 BASE_SLACK = "1e-6"  # chosen: half of the interval that holds the base, in the last step
 FLUX_SECANT, FLUX_SECANTS = 1e-9, 12  # chosen: relative distance of the first two T_∞ of a secant, and how often one is taken
+TOLD_BITS = 8  # chosen: bits of D on the circle, at least
 BRACKET_ROOM = 64  # chosen: half width of the bracket of T_∞ over what the radius of the mass flux means
 TOLD_BASE = 1e-12  # chosen: half width of the interval of ν in which the base is told to be, relative
 OUTER_SHARE, POINTS_ROOM = 64, 1e3  # chosen: the outer circle is the mean of the disc's and |σ|/64; its tail is so much smaller than D
@@ -44,45 +45,69 @@ class Asked:
 
 def candidates(asked: Asked) -> Iterator[dict[str, Any]]:
     """Certificates to be tried, each with more bits. Raises ConvergenceError where a flow has no base in sight."""
-    radius = Fraction(asked.region["radius"])
-    bits = math.ceil(-math.log2(radius)) + MODEL_BITS
-    for attempt in range(MODEL_ATTEMPTS):
-        with checker.precision(max(bits, MODEL_BITS + FAR_LOSS) + attempt * BITS_EACH_ATTEMPT):
-            yield _made(asked)
+    bits = max(math.ceil(-math.log2(Fraction(asked.region["radius"]))) + MODEL_BITS, MODEL_BITS + FAR_LOSS)
+    T, start, steps, lacking = Fraction(repr(asked.far_temperature)), "", list[str](), 0
+    for _ in range(MODEL_ATTEMPTS):
+        with checker.precision(bits):
+            terms = math.ceil(TERMS_A_BIT * bits)
+            made = {"format": 2, "problem": dict(asked.problem), "count": asked.count, "region": dict(asked.region), "bits": bits}
+            made |= {
+                "order": terms,
+                "far_order": terms,
+                "slack": BASE_SLACK,
+                "lemmas": checker.RELIED_ON,
+                "outer": repr(_outer(asked.region)),
+            }
+            if not steps:
+                start, steps = _mesh(made, exact(T))
+            made |= {"start": start, "steps": steps}
+            T, lacking = _completed(made, T)
+        if lacking <= 0:
+            yield made
+        bits += max(lacking, BITS_EACH_ATTEMPT)
+    if lacking > 0:
+        raise ConvergenceError(f"the checker's D would lack {lacking} bits: allowed is a disc that is closer about its mode, or wider")
 
 
-def _made(asked: Asked) -> dict[str, Any]:
-    terms = math.ceil(TERMS_A_BIT * Model.P)
-    problem, region = dict(asked.problem), dict(asked.region)
-    told: dict[str, Any] = {"format": 2, "problem": problem, "count": asked.count, "region": region, "bits": Model.P}
-    told |= {"order": terms, "far_order": terms, "start": "1", "slack": BASE_SLACK, "steps": [], "lemmas": checker.RELIED_ON}
-    T = Fraction(repr(asked.far_temperature))
-    sigma, size = exact(Fraction(region["re"]), Fraction(region["im"])), math.hypot(float(region["re"]), float(region["im"]))
-    outer = math.sqrt(float(region["radius"]) * max(size / OUTER_SHARE, CLOSEST_OUTER**2 * float(region["radius"])))
-    thick = sigma.wide(outer)
-    # u_∞, which k_x brings in, follows from the base: the steps are chosen with what a first way down finds
-    drift = exact(0)
-    for _ in range(1 if problem["kx"] in ("0", "0.0") else 2):
-        told["start"], Y = _start(told, exact(T), drift, sigma, thick)
-        told["steps"] = _steps(told, exact(T), Y, (drift, sigma, thick))
-        drift = Model(_flow(told, exact(T))[1].re)
+def _outer(region: Mapping[str, str]) -> float:
+    radius = float(region["radius"])
+    return math.sqrt(radius * max(math.hypot(float(region["re"]), float(region["im"])) / OUTER_SHARE, CLOSEST_OUTER**2 * radius))
+
+
+def _mesh(made: dict[str, Any], T: Model) -> tuple[str, list[str]]:
+    """The start and the steps of a flow; those of more bits have more terms.
+
+    The u_∞ that k_x brings in follows from the base, which a first way down finds.
+    """
+    region, drift = made["region"], exact(0)
+    sigma = exact(Fraction(region["re"]), Fraction(region["im"]))
+    for _ in range(2 if Fraction(made["problem"]["kx"]) else 1):
+        places = drift, sigma, sigma.wide(float(made["outer"]))
+        start, Y = _start({**made, "steps": []}, T, *places)
+        steps = _steps({**made, "start": start, "steps": []}, T, Y, places)
+        drift = Model(_flow({**made, "start": start, "steps": steps}, T)[0].re)
+    return start, steps
+
+
+def _completed(made: dict[str, Any], T: Fraction) -> tuple[Fraction, int]:
+    """T_∞, and the bits that D lacks on the circle; bracket, interval of the base and number of points go into the certificate."""
+    problem, region, room = made["problem"], made["region"], Fraction(0)
     if "mass_flux" in problem:
-        T, room = _bracket(told, T, Fraction(problem["mass_flux"]))
-    else:
-        T, room = Fraction(problem["far_temperature"]), Fraction(0)
+        T, room = _bracket(made, T, Fraction(problem["mass_flux"]))
     places = math.ceil(Model.P * math.log10(2))
-    ends = [_decimal(T - room, places), _decimal(T + room, places)] if room else [problem["far_temperature"]] * 2
-    chute = Certified(told)
+    chute = Certified(made)
     chute.descend(exact(T).wide(float(room)))
     chute.linearize()
-    nu = _fraction(chute.end[0])
-    told["flow"] = {"far_temperature": ends, "nu": [_decimal(nu * (1 - sign * Fraction(repr(TOLD_BASE))), places) for sign in (1, -1)]}
-    leading, M = chute.D(sigma + Fraction(region["radius"])), chute.D(thick).norm
-    q = float(region["radius"]) / outer
-    seen = max(leading.sizes[0], leading.norm * checker.ulp())
-    told["outer"] = repr(outer)
-    told["points"] = max(2, asked.count + 1, math.ceil(math.log(M / seen * POINTS_ROOM) / -math.log(q)))
-    return told
+    nu, ends = _fraction(chute.end[0]), [problem.get("far_temperature")] * 2
+    made["flow"] = {
+        "far_temperature": [_decimal(T - room, places), _decimal(T + room, places)] if room else ends,
+        "nu": [_decimal(nu * (1 - sign * Fraction(repr(TOLD_BASE))), places) for sign in (1, -1)],
+    }
+    sigma = exact(Fraction(region["re"]), Fraction(region["im"]))
+    value, M = chute.D(sigma + Fraction(region["radius"])), chute.D(sigma.wide(float(made["outer"]))).norm
+    seen, q = max(value.sizes[0], checker.ulp()), float(region["radius"]) / float(made["outer"])
+    made["points"] = max(2, made["count"] + 1, math.ceil(math.log(M / seen * POINTS_ROOM) / -math.log(q)))
+    return T, math.ceil(math.log2(value.r / seen)) + TOLD_BITS
 
 
 def _start(told: dict[str, Any], T: Model, drift: Model, sigma: Model, thick: Model) -> tuple[str, ModelMatrix]:

@@ -667,12 +667,14 @@ def regular(B: list[dict[int, Model]], Z: list[list[Model]], rate: Model, first:
     H = inverse([[(sizes[i][j] + radii[i][j] + (aside if i == j else 0.0)) * UP for j in EVERY] for i in EVERY])
     plus = [[(sum(row[j].sizes[1:]) + row[j].r) * UP if j in row else 0.0 for j in EVERY] for row in B]
     L = [[sum(map(mul, row, column)) * UP for column in zip(*plus, strict=True)] for row in H]
+    off = [0.0 for _ in EVERY]
     for q in FOUR:
         rest = [lost[i][q] + sum(met(a, P[j][q], terms) + a.r * P[j][q].size for j, a in B[i].items()) for i in EVERY]
         rest = [x + rate.r * P[i][q].size + sum(P[i][p].size * Z[p][q].r for p in FOUR) for i, x in enumerate(rest)]
-        off = [(first[i][q].r + sum(map(mul, H[i], rest))) * UP for i in EVERY]
-        for i, r in enumerate(grown(L, off)):
-            P[i][q].r = r
+        off = [max(most, (first[i][q].r + sum(map(mul, H[i], rest))) * UP) for i, most in enumerate(off)]
+    for row, r in zip(P, grown(L, off), strict=True):  # one bound for all columns, which Z mixes
+        for x in row:
+            x.r = r
     return [[x.at(Fraction(1)) for x in row] for row in P]
 
 

@@ -42,6 +42,10 @@ def prove(options: Namespace) -> int:
         require_writable(options.certificate)
     parameter = None if options.over is None else _interval(options)
     scene = scenes.load(options.scene)
+    if options.certificate is not None:
+        from shootstab.analyses.certificate import certify, require_checker
+
+        require_checker(scene.problem)
     from shootstab.analyses import prove as proofs
     from shootstab.cli.terminal import progress
 
@@ -60,8 +64,6 @@ def prove(options: Namespace) -> int:
         else:
             found = proofs.prove_growing(scene.problem, options.growing[0], told)
     if options.certificate is not None:
-        from shootstab.analyses.certificate import certify
-
         text = documents.text(certify(scene.problem, found))
         write_whole(options.certificate, lambda path: path.write_text(text, encoding="utf-8"))
 

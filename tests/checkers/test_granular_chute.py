@@ -144,6 +144,35 @@ def test_flows_next_to_a_guess_lie_in_its_radius_and_no_tube_is_left_unseen() ->
                 verified(rates, guessed(rates, first, 24), [1e-3, 1e-3])
 
 
+@pytest.mark.parametrize("off", [0.0, 1e-9])
+def test_solutions_at_a_singular_end_lie_in_their_radii(off: float) -> None:
+    """ψ = (1 + x S) x^Λ solves x ψ′ = B ψ, B = (x S + (1 + x S) Λ)(1 + x S)⁻¹; of its first four columns Λ is ρ + Z."""
+    rng, terms, rate = np.random.default_rng(21), 40, 0.07
+    S, Z = 0.02 * rng.standard_normal((8, 8)), 0.01 * rng.standard_normal((4, 4))
+    np.fill_diagonal(Z, 0.0)  # the sums below are exact then
+    Lambda = np.diag([rate] * 4 + [-rate] * 4) + np.pad(Z, (0, 4))
+    with precision(110), mpmath.workdps(40):
+        wide = [mpmath.matrix(x.tolist()) for x in (S, Lambda)]
+        powers = [mpmath.eye(8)]  # of −S
+        for _ in range(terms):
+            powers.append(-wide[0] * powers[-1])
+        parts = [wide[1]] + [wide[1] * powers[m] + wide[0] * (mpmath.eye(8) + wide[1]) * powers[m - 1] for m in range(1, terms)]
+        unit = mpmath.mpf(2) ** Model.P
+        spread = rng.uniform(-1, 1, (8, 8)) * off  # the equations of the models need not be those in their middles
+        B = [
+            {j: Model([int(x[i, j] * unit) for x in parts], None, 1e-28 + off, terms) + Fraction(float(spread[i, j])) for j in range(8)}
+            for i in range(8)
+        ]
+        first = [[exact(int(i == q)) for q in range(4)] for i in range(8)]
+        ends = [[exact(Fraction(float(x))) for x in row] for row in Z]
+        found = checker.regular(B, ends, exact(Fraction(rate)), first, terms)
+        truth = mpmath.eye(8) + wide[0]
+        assert max(misses(found[i][q], [truth[i, q]]) for i in range(8) for q in range(4)) <= 1.0
+        assert max(x.r for row in found for x in row) < max(1e-24, 20 * off)
+        with pytest.raises(checker.RefusedError):
+            checker.regular([{j: x * 20 for j, x in row.items()} for row in B], ends, exact(Fraction(rate)), first, terms)
+
+
 def test_intervals_of_mpmath_keep_their_digits() -> None:
     """A number of mpmath is rounded to 53 bits where nobody says otherwise."""
     with precision(200), mpmath.workdps(80):

@@ -42,9 +42,16 @@ def test_what_is_no_certificate_is_bad_input(tmp_path: Path, capsys: pytest.Capt
     assert "closed form" in capsys.readouterr().err
     assert cli.main(["prove", "poiseuille", "--region=-0.1,-1,0.1,0", "--certificate", str(tmp_path / "a.json")]) == 2
     assert "allowed with --guess, --disc and --growing" in capsys.readouterr().err
+    assert (
+        cli.main(["prove", "benard", "--guess", "2", "--certificate", str(tmp_path / "b.json")]) == 2
+    )  # before a second is spent on a proof
+    assert "allowed is one for plane Poiseuille, granular chute" in capsys.readouterr().err
     assert cli.main(["prove", "benard", "--guess", "2", "--over", "rayleigh=1,2"]) == 2
     assert cli.main(["prove", "benard", "--growing", "0", "--over", "rayleigh=1"]) == 2
     assert cli.main(["prove", "benard", "--growing", "0", "--over", "taylor=1,2"]) == 2
+    capsys.readouterr()
+    assert cli.main(["prove", "high", "--region=0.001,-1,0.05,1", "--over", "ky=0.01,0.02"]) == 2
+    assert "conditions at two finite ends" in capsys.readouterr().err
 
 
 def test_a_certificate_of_all_that_grows(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
