@@ -65,7 +65,7 @@ def hypotheses(problem: Problem, report: Report, digits: int, factors: Sequence[
     return _as_parts(problem, claims[:TRIED], digits)
 
 
-def _enough(claims: int) -> int:
+def enough(claims: int) -> int:
     """How many of the claims tried must be modes."""
     return max(LEAST, claims - claims // MAY_FAIL)
 
@@ -80,7 +80,7 @@ def _as_parts(problem: Problem, claims: Sequence[complex], digits: int) -> tuple
     for parts, factor in PARTS.items():
         off = np.abs((factor * modes).real - own[:, None]).min(axis=1) / np.abs(own)
         close = off <= 10.0**-AGREE
-        if close.sum() >= _enough(len(own)):
+        if close.sum() >= enough(len(own)):
             return (Hypothesis(1.0, False, len(own), digits_between(float(off[close].max()), 1.0), int(close.sum()), parts),)
     return ()
 
@@ -95,11 +95,11 @@ def _holding(problem: Problem, digits: int, claims: Sequence[complex], factors: 
             meant = [wanted.applied(c) for c in claims]
             if (factor == 1.0 and not conjugate) or any(np.allclose(meant, [h.applied(c) for c in claims]) for h in found):
                 continue
-            if sum(_may_mean_a_mode(continuation, claim) for claim in meant) < _enough(len(meant)):
+            if sum(_may_mean_a_mode(continuation, claim) for claim in meant) < enough(len(meant)):
                 continue
-            agreed = _agreed(problem, digits, meant)
-            if len(agreed) >= _enough(len(claims)):
-                found.append(Hypothesis(factor, conjugate, len(claims), min(agreed), len(agreed)))
+            shared = agreed(problem, digits, meant)
+            if len(shared) >= enough(len(claims)):
+                found.append(Hypothesis(factor, conjugate, len(claims), min(shared), len(shared)))
     return found
 
 
@@ -112,16 +112,16 @@ def _may_mean_a_mode(continuation: Continuation, claim: complex) -> bool:
     return bool(abs(step) <= NEIGHBOURS * 10.0**-AGREE * abs(claim))
 
 
-def _agreed(problem: Problem, digits: int, claims: Sequence[complex]) -> list[float]:
+def agreed(problem: Problem, digits: int, claims: Sequence[complex]) -> list[float]:
     """The digits that claims share with their modes; an empty list as soon as too many are no modes."""
-    agreed = []
+    shared: list[float] = []
     for done, claim in enumerate(claims, 1):
         (verdict,) = verify(problem, [claim], digits, missing="none").verdicts
         if verdict.verdict in (CONFIRMED, INACCURATE) and (verdict.digits_agreed or 0.0) >= AGREE:
-            agreed.append(verdict.digits_agreed or 0.0)
-        elif done - len(agreed) > len(claims) - _enough(len(claims)):
+            shared.append(verdict.digits_agreed or 0.0)
+        elif done - len(shared) > len(claims) - enough(len(claims)):
             return []
-    return agreed
+    return shared
 
 
 def _factors(problem: Problem, claims: Sequence[complex], digits: int, conjugate: bool) -> list[complex]:

@@ -13,9 +13,9 @@ from shootstab.cli import commands, figures, values
 from shootstab.cli.selection import SORTS
 from shootstab.core.allowed import DOUBLE_DIGITS, VERDICT_DIGITS
 from shootstab.core.errors import ConvergenceError, InputError
-from shootstab.core.records import VERDICTS, Report
+from shootstab.core.records import CONFIRMED, VERDICTS, Report
 from shootstab.io import scenes as scene_files
-from shootstab.io.conventions import wavenumber
+from shootstab.io.conventions import Convention, wavenumber
 from shootstab.io.files import write_text
 
 if TYPE_CHECKING:
@@ -111,12 +111,7 @@ def verify(options: Namespace) -> int:
             from shootstab.analyses.proved_verdicts import proved_verdicts
 
             theorems = proved_verdicts(scene.problem, report)
-    from shootstab.analyses.hypotheses import hypotheses
-    from shootstab.cli.proposals import factors_tried, sentence
-
-    alpha = wavenumber(own.problem)
-    tried = factors_tried(convention, alpha)
-    meant = [sentence(found, convention, alpha) for found in hypotheses(scene.problem, report, options.digits, tried)]
+    meant = _meant(options, report, own, scene, convention)
     report = convention.shown(replace(report, dropped=0 if spectrum is None else spectrum.dropped))
     if options.plot is not None:
         from shootstab.cli import plots
@@ -147,6 +142,25 @@ def verify(options: Namespace) -> int:
     commands.answer(options, document, tables, scene)
     bad = report.strictly_bad_news if options.strict else report.bad_news
     return commands.BAD_NEWS if bad or any(theorem.contradicts for theorem in theorems) else commands.DONE
+
+
+def _meant(options: Namespace, report: Report, own: scene_files.Scene, scene: scene_files.Scene, convention: Convention) -> list[str]:
+    """What claims none of which is a mode may have meant, in sentences: other numbers, or those of another run."""
+    if any(v.verdict == CONFIRMED for v in report.verdicts):
+        return []
+    from shootstab.analyses.hypotheses import hypotheses
+    from shootstab.analyses.other_parameters import other_values
+    from shootstab.cli import variations
+    from shootstab.cli.proposals import factors_tried, sentence
+    from shootstab.cli.terminal import progress
+
+    alpha = wavenumber(own.problem)
+    with progress(f"none is a mode of {scene.name}: looking for what the claims mean"):
+        found = hypotheses(scene.problem, report, options.digits, factors_tried(convention, alpha))
+        if found:
+            return [sentence(one, convention, alpha) for one in found]
+        varied = variations.variations(own, convention, options.alpha is None)
+        return [variations.sentence(one) for one in other_values(varied, report, options.digits)]
 
 
 def _write_tables(options: Namespace, report: Report, scene: scene_files.Scene) -> None:

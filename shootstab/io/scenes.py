@@ -100,9 +100,9 @@ def load(name: str) -> Scene:
     for model in _models():
         if name in model.built_in:
             scene = model.built_in[name]
-            return _from_tables(name, scene.description, scene.tables)
+            return from_tables(name, scene.description, scene.tables)
     if name.endswith(".toml") or Path(name).is_file():
-        return _from_tables(name, f"scene file {Path(name).name}", toml_of(Path(name), LARGEST_SCENE, "a scene file"))
+        return from_tables(name, f"scene file {Path(name).name}", toml_of(Path(name), LARGEST_SCENE, "a scene file"))
     if ":" in name:
         return _from_module(name)
     raise InputError(
@@ -110,7 +110,8 @@ def load(name: str) -> Scene:
     )
 
 
-def _from_tables(name: str, description: str, tables: Mapping[str, Any]) -> Scene:
+def from_tables(name: str, description: str, tables: Mapping[str, Any]) -> Scene:
+    """The scene of the tables that a scene file would hold. Raises InputError, whose one line begins with the name."""
     try:
         if isinstance(tables.get("problem"), dict) and "equations" in tables["problem"]:
             return _from_equations(name, description, tables)

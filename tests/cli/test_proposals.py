@@ -72,3 +72,15 @@ def test_what_is_proposed_counts_with_what_was_given(given: Convention, factor: 
 
 def test_a_claim_that_is_wrong_in_itself_is_counted() -> None:
     assert sentence(Hypothesis(1.0, True, 4, 8.0, 3)).startswith("3 of 4 claims tried, conjugated, are modes")
+
+
+@pytest.mark.parametrize(("arguments", "factor"), [((), 1.0), (("--as", "phase-speed"), 1j / 1.1)])
+def test_a_list_of_another_run_is_told_so(
+    arguments: tuple[str, ...], factor: complex, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Modes of plane Poiseuille flow at R = 10000 and α = 1.1, as the reference has them, for the scene with α = 1."""
+    modes = [-0.000329918028 - 0.271658614052j, -0.055645168296 - 0.296535885686j]
+    (tmp_path / "modes.csv").write_text("".join(f"{v.real:.9g},{v.imag:.9g}\n" for v in (factor * m for m in modes)))
+    assert cli.main(["verify", "poiseuille", str(tmp_path / "modes.csv"), "--digits", "4", "--missing", "none", *arguments]) == 1
+    assert "All 2 claims tried are modes to" in (out := " ".join(capsys.readouterr().out.split()))
+    assert "at alpha = 1.1; this scene has alpha = 1." in out
