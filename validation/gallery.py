@@ -130,7 +130,7 @@ def posed(name: str) -> Any:
 
 
 def record(names: Sequence[str] = ()) -> None:
-    """Eigenvalues by Taylor series, in decimals, of every published case that is in closed form, on a flow that equations pose, or posed."""
+    """Eigenvalues by Taylor series, in decimals, of every published case in closed form, on a flow that equations pose, or posed anew."""
     from mpmath import nstr
 
     found = json.loads(RECORD.read_text(encoding="utf-8"))["modes"] if names else {}

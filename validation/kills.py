@@ -3,19 +3,21 @@
 `python validation/kills.py --kills 300` goes on until so many processes have been killed, `--quick` kills a dozen. After every death of a
 parent no process of its session may be left, and nothing but one line on standard error; the file of results may only have grown, by
 whole lines and by the values of an undisturbed run; a sweep that is asked for again until it ends has exactly those. Then the faults: a
-full disk, a file cut or overwritten at random, one that is read-only, two runs on one file, another scene on it. Exit status 1 if
-anything was lost, counted twice, left behind or said in more than a line.
+full disk, a file cut or overwritten at random, one that is read-only, two runs on one file, another scene on it, and a clock that is
+turned by ten years at every look. Exit status 1 if anything was lost, counted twice, left behind or said in more than a line.
 """
 
 from __future__ import annotations
 
 import argparse
+import ctypes
 import json
 import math
 import os
 import random
 import re
 import resource
+import shutil
 import signal
 import sqlite3
 import subprocess
@@ -23,7 +25,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import closing, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -40,6 +42,40 @@ FIND = ["find", "layer:scene", "--corners=1,-5,60,5"]
 VERIFY = ["verify", "layer:scene", "claims.csv"]
 PROVE = ["prove", "benard", "--disc=2.1463,0,0.01"]
 PROGRESS = re.compile(r"shootstab: [a-z]+ing .+, \d+ s")  # a line that says how far it is, every ten seconds of a log
+PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH = 24, 1, 2  # constants of Linux: prctl(2), capabilities(7)
+# every look at the clock of the wall finds it ten years back, right, or ten years ahead, in turn; what measures durations is left
+TURNED_CLOCK = r"""
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <sys/time.h>
+#include <time.h>
+
+static long turned(void) {
+    static unsigned looks;
+    return ((long)(__sync_add_and_fetch(&looks, 1) % 3) - 1) * 315360000L;
+}
+
+int clock_gettime(clockid_t clock, struct timespec *t) {
+    int (*real)(clockid_t, struct timespec *) = dlsym(RTLD_NEXT, "clock_gettime");
+    int status = real(clock, t);
+    if (status == 0 && (clock == CLOCK_REALTIME || clock == CLOCK_REALTIME_COARSE)) t->tv_sec += turned();
+    return status;
+}
+
+int gettimeofday(struct timeval *t, void *zone) {
+    int (*real)(struct timeval *, void *) = dlsym(RTLD_NEXT, "gettimeofday");
+    int status = real(t, zone);
+    if (status == 0) t->tv_sec += turned();
+    return status;
+}
+
+time_t time(time_t *at) {
+    struct timeval now;
+    gettimeofday(&now, 0);
+    if (at) *at = now.tv_sec;
+    return now.tv_sec;
+}
+"""
 GONE = 10.0  # seconds within which a session must be empty after its parent
 ROUNDS = 60  # the most runs of one sweep until it ends
 
@@ -79,24 +115,22 @@ class KilledRun:
     log: Path
 
     @classmethod
-    def of(cls, words: list[str], folder: Path, limit: int | None = None) -> KilledRun:
+    def of(
+        cls, words: list[str], folder: Path, before: Callable[[], None] | None = None, variables: Mapping[str, str] | None = None
+    ) -> KilledRun:
+        """One that has begun, with what it does before anything else, and what it finds in its environment besides."""
         log = folder / "stderr"
-
-        def limited() -> None:
-            if limit is not None:  # bytes that a file may have: a full disk as a process sees it
-                resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
-
         with log.open("w") as file:
             command = [sys.executable, "-m", "shootstab", *words]
             process = subprocess.Popen(
                 command,
-                env=environment(),
+                env={**environment(), **(variables or {})},
                 cwd=folder,
                 stdout=subprocess.DEVNULL,
                 stderr=file,
                 text=True,
                 start_new_session=True,
-                preexec_fn=limited if limit is not None else None,
+                preexec_fn=before,
             )
         return cls(process, log)
 
@@ -235,7 +269,8 @@ def full_disk(rng: random.Random, folder: Path, calm: tuple[Rows, Any], found: F
     """A file that may not grow: status 4 or 2, one line; what was stored is right, and the next run ends with everything."""
     file = folder / "full.sqlite"
     file.unlink(missing_ok=True)
-    run = KilledRun.of([*SWEEP, "--out", file.name], folder, limit=rng.choice((512, 4096, 8192, 12288, 14000, 16384)))
+    most = rng.choice((512, 4096, 8192, 12288, 14000, 16384))  # bytes that a file may have: a full disk as a process sees it
+    run = KilledRun.of([*SWEEP, "--out", file.name], folder, lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most)))
     status = run.process.wait()
     found.require(status in (0, 2, 4) and len(run.said()) == (status != 0), f"full disk: status {status}, {run.said()}")
     found.require(not run.left(), "full disk: a process is left")
@@ -266,18 +301,77 @@ def damaged(rng: random.Random, folder: Path, calm: tuple[Rows, Any], found: Fin
         found.require(stored(file) == calm[0], "a file that was cut gives other results")
 
 
-def read_only(_: random.Random, folder: Path, calm: tuple[Rows, Any], found: Findings) -> None:
-    """A file that may not be written to."""
-    file = folder / "kept.sqlite"
-    file.unlink(missing_ok=True)
-    file.write_bytes((folder / "calm.sqlite").read_bytes())
-    file.chmod(0o444)
-    if os.access(file, os.W_OK):
-        found.counts["read-only files not tried: this user may write to all"] += 1
+def obey_modes() -> None:
+    """Root may write everywhere, whatever the modes of files say: what this process starts may not."""
+    if os.geteuid() != 0:
         return
-    run = KilledRun.of([*SWEEP, "--out", file.name], folder)
-    status = run.process.wait()
-    found.require(status in (0, 2) and len(run.said()) == (status != 0), f"read-only file: status {status}, {run.said()}")
+    for capability in (CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH):
+        if ctypes.CDLL(None, use_errno=True).prctl(PR_CAPBSET_DROP, capability, 0, 0, 0) != 0:
+            raise OSError(ctypes.get_errno(), "root cannot be made to obey the modes of files: run this as another user")
+
+
+def read_only(_: random.Random, folder: Path, calm: tuple[Rows, Any], found: Findings) -> None:
+    """A file with half of the points that may not be written to, one in a folder that may not, and one with the journal of a run that
+    was killed in the midst of writing: refused in a line and left as it is; where it may be written to, the sweep goes on from it. One
+    with all points is read."""
+    whole = folder / "whole.sqlite"
+    whole.unlink(missing_ok=True)
+    whole.write_bytes((folder / "calm.sqlite").read_bytes())
+    whole.chmod(0o444)
+    run = KilledRun.of([*SWEEP, "--out", whole.name, "--json", "whole.json"], folder, obey_modes)
+    found.require(ended(run, None, found) == 0 and answered(folder / "whole.json") == calm[1], "a whole read-only file: not what it holds")
+    for title, locked, journal in (("file", "file", False), ("folder", "folder", False), ("file with a journal", "folder", True)):
+        inside = folder / "kept"
+        inside.mkdir()
+        file = inside / "kept.sqlite"
+        file.write_bytes((folder / "calm.sqlite").read_bytes())
+        with closing(sqlite3.connect(file)) as base, base:
+            base.execute("DELETE FROM points WHERE far_temperature > 55")
+        if journal:
+            halfway = f"b = sqlite3.connect({str(file)!r}, isolation_level=None); b.execute('PRAGMA cache_size = 1'); b.execute('BEGIN')"
+            halfway += "; b.execute('UPDATE points SET re = 7.0, beside = hex(zeroblob(9999))'); os._exit(0)"
+            subprocess.run([sys.executable, "-c", f"import os, sqlite3; {halfway}"], check=True)
+            found.require(len(list(inside.iterdir())) == 2, "no journal was left to be tried")
+        before = {path.name: path.read_bytes() for path in inside.iterdir()}
+        target = file if locked == "file" else inside
+        target.chmod(0o444 if locked == "file" else 0o555)
+        run = KilledRun.of([*SWEEP, "--out", str(file)], folder, obey_modes)
+        status = run.process.wait()
+        target.chmod(0o755)
+        found.require(status == 2 and len(run.said()) == 1, f"read-only {title}: status {status}, {run.said()}")
+        found.require({path.name: path.read_bytes() for path in inside.iterdir()} == before, f"read-only {title}: it was written to")
+        run = KilledRun.of([*SWEEP, "--out", str(file)], folder, obey_modes)
+        found.require(
+            ended(run, None, found) == 0 and stored(file) == calm[0], f"{title}, after it was read-only: not the undisturbed results"
+        )
+        shutil.rmtree(inside)
+
+
+def turned_clock(rng: random.Random, folder: Path, calm: tuple[Rows, Any], found: Findings) -> None:
+    """A clock of the wall that is turned at every look, in the parent and its workers, one of which is killed: the undisturbed results."""
+    compiler = shutil.which("cc")
+    if compiler is None:
+        found.counts["turned clocks not tried: no C compiler"] += 1
+        return
+    shim, file, answer = folder / "clock.so", folder / "turned.sqlite", folder / "turned.json"
+    if not shim.exists():
+        subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-x", "c", "-o", shim, "-", "-ldl"], input=TURNED_CLOCK, text=True, check=True)
+    variables = {"LD_PRELOAD": str(shim)}
+    looked = "import time; a, b, c = time.time(), time.time(), time.time(); print(max(a, b, c) - min(a, b, c) > 1e8)"
+    seen = subprocess.run([sys.executable, "-c", looked], env={**os.environ, **variables}, capture_output=True, text=True, check=True)
+    found.require(seen.stdout == "True\n", "the clock was not turned")
+    file.unlink(missing_ok=True)
+    run = KilledRun.of([*SWEEP, "--out", file.name, "--json", answer.name], folder, variables=variables)
+    until = time.monotonic() + GONE
+    while not (workers := run.workers()) and run.process.poll() is None and time.monotonic() < until:
+        time.sleep(0.05)
+    if workers:
+        with suppress(ProcessLookupError):
+            os.kill(rng.choice(workers), signal.SIGKILL)
+            found.counts["workers killed by SIGKILL"] += 1
+    found.require(ended(run, None, found) == 0 and stored(file) == calm[0], "turned clock: not the results of an undisturbed run")
+    found.require(answered(answer) == calm[1], "turned clock: not the answer of an undisturbed run")
+    found.require(json.loads(answer.read_text())["seconds"] < 1e8, "turned clock: the seconds are those of the wall")
 
 
 def two_at_once(rng: random.Random, folder: Path, calm: tuple[Rows, Any], found: Findings) -> None:
@@ -309,6 +403,7 @@ FAULTS: dict[str, tuple[Callable[..., None], int]] = {
     "read-only file": (read_only, 1),
     "two runs at once": (two_at_once, 3),
     "another scene": (another_scene, 1),
+    "turned clock": (turned_clock, 3),
 }
 
 
@@ -316,9 +411,10 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--kills", type=int, default=300, metavar="N", help="of sweeps; a third as many of other commands")
     parser.add_argument("--seed", type=int, default=1, metavar="N")
+    parser.add_argument("--fault", action="append", choices=FAULTS, help="this fault, and no kills")
     parser.add_argument("--quick", action="store_true", help="a dozen kills, one fault of each kind")
     options = parser.parse_args()
-    kills = 12 if options.quick else options.kills
+    kills = 0 if options.fault else 12 if options.quick else options.kills
     for number in (signal.SIGINT, signal.SIGHUP):  # heeded by what is started here, whatever started this
         signal.signal(number, signal.default_int_handler)
     rng, found = random.Random(options.seed), Findings()
@@ -338,6 +434,8 @@ def main() -> int:
         for i in range(kills // 3):
             killed_command(rng, (VERIFY, FIND, PROVE)[i % 3], folder, seconds / 2, found)
         for title, (fault, times) in FAULTS.items():
+            if options.fault is not None and title not in options.fault:
+                continue
             for _ in range(1 if options.quick else times):
                 fault(rng, folder, calm, found)
                 found.counts[f"faults: {title}"] += 1

@@ -10,7 +10,6 @@ warning. `--quick` takes the sources and the interpreter that runs it. Exit stat
 from __future__ import annotations
 
 import argparse
-import ctypes
 import os
 import shutil
 import subprocess
@@ -21,7 +20,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from kills import told
+from kills import obey_modes, told
 
 ROOT = Path(__file__).parent.parent
 QUESTIONS: dict[str, tuple[list[str], int]] = {
@@ -33,7 +32,6 @@ QUESTIONS: dict[str, tuple[list[str], int]] = {
     "a missing proof": (["prove", "poiseuille", "--guess", "0.0037,-0.2375"], 2),
 }
 QUICK = ("version", "scenes", "a count", "a refusal")
-PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH = 24, 1, 2  # constants of Linux: prctl(2), capabilities(7)
 EXTRAS = ("h5py", "matplotlib", "flint", "distributed", "sympy", "pytest")
 
 
@@ -125,8 +123,7 @@ class Machine:
         def become() -> None:
             for number in there.closed:
                 os.close(number)
-            if os.geteuid() == 0:
-                obey_modes()
+            obey_modes()
 
         done = subprocess.run(
             [*self.command, *words],
@@ -138,13 +135,6 @@ class Machine:
             check=False,
         )
         return MachineAnswer(done.returncode, done.stdout, done.stderr.decode(errors="replace"))
-
-
-def obey_modes() -> None:
-    """Root may write everywhere, whatever the modes of files say: what this process starts may not."""
-    for capability in (CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH):
-        if ctypes.CDLL(None, use_errno=True).prctl(PR_CAPBSET_DROP, capability, 0, 0, 0) != 0:
-            raise OSError(ctypes.get_errno(), "root cannot be made to obey the modes of files: run this as another user")
 
 
 def wrong(question: str, status: int, got: MachineAnswer, plain: MachineAnswer, there: Circumstance) -> str | None:

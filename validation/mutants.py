@@ -31,7 +31,7 @@ EVERY, EVERY_MODE = 7, 35  # mutants of the short form; of those whose test is a
 OTHER_GUESSES = (0.3, 0.3j, 3.0, 3.0j, -3.0)  # factors of a mode, from which others are found
 ROUNDING = 1e-14  # part of the largest entry of an array
 OF_A_CLASS = ("plane Poiseuille",)  # a class of its own, and no pencil function; its rows have one entry each
-# by the same function as another, with other numbers: Malik 3, 2 digits of ν, n = 0; the mode of mack, which takes seconds, is that of Malik 3
+# the function of another problem here with other numbers, but for mack: a mode of it takes seconds, and is that of Malik 3
 SAME_FUNCTION = ("plate, Malik 6", "plate, Malik 6, Stokes", "Pöschl–Teller, ν = 0.02", "Davies, n = 8", "mack")
 
 Place = tuple[Any, ...]

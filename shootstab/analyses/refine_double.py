@@ -11,7 +11,7 @@ from typing import Any
 from shootstab.analyses.error_budget import budget
 from shootstab.analyses.multiple import cluster, multiple, told_apart
 from shootstab.analyses.root_near import searches
-from shootstab.core.allowed import DOUBLE_DIGITS, LEAST_MODE_RTOL, RTOL
+from shootstab.core.allowed import DOUBLE_DIGITS, LARGEST_GUESS, LEAST_MODE_RTOL, RTOL
 from shootstab.core.errors import ConvergenceError, Inaccurate, InputError, OnSpectrum
 from shootstab.core.given import complex_of, require_real, require_rtol
 from shootstab.core.records import CONVERGED, Budget, Mode
@@ -38,7 +38,6 @@ WIDEST_PROOF = 1e-2  # chosen: the circle of the proof at most, in the larger of
 NO_ZERO = 1e-2  # chosen: Newton's step, in |σ|, from a σ that is no zero of D itself
 LEFT = 1e-3  # chosen: what iterations may leave, in the accuracy asked for
 NEUTRAL = 1e-12  # chosen: the accuracy of a mode at 0 in the scale of D there; four digits above the rounding of a double
-LARGEST_GUESS = 1e100  # chosen: squares of σ are doubles, and so are those of ten thousand times as large ones
 UNKNOWN = Budget(math.inf, math.inf, math.inf, math.inf, math.inf)
 
 
@@ -78,7 +77,7 @@ def require_atol(atol: float | None) -> None:
 def finite(guess: Any) -> complex:
     """The guess as a complex number. Raises InputError where it is not finite, or too large."""
     number = complex_of("guess", guess)
-    if abs(number) > LARGEST_GUESS:
+    if math.hypot(number.real, number.imag) > LARGEST_GUESS:
         raise InputError(f"guess = {number:.6g}: allowed is a number up to {LARGEST_GUESS:.0e} in size")
     return number
 
@@ -155,7 +154,8 @@ def _simple(continuation: Continuation, root: Root, rtol: float, atol: float | N
     if not cmath.isfinite(fine_value.D.mantissa):
         halved = f"{continuation.method.name} has no value of D on the mesh with every step halved"
         raise ConvergenceError(f"{halved}, at sigma = {own_value.sigma:.6g}: nothing tells how exactly the zero is known")
-    if abs(fine_value.newton_step) ** 2 > LEFT * rtol * abs(own_value.sigma) * own_scale:  # one step leaves too much
+    length = abs(fine_value.newton_step)
+    if length * length > LEFT * rtol * abs(own_value.sigma) * own_scale:  # one step leaves too much
         better = newton(fine, own_value.sigma, LEFT * rtol)
         if not better.converged:
             raise Inaccurate(f"the iteration does not settle at {own_value.sigma:.6g} on the mesh with every step halved")

@@ -25,3 +25,4 @@ LARGEST_FLOOR = 1e-2  # chosen: the floor of a count stays below this radius, fr
 LEAST_TRUNCATION, MOST_TRUNCATION = 10, 1000  # chosen: orders of a pseudospectral reference; with 1000, QZ takes an hour
 MODE_HEIGHTS = 401  # chosen: heights in a picture or a file of a mode; a line through so many points looks smooth
 MOST_HEIGHTS = 100_000  # chosen: heights of a table, some 10 MB of text
+LARGEST_GUESS = 1e100  # chosen: |σ| up to which squares are doubles, and those of ten thousand times as large ones

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import cmath
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from shootstab.core.allowed import LARGEST_GUESS
 from shootstab.core.discriminant import Discriminant, Value
 from shootstab.core.scaled import Scaled
 
@@ -63,19 +65,19 @@ def muller(discriminant: Discriminant, guess: complex, tolerance: float, most: i
 
 
 def _run(steps: Iterator[Step], tolerance: float, most: int) -> Root:
-    """Follow the steps until one is short enough, no longer a number, or there were too many.
+    """Follow the steps until one is short enough, an iterate no number or larger than a guess may be, or there were too many.
 
     Steps that no longer shrink are the noise of D, and the iteration has arrived as exactly as the step says, where they are short against
-    the way that was gone, or where D has one slope over a step: then the step to the zero would be the last one. Both hold at σ = 0 too.
-    Next to a multiple zero noise throws an iterate anywhere: there the one before is kept.
+    the way to where they were shortest, or where D has one slope over a step: then the step to the zero would be the last one. Both hold at
+    σ = 0 too. Next to a multiple zero noise throws an iterate anywhere: there the one before is kept.
     """
     best, way, farthest, before, fold = float("inf"), 0.0, 0.0, complex("nan"), 1  # way: how far the iteration had come at its best step
     for count in range(1, most + 1):
         sigma, step, ahead, change, multiplicity = next(steps)
-        length = abs(step)
+        length = math.hypot(step.real, step.imag)
         if multiplicity == fold > 1 and not length < 0.5 * best:
             return Root(before, max(best, LEAST_D_ERROR ** (1 / multiplicity) * farthest), count, True, multiplicity)
-        if not cmath.isfinite(sigma):
+        if not math.hypot(sigma.real, sigma.imag) <= LARGEST_GUESS:
             return Root(sigma, float("inf"), count, False)
         short = best <= STEP_NOISE * way or change <= STEP_NOISE
         if length <= tolerance * abs(sigma) or (short and length >= 0.5 * best):

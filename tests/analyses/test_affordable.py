@@ -40,3 +40,13 @@ def test_meshes_that_another_question_left_end_a_search_no_later(monkeypatch: py
     for known in (-9.8, -39.0, -9.9 + 4.5j):
         st.refine(problem, known)
     assert st.refine(problem, 0.1).status == first
+
+
+def test_a_search_whose_steps_are_beyond_squares_of_doubles_ends_in_words() -> None:
+    """No mode is there, but the continuous spectrum σ = iqz alone: (σ − iqz) divides both sides."""
+    walls = st.Conditions(0.0, ["u"]), st.Conditions(1.0, ["u"])
+    numbers = {"p": 12.009739079386952, "q": 1300355809.5543897}
+    problem = st.equations(["u"], ["sigma*(d(u, 2) - p*u) - i*q*z*(d(u, 2) - p*u)"], *walls, parameters=numbers)
+    mode = st.refine(problem, -0.005855197384325338 - 0.006333446905076336j)
+    assert not mode.converged
+    assert "wandered off" in mode.status

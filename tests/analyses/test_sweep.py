@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import cmath
 import sqlite3
+import subprocess
+import sys
 import warnings
 from collections.abc import Callable, Sequence
 from multiprocessing import active_children
@@ -14,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from kills import environment, obey_modes
 
 import shootstab as st
 from shootstab.analyses.processes import in_processes
@@ -397,3 +400,31 @@ def test_processes_end_with_the_one_that_asked_for_them() -> None:
     assert next(results) == (0.0, None)
     results.close()
     assert set(active_children()) <= before
+
+
+LOCKED_STORE = """
+import os, sqlite3, sys, layer
+import shootstab as st
+
+file, axes, told = sys.argv[1], {"kx": [0.0], "far_temperature": [50.0, 55.0]}, []
+whole = st.sweep(layer.layer(), axes, out=file)
+os.chmod(file, 0o444)
+assert st.sweep(layer.layer(), axes, out=file).outcomes == whole.outcomes
+os.chmod(file, 0o644)
+with sqlite3.connect(file) as base:
+    base.execute("DELETE FROM points WHERE far_temperature > 52")
+os.chmod(file, 0o444)
+try:
+    st.sweep(layer.layer(), axes, out=file, progress=lambda done, total: told.append(done))
+except st.InputError as error:
+    print(told, error)
+"""
+
+
+def test_a_file_that_may_not_be_written_to_is_read_where_it_is_whole_and_refused_before_any_work_where_not(tmp_path: Path) -> None:
+    file = tmp_path / "a.sqlite"
+    command = [sys.executable, "-c", LOCKED_STORE, file]
+    done = subprocess.run(command, env=environment(), preexec_fn=obey_modes, capture_output=True, text=True, check=True)
+    assert done.stdout.startswith(f"[] {file}: cannot be used for results: ")
+    assert len(done.stdout.splitlines()) == 1
+    assert not done.stderr

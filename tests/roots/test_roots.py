@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from shootstab.core.allowed import LARGEST_GUESS
 from shootstab.core.discriminant import Value
 from shootstab.core.division import divisions
 from shootstab.core.errors import ConvergenceError
@@ -105,6 +106,25 @@ def test_where_nothing_bends_the_separation_is_infinite() -> None:
 def test_an_exact_hit_is_a_root() -> None:
     for iteration in (newton, muller):
         assert iteration(KnownZeros([0.5]), 0.5, 1e-12).converged
+
+
+class NearlyConstant:
+    """σ^−p, with a small p: Newton's steps are σ/p, and each takes the iterate 1/p times as far out as it was."""
+
+    def __init__(self, p: float) -> None:
+        self.p, self.farthest = p, 0.0
+
+    def with_derivative(self, sigma: complex) -> Value:
+        self.farthest = max(self.farthest, abs(sigma))
+        return Value(sigma, Scaled(1 + 0j, 0.0), -self.p / sigma)
+
+
+@pytest.mark.parametrize("p", [1e-3, 1e-9, 1e-80, 1e-300, 1e-308])
+def test_an_iteration_that_runs_away_ends_before_its_squares_overflow(p: float) -> None:
+    D = NearlyConstant(p)
+    root = newton(D, 0.7 + 0.7j, 1e-12)
+    assert not root.converged
+    assert D.farthest <= LARGEST_GUESS < abs(root.sigma)
 
 
 def test_a_function_without_zeros_does_not_converge() -> None:

@@ -112,6 +112,13 @@ class Store:
                 self._broken(f"{shortened(point)} is no point of its grid")
         return points
 
+    def require_writable(self) -> None:
+        """Raise InputError, before any work, where its results could not be written."""
+        with self._refusing(), self._base:
+            self._base.execute("BEGIN IMMEDIATE")
+            self._base.execute("UPDATE sweep SET definition = definition")
+            self._base.execute("ROLLBACK")
+
     def add(self, points: Sequence[Point], outcomes: Sequence[Outcome]) -> None:
         """Results of one line of points, all or none. Raises OutputError where they cannot be written."""
         marks = ", ".join("?" * (len(self._names) + len(STORED_COLUMNS)))

@@ -120,6 +120,8 @@ def sweep(
     grid = SweepGrid.of(axes, family)
     with Store(None if out is None else Path(out), grid.names, _definition(grid, family, settings)) as store:
         lines = grid.lines(store.done(grid))
+        if lines:
+            store.require_writable()
         done = len(grid) - sum(len(line.points) for line in lines)
         if progress is not None:
             progress(done, len(grid))
