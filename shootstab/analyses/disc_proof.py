@@ -186,7 +186,7 @@ def _model(about: _Surrounded, radius: Any, spare: int = 0) -> TaylorModel:
 
 
 def _wide_model(about: _Surrounded, radius: float, size: float) -> TaylorModel:
-    """The same on a circle of WIDEST·|σ|, or a smaller one for which the points that may be taken do."""
+    """The polynomial model of D on a circle of WIDEST·|σ|, or a smaller one for which the points that may be taken do."""
     wide = min(WIDEST * size, about.outer / WIDEST_CIRCLE)
     log_size = _log_size(about.D, about.centre + arb(radius))
     log_size += math.log(wide / radius) if radius < wide else 0.0  # D grows about so much, being linear

@@ -53,7 +53,7 @@ class Hypothesis:
 
 
 def hypotheses(problem: Problem, report: Report, digits: int, factors: Sequence[complex] = UNITS) -> tuple[Hypothesis, ...]:
-    """Those that hold for the claims tried, if the report calls all claims spurious; nothing otherwise. factors are tried first."""
+    """The hypotheses that hold for the claims tried, if the report calls all claims spurious, else none. factors are tried first."""
     claims = [v.claimed for v in report.verdicts if v.claimed != 0.0]
     if len(claims) < LEAST or any(v.verdict != SPURIOUS for v in report.verdicts):
         return ()

@@ -128,5 +128,5 @@ def whole(problem: Problem) -> Enclosable:
 
 
 def factors(problem: Problem) -> tuple[Enclosable, ...]:
-    """The same in factors, as many as it offers: D is their product, up to a constant."""
+    """The problem in balls in factors, as many as it offers: D is their product, up to a constant."""
     return tuple(BetweenEnds(ClosedFormEnclosable(form)) for form in FACTORS.of(problem)) or (whole(problem),)

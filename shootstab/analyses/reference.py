@@ -34,7 +34,7 @@ def claims(problem: Problem, digits: int, M: int | None = None) -> ComplexArray:
 
 
 def eigenvalues(problem: Problem, digits: int) -> ComplexArray:
-    """The same; none, (0,), where a problem has no reference, or its reference no spectrum at these parameters."""
+    """The eigenvalues (m,) of `claims`; none, (0,), where a problem has no reference, or its reference no spectrum at these parameters."""
     if PSEUDOSPECTRAL.of(problem) is None:
         return np.empty(0, dtype=np.complex128)
     try:

@@ -124,7 +124,7 @@ class Verifier:
         return replace(seen, counted=counted, zeros=() if neighbour is None else (Zero(neighbour),))
 
     def look_further(self, seen: Sighting) -> Sighting:
-        """The same in a larger circle, up to that of two digits, where that can be counted: for a claim whose mode is another's too."""
+        """A claim seen in a larger circle, up to that of two digits, where that can be counted: its mode is another's too."""
         larger = min(self._near(seen), 2 * max(seen.counted, *(abs(z.sigma - seen.claim) for z in seen.zeros)))
         if larger <= seen.counted:
             return seen

@@ -175,7 +175,7 @@ def _line(name: str, points: Any, style: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _eigenfunctions(page: Page) -> str:
-    """Their figures, and why other modes have none."""
+    """The figures of eigenfunctions, and why other modes have none."""
     figures = "".join(_caption(f, page.scene.symbol) + _figure(_shape(f), f"mode{i}") for i, f in enumerate(page.eigenfunctions))
     return figures + "".join(f"<p>{html.escape(with_i(why))}</p>" for why in page.left_out) or "<p>No mode was found.</p>"
 

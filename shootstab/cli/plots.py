@@ -40,7 +40,7 @@ def draw(report: Report, scene: Scene, size: Size | None = None) -> Any:
 
 
 def draw_on(axes: Any, report: Report, scene: Scene) -> None:
-    """The same on one matplotlib Axes, which shows all claims."""
+    """The picture on one matplotlib Axes, which shows all claims."""
     groups, _ = of_report(report, scene)
     plane.fill(axes, scene, groups, plane.continuum(scene))
     axes.legend(fontsize="small")

@@ -151,7 +151,7 @@ class Report:
 
     @property
     def strictly_bad_news(self) -> bool:
-        """The same, where a `continuum` counts too."""
+        """Whether anything is bad news, a `continuum` among it."""
         return self.bad_news or any(v.verdict == CONTINUUM for v in self.verdicts)
 
     def __repr__(self) -> str:

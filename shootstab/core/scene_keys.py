@@ -75,7 +75,7 @@ class SceneModel(Protocol):
 
     @property
     def built_in(self) -> Mapping[str, NamedScene]:
-        """Its scenes by name."""
+        """The model's own scenes by name."""
         ...
 
     def details(self, tables: Tables) -> Description:

@@ -131,7 +131,7 @@ class Recorded:
         return self.recorder.node(POWER, self._plain().index, power._plain().index)
 
     def _plain(self) -> Recorded:
-        """The same with coefficient 1."""
+        """The number itself, as a node with coefficient 1."""
         if self.coefficient == 1:
             return self
         return self.recorder.node(SUM, self.index, 0, self.coefficient, 0j)

@@ -75,7 +75,7 @@ class Solution:
         return _back_in_order(np.linalg.solve(value(p.C, self.sigma).transpose(0, 2, 1), chi.transpose(0, 2, 1)), order)
 
     def reaching(self, z: float) -> Solution:
-        """The same on a mesh that begins at z, farther out, with local errors as they are on this one.
+        """The solution on a mesh that begins at z, farther out, with local errors as they are on this one.
 
         Raises InputError where the problem gives no decaying space there whose solutions are those that decay at the first node.
         """
@@ -181,7 +181,7 @@ class BoundaryMatrix:
         return cls(shooting, sigma, M, Q, R, B, rows, U[:, ::-1], s[::-1], Vh[::-1])
 
     def solutions(self, count: int) -> tuple[Solution, ...]:
-        """Those of the smallest singular values, each with a left solution; for a count of the dimension of the kernel, bases of both."""
+        """The solutions of the smallest singular values, each with a left one; for a count of the kernel's dimension, bases of both."""
         return tuple(self._solution(self.Vh[i].conj(), self.U[:, i].conj() / self.rows) for i in range(count))
 
     def near_kernel(self, at_mode: BoundaryMatrix) -> Solution:

@@ -29,7 +29,7 @@ class PerturbedPencil:
 
     @property
     def recorded(self) -> RecordedPencil | None:
-        """The same of a recorded pencil, whose known numbers are not rounded and stay."""
+        """The perturbed pencil of a recorded one, whose known numbers are not rounded and stay."""
         known: RecordedPencil | None = RECORDED.of(self.problem)
         return None if known is None else known.perturbed(self.seed, self.amount)
 

@@ -68,7 +68,7 @@ class Shooting:
         return max(self.propagator.rtol, self.noise)
 
     def allowing(self, noise: float) -> Shooting:
-        """The same on the same mesh, of which no less than this noise is asked."""
+        """D(σ) on the same mesh, of which no less than this noise is asked."""
         return self if noise <= self.noise else Shooting(self.problem, self.propagator, self.sampled, self._start, noise)
 
     def serves(self, sigma: complex, tangent: bool = True) -> bool:
@@ -85,7 +85,7 @@ class Shooting:
         return bool((self.problem.start(complex(sigma), asked) - first) * (first - last) <= 0.0)
 
     def refined(self, seed: int | None = None, problem: Problem | None = None) -> Shooting:
-        """The same, of another problem if one is given, on a mesh with every step halved: the difference is the error of this one.
+        """D(σ), of another problem if one is given, on a mesh with every step halved: the difference is the error of this one.
 
         With a seed the steps are cut a little off their middle: what differs from the halved mesh is the rounding of mesh and samples.
         """
@@ -93,18 +93,18 @@ class Shooting:
         return self._variant(lambda far: far, self._system(problem, True, seed), problem)
 
     def partly_refined(self, seed: int) -> Shooting:
-        """The same with about half of the steps halved, drawn at random: these err by one sum, which the others may cancel."""
+        """D(σ) on a mesh with about half of the steps halved, drawn at random: these err by one sum, which the others may cancel."""
         if seed not in self._mixed:
             fine = self._system(self.problem, True, None)
             self._mixed[seed] = mixed(self.problem, partly_halved(self.sampled.nodes, seed), self.sampled, fine)
         return self._variant(lambda far: far, self._mixed[seed], self.problem)
 
     def at_other_points(self, seed: int) -> Shooting:
-        """The same with its nodes moved by so little that only mesh and samples round otherwise."""
+        """D(σ) on a mesh with its nodes moved by so little that only mesh and samples round otherwise."""
         return self._variant(lambda far: far, sample_system(self.problem, moved(self.sampled.nodes, seed)), self.problem)
 
     def with_rotated_basis(self, seed: int) -> Shooting:
-        """The same from the far frame with its columns in another order and with other phases, of product 1, at random.
+        """D(σ) from the far frame with its columns in another order and with other phases, of product 1, at random.
 
         They are not mixed: columns of very different size would be spoilt by that, and not by the method. One column has no other basis:
         its components are changed by a rounding.
@@ -118,12 +118,12 @@ class Shooting:
         return self._variant(lambda far: replace(far, frame=far.frame @ basis, tangent=far.tangent @ basis), self.sampled, self.problem)
 
     def with_perturbed_start(self, seed: int, size: float) -> Shooting:
-        """The same from a far frame with every component changed by a random relative amount of this size."""
+        """D(σ) from a far frame with every component changed by a random relative amount of this size."""
         noise = 1 + size * _random(seed, self.problem.size, self.problem.decaying)
         return self._variant(lambda far: replace(far, frame=far.frame * noise), self.sampled, self.problem)
 
     def with_perturbed_system(self, seed: int, size: float) -> Shooting:
-        """The same with every entry of the sampled system, and z, changed by random relative amounts of this size.
+        """D(σ) with every entry of the sampled system, and z, changed by random relative amounts of this size.
 
         Where C has to be solved with, every entry of C and D is changed besides; a pencil recorded with pivots of its own is a formula for
         C⁻¹D.
@@ -163,7 +163,7 @@ class Shooting:
         return complex(sigma).imag == 0.0 and self.sampled.real is not None
 
     def _variant(self, start: Callable[[FarFrame], FarFrame], sampled: SampledSystem, problem: Problem) -> Shooting:
-        """The same on a given mesh, from a far frame changed on the way."""
+        """D(σ) on a given mesh, from a far frame changed on the way."""
         return Shooting(problem, self.propagator, sampled, start, self.noise)
 
     def _system(self, problem: Problem, halve: bool, seed: int | None) -> SampledSystem:

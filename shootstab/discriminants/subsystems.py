@@ -82,7 +82,7 @@ class Subsystem:
         return self.whole.start(sigma, tolerance)
 
     def far_frame(self, z: float, sigma: complex) -> FarFrame:
-        """The scale goes with the subsystem's number of solutions: only its sum over all subsystems counts."""
+        """The subsystem's columns of the whole's frame. Its share of the scale goes with their number: only the sum counts."""
         far = _far_frame(self.whole, z, sigma)
         share = far.log_scale * len(self.solutions) / self.whole.decaying
         turn, frame, tangent = self._turn_of_frame, far.frame, far.tangent

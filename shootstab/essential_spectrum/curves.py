@@ -70,7 +70,7 @@ class Curve:
 
     @staticmethod
     def _inside_hull(points: ComplexArray, region: Region) -> ComplexArray:
-        """Those of the points in the box around the region."""
+        """The points that lie in the box around the region."""
         hull = np.array(region.hull)
         across = (points.real >= hull.real.min()) & (points.real <= hull.real.max())
         return np.asarray(points[across & (points.imag >= hull.imag.min()) & (points.imag <= hull.imag.max())])

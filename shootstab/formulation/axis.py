@@ -36,7 +36,7 @@ class RegularSpace:
         return self.end.columns
 
     def frame(self, sigma: complex) -> FarFrame:
-        """Raises ConvergenceError where the series does not hold at x for this σ."""
+        """The frame (n, k) at x and its σ-derivative. Raises ConvergenceError where the series does not hold at x for this σ."""
         with np.errstate(over="ignore", invalid="ignore"):  # too far out for a double: the error is infinite or no number
             parts = [self._family(family, sigma) for family in self.end.families]
         frame, tangent = (np.concatenate([part[i] for part in parts], axis=1) for i in (0, 1))

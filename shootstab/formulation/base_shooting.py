@@ -92,7 +92,7 @@ class FlowShooting:
         return [arithmetic.to_mpmath(value) for value in values]
 
     def linearized(self, found: OriginValues, branches: list[FlowBranch], here: list[Any]) -> OriginValues:
-        """The same with the derivatives of the defects by differences, to half the digits that are not lost, and with those lost."""
+        """The values with the derivatives of the defects by differences, to half the digits that are not lost, and with those lost."""
         columns, lost = [], 0.0
         share = mpmath.mpf(10) ** round(-0.5 * (self.settings.digits + self._lost))
         for j, x in enumerate(found.free):

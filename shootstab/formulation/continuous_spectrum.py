@@ -54,7 +54,7 @@ class InteriorSpectrum:
         return -self.determinant.get(d - 1, number(0)) / (number(d) * self.determinant[d])
 
     def curve(self, z: Any) -> Any:
-        """σ_c at z (m,), real or complex; of several curves, those of `branches` one after the other cannot be told apart: the first."""
+        """σ_c (m,) at z (m,), real or complex; of several curves the first of `branches`, which no formula tells from the others."""
         if self.expression is None:
             return self.branches(np.asarray(z))[0]
         with np.errstate(all="ignore"):
@@ -104,7 +104,10 @@ class InteriorSpectrum:
 
 
 def interior_spectrum(first: FirstOrder, domain: Domain, names: Names) -> InteriorSpectrum:
-    """Raises InputError where C is singular at a point whatever σ is: the order of the equations changes there."""
+    """The determinant of C on the domain, with its curves.
+
+    Raises InputError where C is singular at a point whatever σ is: the order of the equations changes there.
+    """
     determinant = first.determinant
     highest = max(determinant, default=0)
     if not determinant:

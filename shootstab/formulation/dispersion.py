@@ -44,7 +44,7 @@ def dispersion_relation(system: StatePencil, direction: int, wavenumber: str, li
 
 
 def zero_in_sigma(relation: Expression) -> Expression | None:
-    """σ where the relation is of the first degree in it."""
+    """The σ that solves a relation of the first degree in it; None for any other."""
     powers = coefficients(relation)
     return -powers.get(0, number(0)) / powers[1] if set(powers) <= {0, 1} and 1 in powers else None
 

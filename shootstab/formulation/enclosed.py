@@ -39,7 +39,7 @@ class DecayingEnd(Protocol):
         ...
 
     def minors(self, sigma: Any) -> list[Any]:
-        """Those of the solutions that decay towards it."""
+        """The minors of the solutions that decay towards it."""
         ...
 
 

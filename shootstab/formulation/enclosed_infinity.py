@@ -24,7 +24,7 @@ from shootstab.problems.ends import INFINITIES
 
 HIGHEST_ORDER = 60  # chosen: binary orders down to which an x is looked for at which the series holds
 DECAY_BITS = 4.0  # chosen: bits that a term gains on the one before it, about, from which their number follows
-SPARE_TERMS = 12  # chosen: terms beyond those
+SPARE_TERMS = 12  # chosen: terms beyond those that DECAY_BITS asks for
 
 
 class EnclosedInfinity:

@@ -44,7 +44,7 @@ class Evaluator:
         self._powers: dict[tuple[Atom, Exponent], Any] = {}
 
     def __call__(self, expression: Expression) -> Any:
-        """Its value; 0 as a plain number where it has no terms."""
+        """The value of an expression; 0 as a plain number where it has no terms."""
         total: Any = None
         for monomial, c in expression.terms.items():
             product: Any = None

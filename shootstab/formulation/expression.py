@@ -142,7 +142,7 @@ class Expression:
 
     @property
     def constant(self) -> Gaussian | None:
-        """Its value if it is a number, else None."""
+        """The value of an expression that is a number, else None."""
         if not self.terms:
             return Gaussian(0)
         return self.terms.get(()) if len(self.terms) == 1 else None

@@ -93,7 +93,7 @@ def _without(joint: Joint, name: str, rows: list[EquationRow], vanishing: Vanish
 
 
 def interface_of(joint: Joint, layers: tuple[FirstOrder, FirstOrder], given: Given) -> Interface:
-    """The same as matrices over the states."""
+    """The conditions as matrices over the states."""
     rows, n = rows_over_states(joint, layers), layers[0].order
     places = {
         on_side(side, state): k * n + j

@@ -71,7 +71,7 @@ class EquationProblem(LinearProblem):
         return self.layers[0].spectrum_inside
 
     def with_parameters(self, values: Mapping[str, complex]) -> EquationProblem:
-        """The same with other values of some of its parameters, which may be complex. Raises InputError for a name that is none."""
+        """The problem with other values of some of its parameters, which may be complex. Raises InputError for a name that is none."""
         if self.posed is None:
             raise InputError("this problem comes from a statement: allowed is one made by st.equations")
         return remade(self.posed, values)
@@ -122,12 +122,12 @@ class EquationProblem(LinearProblem):
 
     @property
     def multiprecision(self) -> Callable[[], MultiprecisionProblem]:
-        """The same expressions on power series. What it returns raises InputError, with the reason, where there is no such way."""
+        """The problem's expressions on power series. What it returns raises InputError, with the reason, where there is no such way."""
         return partial(digits_of, self.statement, self.states, self.layers, self.reduction)
 
     @property
     def enclosable(self) -> Enclosable | None:
-        """The same expressions in balls. None in layers, where a function is given to doubles only, an end is singular or at infinity
+        """The problem's expressions in balls. None in layers, where a function is given to doubles only, an end is singular or at infinity
         without an exponential limit, or the eigenvalue stands in a denominator, whose zeros would count.
         """
         return enclosed(self.statement, self.states, self.ends, self.generic_sigma)

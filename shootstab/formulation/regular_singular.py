@@ -89,7 +89,7 @@ class RegularSingularEnd:
 
     @cached_property
     def arrays(self) -> SeriesArrays:
-        """Their series, (MOST_TERMS, n, n) for every power of σ."""
+        """The series of the coefficients, (MOST_TERMS, n, n) for every power of σ."""
         return coefficient_arrays(self.parts, len(self.shifts), MOST_TERMS, self.length)
 
 

@@ -43,7 +43,7 @@ def conjugated(expression: Expression) -> Expression:
 
 
 def added(forms: Iterable[Form], vanishing: Vanishing) -> Form:
-    """Their sum, without the entries that vanish."""
+    """The sum of the forms, without the entries that vanish."""
     total: Form = {}
     for form in forms:
         for at, c in form.items():

@@ -42,7 +42,7 @@ class Beginning(Protocol):
         ...
 
     def frame(self, sigma: Any) -> tuple[Matrix, Any]:
-        """Its solutions (n, k), or (2n, n) beside their starting values, and the factor by which their determinant counts."""
+        """The solutions (n, k) with which it begins, or (2n, n) beside their starting values, and the factor of their determinant."""
         ...
 
 
@@ -52,7 +52,7 @@ class Begin(Protocol):
     def beginning(
         self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction, flow: FlowSeries | None
     ) -> Beginning:
-        """The same in one arithmetic, on a base flow."""
+        """The beginning in one arithmetic, on a base flow."""
         ...
 
 
@@ -123,7 +123,7 @@ class _FixedBeginning:
         self.place, self._made, self._factor = place, made, factor
 
     def begin(self, sigma: Any) -> None:
-        """There is nothing to choose."""
+        """Nothing: this place does not depend on σ."""
 
     def frame(self, sigma: Any) -> tuple[Matrix, Any]:
         return self._made(sigma), self._factor

@@ -59,7 +59,7 @@ class Scene:
         return {"name": self.name, "description": self.description, **vars(self.details), "parameters": self.parameters}
 
     def seen(self, convention: Convention) -> Scene:
-        """The same with somebody else's eigenvalue."""
+        """The scene with somebody else's eigenvalue."""
         if convention.plain:
             return self
         from shootstab.problems.rescaled import Rescaled

@@ -81,7 +81,7 @@ class ClosedFormIntegration:
         self._step = 2 * self._h
 
     def unknowns(self, sigma: Any) -> UnknownRows:
-        """Those that the form names, or all components."""
+        """The unknowns that the form names, or all components."""
         named = EXACT_UNKNOWNS.of(self._problem)
         return {f"psi{i + 1}": {i: 1} for i in range(self._problem.size)} if named is None else named(self._exact)
 

@@ -42,7 +42,7 @@ class Enclosable(Protocol):
 
     @property
     def most_points(self) -> int:
-        """A budget: values of D on one circle."""
+        """The most values of D that one circle may take."""
         ...
 
     @property

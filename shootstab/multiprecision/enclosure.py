@@ -50,11 +50,11 @@ class BetweenEnds:
 
     @property
     def lemmas(self) -> tuple[str, ...]:
-        """Those of steps, compound matrices and their growth, and of the system."""
+        """The lemmas of steps, compound matrices and their growth, and of the system."""
         return ("E2", "E3", "E4", *self.system.lemmas)
 
     def enclosure(self, bits: int, region: Any) -> Enclosure:
-        """The same D for every region."""
+        """The enclosure, which is one and the same D for every region."""
         return Enclosure(self.system, bits)
 
 

@@ -25,7 +25,7 @@ def shifted(values: list[int], left: int) -> list[int]:
 
 
 def trimmed(block: Block, bits: int) -> Block:
-    """The same with no more than so many bits in its largest value, rounded."""
+    """The block with no more than so many bits in its largest value, rounded."""
     values, exponent = block
     excess = max(v.bit_length() for v in values) - bits
     if excess <= 0:

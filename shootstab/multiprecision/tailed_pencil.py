@@ -38,7 +38,7 @@ class TailedPencil:
 
     @property
     def polynomials(self) -> tuple[Sequence[Mapping[tuple[int, int], Taylor]], Sequence[Mapping[tuple[int, int], Taylor]]]:
-        """Their terms alone."""
+        """The terms of the entries alone."""
         if "terms" not in self._kept:
             self._kept["terms"] = [[{at: _terms(y) for at, y in part.items()} for part in parts] for parts in (self.C, self.D)]
         C, D = self._kept["terms"]
@@ -46,7 +46,7 @@ class TailedPencil:
 
     @property
     def _flint(self) -> tuple[Sequence[Mapping[tuple[int, int], Any]], Sequence[Mapping[tuple[int, int], Any]]]:
-        """The same as FLINT's series, real ones where they are."""
+        """The entries as FLINT's series, real ones where they are."""
         if "flint" not in self._kept:
             self._kept["flint"] = [[{at: _flint(y) for at, y in part.items()} for part in parts] for parts in (self.C, self.D)]
         C, D = self._kept["flint"]

@@ -208,7 +208,7 @@ class TailedSeries:
         return bool(abs(first.imag) > abs(first) * u.norm)
 
     def _known_real(self, real: bool) -> TailedSeries:
-        """The same, whose coefficients are real if the argument's are: what was computed by way of complex ones may have lost it."""
+        """The series, real if the argument is: what was computed by way of complex numbers may have lost that."""
         return self._like([acb(x.real) for x in self.c], self.tail, True) if real else self
 
     def _unbounded(self) -> TailedSeries:

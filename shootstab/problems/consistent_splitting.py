@@ -124,7 +124,7 @@ def consistent_splitting(conditions: EndConditions, near: complex | None) -> Con
         component = list(_outermost_component(conditions, ray))
         if component:
             return _widest(conditions, component)
-    # bounded components: on no direction as many solutions decay for large |σ|
+    # bounded components: for large |σ| too few or too many solutions decay in every direction
     fitting = [s for ray in rays for s in ray if s.width > 0.0 and conditions.fits(s)]
     if fitting:
         return _widest(conditions, fitting)

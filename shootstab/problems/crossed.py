@@ -29,7 +29,7 @@ class Crossed:
 
     @classmethod
     def on_the_way(cls, interfaces: Sequence[Interface], low: float, high: float, direction: float, n: int) -> Crossed | None:
-        """Those between two points; None if there are none. T is the identity where the way begins."""
+        """The interfaces between two points; None if there are none. T is the identity where the way begins."""
         passed = sorted((joint for joint in interfaces if low < joint.z < high), key=lambda joint: direction * joint.z)
         if not passed:
             return None

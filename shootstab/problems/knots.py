@@ -167,7 +167,7 @@ def _halves(coefficients: CoefficientFunction, parents: _Intervals) -> _Interval
 
 
 def _without_noise(active: _Intervals) -> _Intervals:
-    """Those of which a part is smooth, or whose residual is no noise; from here on each is an ancestor of its own."""
+    """The intervals of which a part is smooth, or whose residual is no noise; from here on each is an ancestor of its own."""
     _, family, members = np.unique(active.ancestor, return_inverse=True, return_counts=True)
     largest = np.zeros(len(members))
     np.maximum.at(largest, family, active.residual)

@@ -49,7 +49,7 @@ class TwoPointReduction:
         return int(self.rows[0].shape[1])
 
     def over(self, start: float, end: float) -> TwoPointReduction:
-        """The same, laid out from t = start to t = end."""
+        """The reduction with its line laid out from t = start to t = end."""
         stretch = (self.end - self.start) / (end - start)
         shift = self.start - stretch * start
         return TwoPointReduction(tuple(subdomain.on(shift, stretch) for subdomain in self.subdomains), start, end, self.rows)

@@ -88,7 +88,7 @@ def placements(problem: Problem) -> tuple[Placement, ...]:
 
 
 def unknowns(problem: Problem) -> Unknowns:
-    """Those that the problem names, or the components ψ1, ψ2, … of its state."""
+    """The unknowns that the problem names, or the components ψ1, ψ2, … of its state."""
     found: Unknowns | None = UNKNOWNS.of(problem)
     if found is not None:
         return found

@@ -52,7 +52,7 @@ class Surroundings:
 
     @property
     def apart(self) -> Surroundings:
-        """The same where D at the point is known: its zeros lie where D shows them, and none at the point."""
+        """The surroundings where D at the point is known: its zeros lie where D shows them, and none at the point."""
         return Surroundings(0, self.nearest, self.nearest) if self.nearest > 0.0 else self
 
 

@@ -62,7 +62,7 @@ class Limited:
         return self.with_derivative(sigma).D
 
     def with_derivative(self, sigma: complex) -> Value:
-        """Raises ConvergenceError beyond the limit."""
+        """D and D′ at sigma. Raises ConvergenceError beyond the limit."""
         if self.discriminant.evaluations > self.last:
             raise ConvergenceError("D is noise along the contour")
         return self.discriminant.with_derivative(sigma)
@@ -95,7 +95,7 @@ class Deflated:
 def wind(discriminant: Discriminant, region: Region, segments: int = FIRST_SEGMENTS) -> Winding:
     """Count the zeros inside a region on whose closure D is analytic; a smooth boundary is first cut into so many segments.
 
-    Raises ConvergenceError when a zero lies on the boundary, or so near to it that no sampling tells the side, and Inaccurate (one, too)
+    Raises ConvergenceError when a zero lies on the boundary, or so near to it that no sampling tells the side, and its kind Inaccurate
     where D is no smooth function along it.
     """
     values = follow(lambda t: discriminant.with_derivative(region.boundary(t)), region.corners, True, segments)

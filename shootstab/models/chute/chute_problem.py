@@ -38,7 +38,7 @@ class ChuteProblem(Perturbations):
 
     @property
     def enclosable(self) -> ChuteEnclosable:
-        """The same in balls, on a flow that is enclosed too."""
+        """The problem in balls, on a flow that is enclosed too."""
         from shootstab.models.chute.enclosed_problem import ChuteEnclosable
 
         return ChuteEnclosable(self)

@@ -108,7 +108,7 @@ class EnclosedDescent:
         self._chute, self._far_temperature, self._settings = chute, far_temperature, settings
 
     def far(self, start: float, contraction: Callable[[TailedFields], float] = lambda fields: 0.0) -> tuple[Any, TailedFields]:
-        """The start ν0, or a smaller one at which the series hold and their contraction is 1 at most, and they."""
+        """The start ν0, or a smaller one at which the series hold and their contraction is 1 at most, and these series."""
         N = self._settings.far_terms
         terms = far_series(self._arithmetic, self._chute, self._far_temperature, N)
         nu = arb(start)
@@ -231,7 +231,7 @@ def _not_met(chute: Chute, at: Callable[[Any], list[Any]], low: Any) -> bool:
 def _base(chute: Chute, piece: Piece, near: float) -> tuple[Any, Any, bool]:
     """t of the base, a ball in which the energy condition is met exactly once, and a wider one in which it is met there only.
 
-    Volume fractions in decimals tell the bases in the wider one apart. Besides whether the condition is met nowhere before on the piece.
+    Volume fractions in decimals tell the bases in the wider one apart. Third, whether the condition is met nowhere before on the piece.
     """
     t = arb(near)
     change = arb(1)

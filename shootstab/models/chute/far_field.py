@@ -171,7 +171,7 @@ class _FarSeries(NamedTuple):
         return P, dP
 
     def in_real_numbers(self) -> _FarSeries | None:
-        """The same in float64; None if it is not real."""
+        """The series' constants in float64; None if they are not real."""
         numbers, vectors = (self.system.values, self.system.slopes), self[2:]
         if any(a.imag.any() for a in (*numbers, *vectors)):
             return None

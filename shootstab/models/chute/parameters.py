@@ -56,5 +56,5 @@ class Chute:
         return np.array([self.ep, self.tan_theta, self.r, self.wall_dissipation(math.pi), *self.radial_law])
 
     def with_numbers(self, change: Callable[[Any], Any]) -> Chute:
-        """The same with every number among its parameters changed, in the order of the registry."""
+        """The chute with every number among its parameters changed, in the order of the registry."""
         return replace(self, **{name: change(getattr(self, name)) for name in names(CHUTE, numbers=True)})

@@ -99,5 +99,5 @@ SWEPT = tuple(p for p in PARAMETERS if p.swept)
 
 
 def names(of: str, *, numbers: bool = False) -> tuple[str, ...]:
-    """Those of the chute, of the flow or of the wave, in order; with numbers=True only those that are numbers."""
+    """The names of the parameters of the chute, of the flow or of the wave, in order; with numbers=True only those that are numbers."""
     return tuple(p.name for p in PARAMETERS if p.of == of and not (numbers and p.choices))

@@ -35,12 +35,12 @@ def tabulated(chute: Chute, states: NDArray[np.complex128], derivatives: bool = 
 
 
 def expanded(chute: Chute, states: NDArray[np.inexact]) -> NDArray[np.complex128]:
-    """The same with derivatives (44, N) as power series in ν, from the states (ν, T, u, Q) (4, N) as such series."""
+    """The fields and their derivatives (44, N) as power series in ν, from the states (ν, T, u, Q) (4, N) as such series."""
     return series(_recorded(chute.radial_law[0], True), states, _parameters(chute))
 
 
 def as_background(values: Any, derivatives: bool = True) -> Background:
-    """The same as series F + F′ε, or of one term; of recorded numbers too."""
+    """The fields as series F + F′ε, or of one term; recorded numbers may stand for them."""
     terms = 2 if derivatives else 1
     return Background(**{name: Series(values[k * terms : (k + 1) * terms]) for k, name in enumerate(NAMES)})
 

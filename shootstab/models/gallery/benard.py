@@ -68,7 +68,7 @@ def _growing(rayleigh: Any, wavenumber: Any, prandtl: float, floor: float, /, **
 
 
 def in_equations(rayleigh: complex, wavenumber: complex, prandtl: float, lower: str, upper: str) -> EquationProblem:
-    """The same, for many digits and proofs; every parameter is the decimal that was typed."""
+    """The problem in equations, for many digits and proofs; every parameter is the decimal that was typed."""
     return equations(
         ["W", "T"],
         [
