@@ -119,6 +119,7 @@ def test_the_table_is_made_of_what_is_stored(tmp_path: Path) -> None:
     )
     reproduction.check(quick=False, results=tmp_path)
     assert "| a number | 3.2 | 2 | 2.5 | contradicts, 0.6 digits |" in table([reproduction], tmp_path)
+    assert table([reproduction], tmp_path).endswith("Rows: 1 (1 contradicts). Seconds in all: 0.")
 
 
 def test_the_page_holds_the_table_of_what_is_stored() -> None:

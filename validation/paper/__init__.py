@@ -12,6 +12,7 @@ SCRIPTS = (
     "figures456",
     "figure7",
     "edges",
+    "edge_digits",
     "all_waves",
     "oblique",
     "two_methods",

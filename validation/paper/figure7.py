@@ -30,7 +30,7 @@ TEMPERATURES = np.geomspace(0.08, 20.0, 22)  # chosen: T_∞ of the flows; high,
 QUICK = TEMPERATURES[::7]  # chosen
 # chosen: T_∞ of panel (b) and k_x, k_y up to which; nothing grows at the edges
 PANELS = {15.0: (0.0075, 0.02), 4.0: (0.014, 0.042), 0.5: (0.025, 0.04)}
-INTERVALS = 6  # chosen: along each axis of panel (b)
+INTERVALS = 5  # chosen: along each axis of panel (b)
 
 
 @dataclass(frozen=True)

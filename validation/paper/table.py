@@ -37,7 +37,7 @@ def _sum(stored: Sequence[Mapping[str, Stored]]) -> str:
     """How many rows there are, with what verdicts, and their seconds in all."""
     rows = [entry.row for entries in stored for entry in entries.values()]
     verdicts = ", ".join(f"{n} {verdict}" for verdict, n in sorted(Counter(row.verdict for row in rows).items()))
-    return f"{len(rows)} rows: {verdicts or 'none'}. Their seconds are {sum(row.seconds for row in rows):.0f} in all."
+    return f"Rows: {len(rows)} ({verdicts or 'none stored'}). Seconds in all: {sum(row.seconds for row in rows):.0f}."
 
 
 def _origin(reproduction: Reproduction, stored: Sequence[Stored]) -> str:
