@@ -34,6 +34,17 @@ def test_the_guide_is_shown_whole_and_a_topic_that_is_not_there_is_refused(capsy
     assert "did you mean verdicts?" in capsys.readouterr().err
 
 
+def test_the_glossary_is_in_order_and_its_terms_are_those_of_the_code() -> None:
+    """The first word of each stands in a docstring, a name or a comment of the package; symbols come first."""
+    rows = [row.split("|")[1].strip() for row in (GUIDE / "glossary.md").read_text().splitlines() if row.startswith("| ")]
+    terms = rows[2:]
+    assert len(terms) > 60
+    assert terms == sorted(set(terms), key=str.casefold)
+    said = "\n".join(path.read_text().casefold() for path in GUIDE.parent.rglob("*.py"))
+    names = [re.split(r"[ -]", term.casefold())[0] for term in terms]
+    assert [name for name in names if name not in said] == []
+
+
 def test_the_reference_has_every_public_name_with_its_docstring(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["guide", "reference"]) == 0
     page = capsys.readouterr().out
