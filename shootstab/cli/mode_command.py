@@ -71,18 +71,18 @@ def mode(options: Namespace) -> int:
     if solved.algebraic_multiplicity > 1:
         return mode_of_several.answer(options, solved, scene, look)
     (found,) = solved.basis
-    with progress(f"drawing {scene.name}" if options.plot is not None else f"evaluating {scene.name}"):
+    with progress(f"evaluating {scene.name}"):
         low, high = options.z or found.extent
         z = np.linspace(low, high, options.points or MODE_HEIGHTS)
         document = eigenfunctions.document(found, z)
         if options.export is not None:
             about = {key: value for key, value in document.items() if key not in ("z", "fields")}
             fields.save(z, eigenfunctions.columns(found, z), options.export, {**about, "scene": scene.name})
-        if options.plot is not None:
-            from shootstab.cli import mode_plot
-
-            figures.save(lambda: mode_plot.draw(found, scene, low, high, look.size), options.plot, look)
         slopes = sensitivities(found, options.sensitivity.split(",")) if options.sensitivity else []
+    if options.plot is not None:
+        from shootstab.cli import mode_plot
+
+        figures.save(lambda: mode_plot.draw(found, scene, low, high, look.size), options.plot, look)
     if slopes:
         document["sensitivity"] = [
             {"parameter": s.parameter, "value": s.value, "derivative": as_strings(s.derivative), "error": s.error} for s in slopes

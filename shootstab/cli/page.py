@@ -191,7 +191,8 @@ def _shape(found: Eigenfunction) -> dict[str, Any]:
             label = f"{part} {name} / {largest:.3g}"
             trace = _line(label, of / largest + 1j * z, {"color": colour, "dash": dash, "width": 2})
             traces.append({**trace, "hoverinfo": "x+y+name"})
-    layout = {"xaxis": {"title": {"text": "each unknown over its largest value"}}, "yaxis": {"title": {"text": "z"}}, "legend": LEGEND}
+    titles = {"xaxis": "each unknown over its largest value", "yaxis": found.variable}
+    layout = {**{axis: {"title": {"text": title}} for axis, title in titles.items()}, "legend": LEGEND}
     return {"data": traces, "layout": layout}
 
 
@@ -199,7 +200,10 @@ def _caption(found: Eigenfunction, symbol: str) -> str:
     """What an eigenfunction belongs to, and how well it is known."""
     sigma = held_complex(found.mode.sigma, found.mode.error)
     kind = f", {found.kind}" if found.kind else ""
-    return f"<h3>{html.escape(f'{symbol} = {sigma}{kind}')}</h3><p>Error {found.error:.1e} of the largest value of each unknown.</p>"
+    relative = "each unknown" if found.mode.multiplicity == 1 else "all unknowns"
+    several = "" if found.mode.multiplicity == 1 else f" One of the solutions at a mode of multiplicity {found.mode.multiplicity}."
+    title = html.escape(f"{symbol} = {sigma}{kind}")
+    return f"<h3>{title}</h3><p>Error {found.error:.1e} of the largest value of {relative}.{several}</p>"
 
 
 def _figure(figure: Mapping[str, Any], name: str) -> str:

@@ -122,7 +122,8 @@ def verify(options: Namespace) -> int:
     if options.html is not None:
         with progress(f"solving for the modes of {scene.name}") as told:
             made = _page(report, scene, told)
-        page.save(made, options.html)
+        with progress(f"writing {options.html.name}"):
+            page.save(made, options.html)
 
     def tables() -> list[RenderableType]:
         from shootstab.cli import tables

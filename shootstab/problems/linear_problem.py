@@ -52,6 +52,7 @@ def problem(
     written: Callable[[], Any] | None = None,
     growing_region: Callable[..., tuple[Rectangle, str]] | None = None,
     unknowns: Mapping[str, ArrayLike] | Sequence[str] = (),
+    variable: str = "z",
     knots: ArrayLike = (),
 ) -> LinearProblem:
     """The eigenvalue problem (C0 + σ C1) ψ′ = (D0 + σ D1) ψ, or one of higher degree in σ, ψ of this size, between a left and a right end.
@@ -76,7 +77,7 @@ def problem(
     on the axes if it is not given, which does where that part is not cut off from them by continuous spectra.
 
     unknowns is what eigenfunctions are shown in: names of the first components of ψ, or {name: a row of numbers over them}; psi1, psi2, …
-    by default.
+    by default. variable is what z is called beside them.
 
     Raises InputError, which names what is wrong: shapes, numbers that are not finite, dependent rows, or conditions that are too many or
     too few for the solutions that decay.
@@ -92,10 +93,7 @@ def problem(
             raise InputError(f"{name} = {end!r}: allowed is st.Wall(z, rows) or st.Infinity()")
     if reference is not None and not (np.isfinite(reference) and reference != 0):
         raise InputError(f"reference = {reference!r}: allowed is a finite number other than 0, where as many solutions decay as are wanted")
-    shown = None
-    if len(unknowns):
-        mapped = isinstance(unknowns, Mapping)
-        shown = Unknowns.combinations(unknowns, size) if mapped else Unknowns.components(unknowns, size)  # type: ignore[arg-type]
+    shown = Unknowns.named(unknowns, size, variable) if len(unknowns) or variable != "z" else None
     function = PencilFunction(size, pencil, vectorized)
     low, high = (end.z if isinstance(end, Wall) else math.copysign(math.inf, side) for end, side in ((left, -1), (right, 1)))
     given = as_knots(knots, low, high)

@@ -29,6 +29,15 @@ class Unknowns:
     variable: str = "z"
 
     @classmethod
+    def named(cls, given: Mapping[str, ArrayLike] | Sequence[str], size: int, variable: str = "z") -> Unknowns:
+        """Combinations where rows (size,) are given, components where names are, psi1, psi2, … where nothing is. Raises InputError."""
+        if not isinstance(variable, str) or not variable.isidentifier():
+            raise InputError(f"variable = {variable!r}: allowed is a name")
+        names = given if len(given) else [f"psi{i}" for i in range(1, size + 1)]
+        made = cls.combinations(names, size) if isinstance(names, Mapping) else cls.components(names, size)
+        return cls(made.names, made.matrix, variable)
+
+    @classmethod
     def combinations(cls, rows: Mapping[str, ArrayLike], size: int) -> Unknowns:
         """The unknowns by name, each a row of numbers (size,) over the state. Raises InputError for other rows."""
         if not rows:
@@ -93,4 +102,4 @@ def unknowns(problem: Problem) -> Unknowns:
     if found is not None:
         return found
     size = placements(problem)[0].size
-    return Unknowns.components([f"psi{i}" for i in range(1, size + 1)], size)
+    return Unknowns.named((), size)

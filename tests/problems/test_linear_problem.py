@@ -15,6 +15,7 @@ from shootstab.discriminants.frame import Frame
 from shootstab.problems.kato_frame import KatoFrame
 from shootstab.problems.protocol import Pencil
 from shootstab.problems.splitting import AsymptoticPencil
+from shootstab.problems.unknowns import unknowns
 
 ORSZAG = -1j * (0.23752648882047010745 + 0.0037396706229794099322j)
 CLAMPED = np.eye(2, 4)
@@ -457,3 +458,15 @@ def test_a_continuum_that_is_no_number() -> None:
     problem = st.problem(2, string, *WALLS, continuum=lambda z: math.nan)
     with pytest.raises(InputError, match="continuum"):
         st.refine(problem, -9.0)
+
+
+def test_the_coordinate_is_called_what_it_is_named() -> None:
+    rows = np.eye(2)[:1]
+    asked = (2, lambda z: (np.eye(2, k=1), np.eye(2, k=-1)), st.Wall(0, rows), st.Wall(1, rows))
+    assert unknowns(st.problem(*asked, variable="r")).variable == "r"
+    assert unknowns(st.problem(*asked, variable="r")).names == ("psi1", "psi2")
+    assert unknowns(st.problem(*asked)).variable == "z"
+    for name in ("blasius", "suction", "shear-layer", "malik-3"):
+        assert unknowns(st.scene(name).problem).variable == "y"
+    with pytest.raises(InputError, match="variable = 'a b': allowed is a name"):
+        st.problem(*asked, variable="a b")

@@ -77,5 +77,11 @@ class ModeShape:
         return tuple(found)
 
     def kind(self, z: NDArray[np.float64], unknowns: Mapping[str, ComplexArray]) -> str:
-        """'vortex-forming' or 'clustering', by unknowns (m,) at the heights z (m,) of the rule."""
+        """'vortex-forming' or 'clustering', by unknowns (m,) at the heights z (m,) of the rule.
+
+        Empty for a mode of the velocity across the plane of the wave alone, as v̂ at k_y = 0: it carries no mass in that plane.
+        """
+        flux = self.fields(z, unknowns)
+        if not (np.any(self.kx * flux["Qx"] + self.ky * flux["Qy"]) or np.any(flux["Qz"])):
+            return ""
         return VORTEX_FORMING if self.vortices(z, unknowns) else CLUSTERING

@@ -38,7 +38,7 @@ def blasius(reynolds: complex = 580.0, alpha: complex = 0.179, accuracy: float =
 
     pencil = orr_sommerfeld(profile, reynolds, alpha)
     made, shown = coarser if accuracy == 0.0 else None, velocities(alpha)
-    return problem(4, pencil, Wall(0.0, CLAMPED), Infinity(), vectorized=True, coarser=made, unknowns=shown)
+    return problem(4, pencil, Wall(0.0, CLAMPED), Infinity(), vectorized=True, coarser=made, unknowns=shown, variable="y")
 
 
 @cache

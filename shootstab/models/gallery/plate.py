@@ -57,7 +57,7 @@ def plate_temporal(
 
     made = None if accuracy else coarser
     wall, matrices = Wall(0.0, STILL_WALL), pencil(_flow(gas, accuracy))
-    return problem(PLATE_SIZE, matrices, wall, Infinity(), vectorized=True, coarser=made, unknowns=_shown())
+    return problem(PLATE_SIZE, matrices, wall, Infinity(), vectorized=True, coarser=made, unknowns=_shown(), variable="y")
 
 
 def plate_spatial(
@@ -79,7 +79,7 @@ def plate_spatial(
 
     made, end = None if accuracy else coarser, Wall(0.0, STILL_WALL)
     matrices, near = pencil(_flow(gas, accuracy)), BETWEEN_SPECTRA * omega
-    return problem(PLATE_SIZE, matrices, end, Infinity(), reference=near, vectorized=True, coarser=made, unknowns=_shown())
+    return problem(PLATE_SIZE, matrices, end, Infinity(), reference=near, vectorized=True, coarser=made, unknowns=_shown(), variable="y")
 
 
 def plate(

@@ -29,7 +29,7 @@ def poeschl_teller(nu: float = 0.2) -> LinearProblem:
         D0[:, 0, 1], D0[:, 1, 0] = 1, -nu * (nu + 1) * sech2
         return D0, D1
 
-    return problem(2, pencil, Infinity(), Infinity(), vectorized=True, unknowns=["y"])
+    return problem(2, pencil, Infinity(), Infinity(), vectorized=True, unknowns=["y"], variable="x")
 
 
 def davies(start: float = 10.0) -> LinearProblem:
@@ -41,4 +41,4 @@ def davies(start: float = 10.0) -> LinearProblem:
         D0[:, 0, 1], D0[:, 1, 0] = 1, 1j * x * x
         return D0, D1
 
-    return problem(2, pencil, Infinity(start=start), Infinity(start=start), vectorized=True, unknowns=["u"])
+    return problem(2, pencil, Infinity(start=start), Infinity(start=start), vectorized=True, unknowns=["u"], variable="x")

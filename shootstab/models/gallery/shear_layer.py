@@ -33,4 +33,4 @@ def shear_layer(alpha: complex = 0.4446) -> LinearProblem:
     def critical(y: ComplexArray) -> ComplexArray:
         return np.asarray(-1j * alpha * np.tanh(y))
 
-    return problem(2, pencil, Infinity(), Infinity(), continuum=critical, vectorized=True, unknowns=velocities(alpha, 2))
+    return problem(2, pencil, Infinity(), Infinity(), continuum=critical, vectorized=True, unknowns=velocities(alpha, 2), variable="y")

@@ -22,4 +22,4 @@ def suction(reynolds: complex = 54370.0, alpha: complex = 0.1555) -> LinearProbl
         return 1 - decay, -decay
 
     pencil = orr_sommerfeld(profile, reynolds, alpha, V=-1 / complex(reynolds).real)
-    return problem(4, pencil, Wall(0.0, CLAMPED), Infinity(), vectorized=True, unknowns=velocities(alpha))
+    return problem(4, pencil, Wall(0.0, CLAMPED), Infinity(), vectorized=True, unknowns=velocities(alpha), variable="y")

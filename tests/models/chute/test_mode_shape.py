@@ -69,3 +69,11 @@ def test_sensitivities_by_name_are_the_differences_of_modes(scenes: dict[str, Ch
         st.sensitivities(found, ["colour"])
     with pytest.raises(st.InputError, match="belongs to no family"):
         st.sensitivities(st.eigenfunction("benard", 3.4), ["rayleigh"])
+
+
+def test_a_mode_of_the_velocity_across_the_plane_of_the_wave_is_of_neither_kind() -> None:
+    """At k_y = 0 v̂ alone carries no mass in the plane of k and z."""
+    problem = st.scene("low").problem
+    zero = np.zeros(2, dtype=complex)
+    shape = ModeShape(problem.flow, problem.kx, problem.ky)
+    assert shape.kind(np.array([0.0, 1.0]), {"nu": zero, "u": zero, "v": zero + 1.0, "w": zero, "T": zero}) == ""
