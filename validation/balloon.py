@@ -13,11 +13,11 @@ from scenes import problem
 import shootstab as st
 from shootstab.models.chute import chute_collocation as chute
 
-LARGEST = 3.0  # |σ| of the eigenvalues that are judged: the balloon, and all that a figure of it shows
-DIGITS = 5
-HOLDS = st.Rectangle(-2.0 - 0.9j, 0.05 + 0.9j)  # the continuous spectrum and the balloon lie in it
-RESOLUTIONS = (100, 160)  # two filtered pseudospectral runs that must agree on a mode
-AGREE = 1e-6
+LARGEST = 3.0  # chosen: |σ| of the eigenvalues that are judged: the balloon, and all that a figure of it shows
+DIGITS = 5  # chosen
+HOLDS = st.Rectangle(-2.0 - 0.9j, 0.05 + 0.9j)  # chosen: the continuous spectrum and the balloon lie in it
+RESOLUTIONS = (100, 160)  # chosen: two filtered pseudospectral runs that must agree on a mode
+AGREE = 1e-6  # chosen
 
 
 def true_modes() -> tuple[list[complex], list[complex]]:

@@ -17,7 +17,7 @@ from time import process_time
 from rich.console import Console
 from rich.table import Table
 
-ENOUGH = 0.5  # seconds over which something quick is repeated
+ENOUGH = 0.5  # chosen: seconds over which something quick is repeated
 
 
 @dataclass(frozen=True)

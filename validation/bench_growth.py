@@ -18,8 +18,8 @@ import shootstab as st
 from shootstab.analyses import reference
 
 PICTURE = Path(__file__).with_name("figures") / "growth.png"
-STEPS_BY = [10.0**-k for k in range(5, 13)]  # local errors: each makes a mesh of its own
-CLAIMS, POINTS, DIGITS = (5, 10, 20, 40), (25, 50, 100, 200), (20, 30, 40, 50)
+STEPS_BY = [10.0**-k for k in range(5, 13)]  # chosen: local errors: each makes a mesh of its own
+CLAIMS, POINTS, DIGITS = (5, 10, 20, 40), (25, 50, 100, 200), (20, 30, 40, 50)  # chosen
 STEEPEST = {"steps": 1.1, "claims": 1.1, "points": 1.1}  # slopes that are asked for; digits are shown only
 
 Growth = tuple[list[float], list[float]]

@@ -26,7 +26,7 @@ from shootstab.kernels.reduced_system import ReducedSystem
 from shootstab.kernels.tableau import STAGES, WEIGHTS, A
 from shootstab.models.chute import ChuteProblem
 
-ROUNDS, CALLS = 15, 20
+ROUNDS, CALLS = 15, 20  # chosen
 COMBINED = int(np.count_nonzero(A)) + int(np.count_nonzero(WEIGHTS))  # stages that are added to something in a step
 
 

@@ -28,9 +28,9 @@ from shootstab.models.chute import ChuteProblem
 from shootstab.models.chute import chute_collocation as pseudospectral
 from shootstab.spectral import inverse
 
-GOAL = 1e-8
-TRUNCATIONS = range(16, 400, 4)
-TOLERANCES = [10.0 ** (-k / 2) for k in range(8, 24)]
+GOAL = 1e-8  # chosen
+TRUNCATIONS = range(16, 400, 4)  # chosen
+TOLERANCES = [10.0 ** (-k / 2) for k in range(8, 24)]  # chosen
 WANTED = {"high": (50.0, 2.0), "low": (1000.0, 20.0)}  # against QZ, against inverse iteration
 GRIDS = {"the paper's grid": 0.0, "the bundled reference's grid": None}
 

@@ -31,10 +31,10 @@ from shootstab.spectral import inverse
 REFINED = {"high": 3e-3, "low": 8e-3}  # seconds asked for, as the other numbers below
 AGAINST_QZ, AGAINST_INVERSE = {"high": 20.0, "low": 1000.0}, {"high": 1.0, "low": 10.0}
 DIGITS = {("high", 50): 2.6, ("low", 50): 6.0, ("high", 100): 9.7, ("low", 100): 22.0}
-BATCH, RAW = 64, 200
-STEEP = -0.014 - 0.0666j  # guess: the wall mode of plane Poiseuille flow at R = 1e6, alpha = 1
-TRUNCATIONS_OF_STEEP = range(160, 400, 20)
-CLAIMS = 40  # eigenvalues taken from one QZ of a problem in equations
+BATCH, RAW = 64, 200  # chosen
+STEEP = -0.014 - 0.0666j  # chosen: guess: the wall mode of plane Poiseuille flow at R = 1e6, alpha = 1
+TRUNCATIONS_OF_STEEP = range(160, 400, 20)  # chosen
+CLAIMS = 40  # chosen: eigenvalues taken from one QZ of a problem in equations
 
 
 def anew(p: ChuteProblem) -> ChuteProblem:

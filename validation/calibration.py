@@ -20,11 +20,11 @@ from shootstab.analyses.reference import claims
 from shootstab.models.gallery.poiseuille import PlanePoiseuille
 from shootstab.problems.protocol import Problem
 
-TOLERANCES = tuple(10.0**-k for k in range(4, 13))
+TOLERANCES = tuple(10.0**-k for k in range(4, 13))  # chosen
 METHODS = (st.Frame, st.Compound, st.Riccati)
-PESSIMISM = 30.0  # median of bound/true error that is allowed
-ENOUGH = 20  # values of which a median tells something
-FLOOR = 1e-16  # part of |σ|: a true error below it is counted as this
+PESSIMISM = 30.0  # chosen: median of bound/true error that is allowed
+ENOUGH = 20  # chosen: values of which a median tells something
+FLOOR = 1e-16  # chosen: part of |σ|: a true error below it is counted as this
 
 
 def scenes(quick: bool) -> Iterator[tuple[str, Problem, complex]]:

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]
 Real, Complex = np.longdouble, np.clongdouble
-STEPS = 40  # the most steps of an iteration
+STEPS = 40  # chosen: the most steps of an iteration
 SETTLED = 1e-13  # chosen: relative change of σ at which the iteration in doubles ends
 
 

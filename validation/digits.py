@@ -28,13 +28,13 @@ from shootstab.io.scenes import load
 
 GUESSES = {**GUESS, "poiseuille": 0.0037 - 0.2375j}
 POISEUILLE = "0.23752648882047010745", "0.0037396706229794099322"  # c to twenty digits, Re = 10000, alpha = 1
-DIGITS = (20, 30, 40, 50, 70, 100)
+DIGITS = (20, 30, 40, 50, 70, 100)  # chosen
 SECONDS = {30: 10.0, 50: 30.0, 100: 300.0}  # seconds of processor time, with python-flint
-ALONE = 300.0  # seconds with mpmath alone, 30 digits
-MEBIBYTES = 1024.0
-ELSEWHERE = 1.0 + 1e-4  # times the guess: another start
+ALONE = 300.0  # chosen: seconds with mpmath alone, 30 digits
+MEBIBYTES = 1024.0  # exact
+ELSEWHERE = 1.0 + 1e-4  # chosen: times the guess: another start
 FIGURES = Path(__file__).parent / "figures"
-PLAIN = 120  # decimal places that carry a number from one process to another
+PLAIN = 120  # chosen: decimal places that carry a number from one process to another
 
 
 @dataclass(frozen=True)

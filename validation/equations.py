@@ -26,7 +26,7 @@ from shootstab.formulation.problem import EquationProblem
 
 SCENES = Path(__file__).parent.parent / "shootstab" / "models" / "catalogue" / "scenes"
 POISEUILLE = "0.0037396706229794099322", "-0.23752648882047010745"
-MANY = 40  # digits
+MANY = 40  # chosen: digits
 T = TypeVar("T")
 
 

@@ -25,9 +25,9 @@ from shootstab.analyses.processes import in_processes
 from shootstab.analyses.sweep.workers import serially
 from shootstab.models.chute.stability import STABLE, UNSTABLE, stability
 
-SLOPES = tuple(round(0.25 + 0.01 * i, 2) for i in range(11))
-TEMPERATURES = (0.05, 30.0)  # T_∞ from, to
-SOMETIMES = (0.29, 0.30, 0.31, 0.32)  # slopes at which the paper has stable flows
+SLOPES = tuple(round(0.25 + 0.01 * i, 2) for i in range(11))  # chosen
+TEMPERATURES = (0.05, 30.0)  # chosen: T_∞ from, to
+SOMETIMES = (0.29, 0.30, 0.31, 0.32)  # published: slopes at which the paper has stable flows
 GRAINS = {"e": 0.8, "e_w": 0.8, "r": 0.6}
 FIGURE = Path(__file__).parent / "figures" / "figure8.png"
 BLUE, ORANGE = "#0072B2", "#D55E00"

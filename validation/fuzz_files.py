@@ -32,11 +32,11 @@ from typing import Any
 
 import numpy as np
 
-SECONDS, MEMORY = 2.0, 256 * 2**20
-CHECKING = 60.0  # seconds of a certificate that is one
-SOLVING = 20.0  # seconds of a scene whose base flow is the solution of equations: those are solved, not only read
-BATCH = 200  # mutants a child
-LOOKED_AT = 65536  # bytes of a file in which a base flow is looked for
+SECONDS, MEMORY = 2.0, 256 * 2**20  # chosen
+CHECKING = 60.0  # chosen: seconds of a certificate that is one
+SOLVING = 20.0  # chosen: seconds of a scene whose base flow is the solution of equations: those are solved, not only read
+BATCH = 200  # chosen: mutants a child
+LOOKED_AT = 65536  # chosen: bytes of a file in which a base flow is looked for
 LIBRARY = re.compile(
     r"unsupported operand|object is not|NoneType|has no attribute|positional argument|unexpected keyword|index out of|out of bounds"
     r"|buffer size|unhashable|not subscriptable|invalid literal|could not convert|Exceeds the limit|codec can't|must be str|Traceback"
@@ -322,7 +322,7 @@ NUMBERS = (
     "½",
     "٣",
 )
-SIZES = (0, 1, 2, 0x7F, 0xFF, 0x7FFF, 0xFFFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF, 2**40, 2**63 - 1, 2**64 - 1)
+SIZES = (0, 1, 2, 0x7F, 0xFF, 0x7FFF, 0xFFFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF, 2**40, 2**63 - 1, 2**64 - 1)  # chosen
 
 
 def mutant(rng: random.Random, kind: Kind, seeds: list[bytes]) -> bytes:

@@ -28,11 +28,11 @@ from strangers import RIGHT, Answer, apart, asked, warm
 import shootstab as st
 
 Array = NDArray[Any]
-MEMORY = 2**30
-SECONDS = 12.0  # seconds of CPU for one question
-REACH = 24.0  # where an end at infinity is taken by the collocation: sech² is 1e-20 there
-LARGEST = 3e3  # |σ| of modes that are asked about, at most
-AGREE = 1e-5  # relative: what two spectra must agree to, to be asked about
+MEMORY = 2**30  # chosen
+SECONDS = 12.0  # chosen: seconds of CPU for one question
+REACH = 24.0  # chosen: where an end at infinity is taken by the collocation: sech² is 1e-20 there
+LARGEST = 3e3  # chosen: |σ| of modes that are asked about, at most
+AGREE = 1e-5  # chosen: relative: what two spectra must agree to, to be asked about
 KINDS = ("walls", "first order", "beam", "jumps", "double", "half line", "whole line", "advection", "moving rows", "C")
 TURNS = (*KINDS, "walls", "first order", "jumps", "double")  # what is drawn in turn: the quick ones twice
 

@@ -20,10 +20,10 @@ import shootstab as st
 from shootstab.core.records import Mode
 from shootstab.models.catalogue.published import PUBLISHED, Published
 
-REPEATS = 5
+REPEATS = 5  # chosen
 DIGITS = 20  # chosen: a double has 16
 RECORD = Path(__file__).parent.parent / "tests" / "models" / "gallery" / "many_digits.json"
-GUESS = -1j * (0.2375 + 0.0037j)
+GUESS = -1j * (0.2375 + 0.0037j)  # chosen
 SLOW = ("suction", "Malik")
 POISEUILLE = "0.23752648882047010745", "0.0037396706229794099322"
 

@@ -36,13 +36,13 @@ from layer import A
 HERE = Path(__file__).parent
 BY_ITSELF = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)  # signals to the parent
 AT_WORKERS = (signal.SIGKILL, signal.SIGTERM, signal.SIGSEGV)  # signals to a worker
-LINES = 10  # lines of two points each
+LINES = 10  # chosen: lines of two points each
 SWEEP = ["sweep", "layer:scene", "--kx", "0:3:2", "--far-temperature", f"50:60:{LINES}", "--workers", "2"]
 FIND = ["find", "layer:scene", "--corners=1,-5,60,5"]
 VERIFY = ["verify", "layer:scene", "claims.csv"]
 PROVE = ["prove", "benard", "--disc=2.1463,0,0.01"]
 PROGRESS = re.compile(r"shootstab: [a-z]+ing .+, \d+ s")  # a line that says how far it is, every ten seconds of a log
-PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH = 24, 1, 2  # constants of Linux: prctl(2), capabilities(7)
+PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH = 24, 1, 2  # defined by the kernel: constants of Linux, prctl(2), capabilities(7)
 # every look at the clock of the wall finds it ten years back, right, or ten years ahead, in turn; what measures durations is left
 TURNED_CLOCK = r"""
 #define _GNU_SOURCE
@@ -76,8 +76,8 @@ time_t time(time_t *at) {
     return now.tv_sec;
 }
 """
-GONE = 10.0  # seconds within which a session must be empty after its parent
-ROUNDS = 60  # the most runs of one sweep until it ends
+GONE = 10.0  # chosen: seconds within which a session must be empty after its parent
+ROUNDS = 60  # chosen: the most runs of one sweep until it ends
 
 Rows = dict[tuple[Any, ...], tuple[Any, ...]]
 

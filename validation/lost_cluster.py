@@ -22,11 +22,11 @@ from pathlib import Path
 
 from kills import Findings, KilledRun, Rows, answered, ended, environment, stored
 
-LINES = 60  # lines of two points each
+LINES = 60  # chosen: lines of two points each
 SWEEP = ["sweep", "layer:scene", "--kx", "0:3:2", "--far-temperature", f"50:60:{LINES}"]
-WITHIN = 60.0  # seconds in which a command notes that its scheduler is gone
+WITHIN = 60.0  # chosen: seconds in which a command notes that its scheduler is gone
 WORKERS, SCHEDULERS = "Dask workers killed by SIGKILL", "Dask schedulers killed by SIGKILL"
-PATIENCE = 60.0  # seconds in which a scheduler listens, and the first points are stored
+PATIENCE = 60.0  # chosen: seconds in which a scheduler listens, and the first points are stored
 
 
 class DaskCluster:

@@ -13,7 +13,7 @@ import shootstab as st
 from shootstab.analyses.reference import claims
 
 GRAINS = {"e": 0.8, "e_w": 0.8, "r": 0.6, "tan_theta": 0.3}
-METHODS = (st.Frame(rtol=1e-11), st.Compound(rtol=1e-11), st.Riccati(rtol=1e-11))
+METHODS = (st.Frame(rtol=1e-11), st.Compound(rtol=1e-11), st.Riccati(rtol=1e-11))  # chosen
 
 
 def scenes(quick: bool) -> Iterator[tuple[str, object, complex]]:

@@ -25,11 +25,11 @@ TESTS = Path(__file__).parent.parent / "tests"
 for folder in ("", "models/chute", "models/gallery", "discriminants", "kernels", "analyses", "formulation"):
     sys.path.insert(0, str(TESTS / folder))
 
-SIGN, SLIGHT = -1.0, 1.0 + 1e-6
+SIGN, SLIGHT = -1.0, 1.0 + 1e-6  # chosen
 FACTORS = {"sign": SIGN, "1e-6": SLIGHT}
-EVERY, EVERY_MODE = 7, 35  # mutants of the short form; of those whose test is a mode, which takes a fifth of a second
-OTHER_GUESSES = (0.3, 0.3j, 3.0, 3.0j, -3.0)  # factors of a mode, from which others are found
-ROUNDING = 1e-14  # part of the largest entry of an array
+EVERY, EVERY_MODE = 7, 35  # chosen: mutants of the short form; of those whose test is a mode, which takes a fifth of a second
+OTHER_GUESSES = (0.3, 0.3j, 3.0, 3.0j, -3.0)  # chosen: factors of a mode, from which others are found
+ROUNDING = 1e-14  # chosen: part of the largest entry of an array
 OF_A_CLASS = ("plane Poiseuille",)  # a class of its own, and no pencil function; its rows have one entry each
 # the function of another problem here with other numbers, but for mack: a mode of it takes seconds, and is that of Malik 3
 SAME_FUNCTION = ("plate, Malik 6", "plate, Malik 6, Stokes", "Pöschl–Teller, ν = 0.02", "Davies, n = 8", "mack")

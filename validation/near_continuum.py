@@ -16,6 +16,7 @@ from shootstab.models.chute import chute_collocation as chute
 MODES = {"fig2": (0.00169243 - 0.00156624j, -0.0035033 - 0.0070879j), "low": (0.00727558 - 0.01186505j, -0.009473 - 0.050454j)}
 
 
+# chosen
 OFFSETS = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 0.0)  # distances of the singular point from the real axis, in the scale of the curve
 
 

@@ -18,10 +18,10 @@ from shootstab.models.chute import ChuteProblem
 from shootstab.models.gallery.poiseuille import PlanePoiseuille
 from shootstab.problems.protocol import Problem
 
-DIGITS = 7
-DOUBLE_DIGITS = 5
-TRUNCATION = 100
-SHIFTS = (1e-3, 1e-6, 1e-9)
+DIGITS = 7  # chosen
+DOUBLE_DIGITS = 5  # chosen
+TRUNCATION = 100  # chosen
+SHIFTS = (1e-3, 1e-6, 1e-9)  # chosen
 
 
 def random_scenes(count: int) -> Iterator[tuple[str, ChuteProblem]]:

@@ -17,9 +17,9 @@ from shootstab.io import scenes
 from shootstab.models.catalogue.published import PUBLISHED
 from shootstab.problems.capabilities import CLOSED_FORM, ENCLOSABLE
 
-ALPHA = 1.02054744928533  # the critical point of plane Poiseuille flow to fifteen digits
+ALPHA = 1.02054744928533  # derived: the critical point of plane Poiseuille flow to fifteen digits
 NEAR = 64  # chosen: spare bits on a boundary that a mode passes at 1e-11
-TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)  # chosen
 
 
 def timed(ask: Callable[[], Any]) -> tuple[Any, str]:

@@ -35,18 +35,18 @@ import shootstab as st
 from shootstab.analyses.reference import claims
 from shootstab.models.chute.registry import RADIAL, WALL_FORMS
 
-TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)
+TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)  # chosen
 METHODS = (st.Frame, st.Compound, st.Riccati)
-DIGITS, TRUNCATION = 25, 60
+DIGITS, TRUNCATION = 25, 60  # chosen
 # chosen: (T_∞, k_x, k_y, guess) that compile every kernel: complex numbers, real ones (k_x = 0 and a real σ), a deformed path in z
 WARMING = ((7.0, 0.001, 0.01, 0.0037), (7.0, 0.0, 0.01, 0.0037), (0.5, 0.0, 0.02, -5.663))
 WARMING_TRUNCATION = 16  # chosen: M of a spectrum of which nothing is used
-TIME = 10.0  # seconds of processor for one question in doubles
-TIME_DIGITS = 60.0  # the same for many digits, whose path stays on the real axis and slows down next to the continuous spectrum
-MEMORY = 2 << 30  # bytes of address space that a scene may add to what the imports took
+TIME = 10.0  # chosen: seconds of processor for one question in doubles
+TIME_DIGITS = 60.0  # chosen: the same for many digits, whose path stays on the real axis and slows down next to the continuous spectrum
+MEMORY = 2 << 30  # chosen: bytes of address space that a scene may add to what the imports took
 PATIENCE = 2.0 * (13.0 * TIME + TIME_DIGITS)  # chosen: seconds of processor for a scene, twice what its questions may take
 ASLEEP = 10.0 * PATIENCE  # chosen: seconds of the clock, for a process that waits for nothing; a loaded machine stays below
-NUMBER, QUICK = 40, 4
+NUMBER, QUICK = 40, 4  # chosen
 BARS, OTHER, LOST, REFUSED, SLOW, BIG = "bar does not hold", "another mode", "not converged", "refused", "over time", "over memory"
 RAISED = "raised or died"
 KINDS = (BARS, OTHER, LOST, REFUSED, SLOW, BIG, RAISED)

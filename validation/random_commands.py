@@ -23,7 +23,7 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
-SECONDS = 8.0  # processor time of one command
+SECONDS = 8.0  # chosen: processor time of one command
 NAMES = ("high", "mid", "low", "fig2", "benard", "blasius", "poiseuille", "poeschl-teller", "davies", "shear-layer", "water-waves", "eady")
 NOISE = ("shootstab: compiling", "shootstab: ready", "shootstab: the first")  # how far it is, not what is wrong
 

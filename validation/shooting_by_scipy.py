@@ -13,8 +13,8 @@ from scipy.integrate import solve_ivp
 
 from shootstab.models.chute import ChuteProblem
 
-SUBINTERVALS = 20  # the length between orthonormalizations
-SECANTS = 20
+SUBINTERVALS = 20  # chosen: the length between orthonormalizations
+SECANTS = 20  # chosen
 
 
 class ScipyShooting:

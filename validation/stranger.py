@@ -12,9 +12,9 @@ from collocation import Discretization, ElementJoint, Far, Fixed
 import shootstab as st
 
 SECONDS = 20.0  # seconds of CPU for one question: chosen; a refusal should take 5
-DIGITS = 8
-GUESS = 2e-3  # relative distance from the truth at which refine begins
-ROUNDING = 2.3e-16
+DIGITS = 8  # chosen
+GUESS = 2e-3  # chosen: the relative distance from the truth at which refine begins
+ROUNDING = 2.3e-16  # derived: 2^−52, rounded up
 
 
 @dataclass(frozen=True)

@@ -32,8 +32,8 @@ import shootstab as st
 from shootstab.core.records import CONFIRMED, CONTINUUM, SPURIOUS, UNRESOLVED
 
 RIGHT, WRONG, LOST, UNTRUE, HEAVY, SLOW = "right", "WRONG", "lost", "UNTRUE", "HEAVY", "SLOW"
-MEMORY = 2**30  # bytes beyond the program's own: asked
-PESSIMISM = 1e4  # a bound larger than that many times the error asked for, or the truth's own, is no answer
+MEMORY = 2**30  # chosen: bytes beyond the program's own: asked
+PESSIMISM = 1e4  # chosen: a bound larger than that many times the error asked for, or the truth's own, is no answer
 
 
 @dataclass

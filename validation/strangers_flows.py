@@ -13,7 +13,7 @@ from stranger import ElementJoint, Far, Fixed, Stranger, collocated, exactly, ju
 import shootstab as st
 
 PI = math.pi
-CLAMPED = np.eye(2, 4)
+CLAMPED = np.eye(2, 4)  # exact
 
 
 def orr_sommerfeld(U: Any, U2: Any, R: float, alpha: float) -> Any:
@@ -67,7 +67,7 @@ def channel(name: str, source: str, pencil: Any, guesses: list[complex], N: int 
     )
 
 
-EVEN, ODD = np.eye(4)[[1, 3]], np.eye(4)[[0, 2]]
+EVEN, ODD = np.eye(4)[[1, 3]], np.eye(4)[[0, 2]]  # exact
 
 
 def half_channel(R: float, rows: Any, guesses: list[complex]) -> Any:
@@ -96,8 +96,8 @@ def benard(Ra: float, k: float, Pr: float) -> Any:
     return pencil
 
 
-RIGID = np.eye(6)[[0, 1, 4]]
-FREE = np.eye(6)[[0, 2, 4]]
+RIGID = np.eye(6)[[0, 1, 4]]  # exact
+FREE = np.eye(6)[[0, 2, 4]]  # exact
 
 
 def free_benard(Ra: float, k: float, Pr: float, count: int) -> list[complex]:
@@ -334,7 +334,7 @@ def stratified_stranger(J: float, k: float, guess: complex) -> Stranger:
     )
 
 
-ROTATING = rotating_couette(100.0, 0.5, 1.558)
+ROTATING = rotating_couette(100.0, 0.5, 1.558)  # chosen
 
 STRANGERS = [
     channel(

@@ -12,7 +12,7 @@ from stranger import Far, Stranger, collocated, exactly, line, second_order
 
 import shootstab as st
 
-ROOT2 = math.sqrt(2.0)
+ROOT2 = math.sqrt(2.0)  # exact
 
 
 def sech(x: Any) -> Any:

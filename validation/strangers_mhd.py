@@ -10,7 +10,7 @@ from stranger import Fixed, Stranger, collocated, walls
 
 import shootstab as st
 
-FIXED = [[1, 0]]
+FIXED = [[1, 0]]  # exact
 
 
 def alfven(x: Any) -> Any:
@@ -70,16 +70,16 @@ def taylor_couette(R: float, k: float) -> Any:
     return pencil
 
 
-CYLINDERS = np.eye(6)[[0, 1, 4]]
+CYLINDERS = np.eye(6)[[0, 1, 4]]  # exact
 
 
 def no_modes() -> list[tuple[complex, float]]:
     return []
 
 
-ON = tuple(alfven_curve(x) for x in np.linspace(0.02, 0.98, 28))
-TEARING = [[1, 0, 0, 0], [0, 0, 1, 0]]
-LOW, HIGH = [[-1, 0]], [[-1, 1]]
+ON = tuple(alfven_curve(x) for x in np.linspace(0.02, 0.98, 28))  # chosen
+TEARING = [[1, 0, 0, 0], [0, 0, 1, 0]]  # exact
+LOW, HIGH = [[-1, 0]], [[-1, 1]]  # exact
 
 STRANGERS = [
     Stranger(

@@ -19,8 +19,8 @@ from numpy.polynomial import chebyshev
 from stranger import Fixed, Stranger, collocated, walls
 from strangers_flows import CLAMPED, poiseuille
 
-R, ALPHA = 2000.0, 1.0
-AGREES, DIFFERS = 1e-9, 1e-2  # relative: a claim this near to a mode is the mode, and this far from all is none
+R, ALPHA = 2000.0, 1.0  # chosen
+AGREES, DIFFERS = 1e-9, 1e-2  # chosen: relative: a claim this near to a mode is the mode, and this far from all is none
 
 
 def tau(M: int) -> Any:

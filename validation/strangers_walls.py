@@ -12,7 +12,7 @@ from stranger import Fixed, Stranger, collocated, exactly, jumps, second_order, 
 import shootstab as st
 
 PI = math.pi
-DIRICHLET, NEUMANN = [[1, 0]], [[0, 1]]
+DIRICHLET, NEUMANN = [[1, 0]], [[0, 1]]  # exact
 
 
 def string(z: Any) -> Any:
@@ -27,7 +27,7 @@ def two_strings(a: float, b: float) -> Any:
     return lambda z: (D0, D1)
 
 
-ROWS4 = np.eye(4)[[0, 2]]
+ROWS4 = np.eye(4)[[0, 2]]  # exact
 
 
 def beam(z: Any) -> Any:

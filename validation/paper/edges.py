@@ -32,7 +32,7 @@ from shootstab.models.chute.chute_problem import ChuteProblem
 from shootstab.models.chute.steady_flow import Flow
 
 GRAINS = {"e": 0.8, "e_w": 0.8, "r": 0.6}  # published: figure 8
-SLOPES = tuple(round(0.25 + 0.01 * i, 2) for i in range(11))
+SLOPES = tuple(round(0.25 + 0.01 * i, 2) for i in range(11))  # chosen
 GENTLE, WINDOW, STEEP = SLOPES[:4], SLOPES[4:8], SLOPES[8:]  # published: unstable, partly stable, unstable
 TEMPERATURES = (0.05, 30.0, 49)  # chosen: T_∞ from, to, how many: those of figure8.py
 LONG = (4e-5, 2e-5, 1e-5)  # chosen: k h0 of the waves that d is extrapolated from; halved, so that two orders of k go
@@ -40,7 +40,7 @@ LONG_RTOL = 1e-11  # chosen: the tolerance relative to |σ|, of which d k² is 1
 SETTLED = 0.1  # chosen: the part of |d| that its extrapolation may leave for its sign to count
 ASIDE = 1e-4  # chosen: relative step of T_∞ for dQ0/dM0
 EDGE = 1e-8  # chosen: the error of ln T_∞ at an edge
-OBLIQUE = math.pi / 4
+OBLIQUE = math.pi / 4  # chosen
 DIRECTIONS = (0.0, math.pi / 8, math.pi / 4, 3 * math.pi / 8, math.atan(10.0), math.pi / 2)  # chosen: arctan k_y/k_x; 10 is the paper's
 HEIGHTS = (1e-3, 10.0)  # chosen: k h0 of the waves that are counted
 PER_DECADE, PER_DECADE_QUICK = 3, 1  # chosen

@@ -24,7 +24,7 @@ from shootstab.core.records import CONFIRMED
 from shootstab.models.chute import chute_collocation
 from shootstab.spectral import inverse, qz
 
-TRUNCATIONS, QUICK = (100, 200, 300), (40, 60)
+TRUNCATIONS, QUICK = (100, 200, 300), (40, 60)  # chosen
 MARKS = {100: ("+", BLUE), 200: ("x", ORANGE), 300: (".", GREEN)}  # published: the marks of figure 2, but for the circle
 VERDICT_DIGITS = 4  # chosen: the digits of which a verdict is asked
 NEXT_TO = 10.0**-VERDICT_DIGITS  # derived: relative distance within which a raw eigenvalue is one of the modes

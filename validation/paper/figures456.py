@@ -38,7 +38,7 @@ TRUNCATION = 100  # chosen: M of the second look
 SMALL_SLIP = 0.1  # chosen: a slip, as part of the largest |v̂|, that is not seen
 # chosen: waves at which something grows, along k_y for high, in every direction for low
 HIGH_WAVES = tuple((0.0, ky) for ky in (0.001, 0.002, 0.004, 0.007, 0.014, 0.018, 0.021))
-LOW_WAVES = ((0.003, 0.0), (0.02, 0.0), (0.03, 0.0), (0.0, 0.005), (0.0, 0.02), (0.01, 0.01))
+LOW_WAVES = ((0.003, 0.0), (0.02, 0.0), (0.03, 0.0), (0.0, 0.005), (0.0, 0.02), (0.01, 0.01))  # chosen
 
 
 @cache

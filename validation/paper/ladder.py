@@ -28,7 +28,7 @@ from shootstab.models.chute.chute_problem import ChuteProblem
 
 SCENE, BEGIN, GUESS = "mid", 0.05, -1.22 - 0.277j  # chosen: k_x from which the mode is followed, and a mode there to two digits
 RUNGS = (1e-2, 1e-4, 1e-6, 1e-7, 1e-8, 1e-10)  # chosen: distances to the curve over |σ|
-RUNGS_QUICK = (1e-2, 1e-6)
+RUNGS_QUICK = (1e-2, 1e-6)  # chosen
 TRUNCATIONS, TRUNCATIONS_QUICK = (100, 200, 400), (100, 200)  # chosen: halves and doubles of a typical M
 NEAR = 1e-2  # chosen: the part of |σ| within which other eigenvalues of the matrices are counted
 LOST = 2.0  # chosen: digits below which an eigenvalue is not told from those of the balloon beside it

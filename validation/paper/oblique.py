@@ -26,7 +26,7 @@ from shootstab.discriminants.continuation import Continuation
 from shootstab.models.chute.chute_problem import ChuteProblem
 
 FLOWS = {"0.33": (0.33, 0.8), "0.34": (0.34, 0.4)}  # chosen: (tan θ, T_∞), low temperatures on slopes as steep as the paper's
-CROSS = (0.33, 0.8)
+CROSS = (0.33, 0.8)  # chosen
 RATIOS = (0.0, 0.03, 0.06, 0.1, 0.2, 0.5, 2.0)  # chosen: k_x/k_y of the grid
 ALONG = math.inf  # exact: k_x/k_y of waves along the slope
 HEIGHTS, HEIGHTS_QUICK = np.geomspace(0.1, 3.2, 6), np.array([1.6])  # chosen: k h0 of the grid
