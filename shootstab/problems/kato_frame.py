@@ -37,6 +37,7 @@ WALK = 1.05  # chosen: the way from an anchor to a place in a neighbouring cell,
 SERIES_TAIL = 1e-7  # chosen: the last terms of the series of f on the circle; in the cell they are smaller by 2.8^24
 MOST_HALVINGS = 60  # chosen: halvings of the side, more than a double has bits
 MOST_CELLS = 600  # chosen: cells looked at for one path, some seconds
+MOST_STRAIGHT = 48  # chosen: cells on a straight line, more than lie on one that keeps off the continuous spectrum
 PER_DOUBLING = 3.0  # chosen: steps that a change of the cell's size counts for in the search of a path
 EIGHT_DIRECTIONS = np.exp(0.25j * np.pi * np.arange(8)).tolist()  # chosen: directions of a path around a branch point
 
@@ -131,10 +132,15 @@ class KatoFrame:
         return SeriesCell(anchor, side, R, np.concatenate(([0j], series[:KEPT_TERMS] / ((m + 1) * SAMPLE_RADIUS ** (m + 1.0)))))
 
     def _join(self, key: CellKey, sigma: complex) -> None:
-        """Find c of a cell along neighbours that lead to σ0 or to a cell whose c is known, those first that seem nearest to σ0.
+        """Find c of a cell along the straight line to σ0, or else along neighbours that lead to σ0 or to a cell whose c is known.
 
-        So a path leads away from a cut first, to where cells are large. Raises Undecidable if none is found.
+        Those come first that seem nearest to σ0: so a path leads away from a cut first, to where cells are large. Raises Undecidable where
+        none is found.
         """
+        straight = self._straight(key)
+        if straight is not None:
+            self._walk_back(*straight)
+            return
         queue: list[tuple[float, int, CellKey]] = [(0.0, 0, key)]
         came: dict[CellKey, tuple[CellKey, complex] | None] = {key: None}
         while queue and len(came) < MOST_CELLS:
@@ -154,6 +160,25 @@ class KatoFrame:
                     came[there] = here, place
                     heapq.heappush(queue, (self._steps_left(self._cell_at(there)), len(came), there))
         raise Undecidable(f"no path from {self.reference:.3g} to sigma = {sigma:.6g} was found around the continuous spectrum at infinity")
+
+    def _straight(self, key: CellKey) -> tuple[CellKey, dict[CellKey, tuple[CellKey, complex] | None]] | None:
+        """The cells on the line from one to σ0 or to the first whose c is known, each with that it came from; None if a cut is near it."""
+        came: dict[CellKey, tuple[CellKey, complex] | None] = {key: None}
+        here = key
+        while here not in self._joined and here[1:] != (0, 0):
+            cell = self._cell_at(here)
+            way = self.reference - cell.anchor
+            place = cell.anchor + min(WALK * cell.side, abs(way)) * way / abs(way)
+            try:
+                there = self._key(place)
+            except Undecidable:
+                return None
+            if there in came or len(came) == MOST_STRAIGHT:
+                return None
+            came[there] = here, place
+            here = there
+        self._joined.setdefault(here, self._cell_at(here))
+        return here, came
 
     def _steps_left(self, cell: SeriesCell) -> float:
         """The estimated number of cells between one and σ0: as many as the way has sides, and some for every doubling of the side on it."""

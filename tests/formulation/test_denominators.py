@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import shootstab as st
+from shootstab.by_name import problem_of
 from shootstab.core.errors import InputError
 from shootstab.models.catalogue.scene_files import scene_files
 
@@ -118,3 +119,14 @@ def test_sympy_expressions_may_be_rational_in_the_eigenvalue() -> None:
     rod = st.equations(["y"], [sp.diff(y, z, 2) / (1 + 2 * sigma) - sigma * y], *WALLS)
     root = np.roots([2, 1, np.pi**2])[0]
     assert abs(st.refine(rod, root * 1.01).sigma - root) < 1e-12
+
+
+def test_oldroyds_liquid_has_the_continuous_spectra_of_both_its_times() -> None:
+    """−1/W − ikz of the relaxation, −1/(βW) − ikz of the retardation: Wilson, Renardy & Renardy, as the scene cites them. For β → 0 the
+    mode is that of Maxwell's liquid, to the first order in β.
+    """
+    liquid = problem_of("oldroyd-couette")
+    assert dict(liquid.explanation)["continuous spectrum inside"] == "sigma = -1/2 - i*z and sigma = -i*z - 5, z along the domain"
+    maxwell = complex(-0.4454759289333397, -0.8246383230532390)
+    off = [st.refine(liquid.with_parameters({"beta": beta}), maxwell).sigma - maxwell for beta in (2e-4, 1e-4)]
+    assert abs(off[0] / off[1] - 2) < 1e-3

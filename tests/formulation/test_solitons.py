@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 import shootstab as st
+from shootstab.by_name import problem_of
 
 LINE = st.Infinity(), st.Infinity()
 
@@ -36,3 +39,19 @@ def test_the_soliton_of_korteweg_and_de_vries_in_a_weighted_space(a: float) -> N
     )
     assert soliton.first_order.order == 3
     assert st.count(soliton, st.Disc(0.0, 0.3)) == 2
+
+
+@pytest.mark.parametrize("k", [0.3, 0.5])
+def test_the_soliton_of_korteweg_and_de_vries_is_unstable_along_its_crest(k: float) -> None:
+    """σ = k (1 − k)^{1/2}: the τ-function e^{x + y} + e^{y − x} of Kadomtsev and Petviashvili, changed by e^{qx + q²y}, q² = 1 − k."""
+    growth = k * math.sqrt(1.0 - k)
+    mode = st.refine(problem_of("kdv-soliton").with_parameters({"k": k}), 1.02 * growth)
+    assert abs(mode.sigma - growth) <= mode.error < 1e-9
+
+
+def test_a_mode_behind_a_gap_of_the_essential_spectrum() -> None:
+    """σ = −2γ lies left of the line Re σ = −γ, on which the essential spectrum leaves a gap around the real axis: a straight line leads
+    there. With c and γ as in the scene, L u = −(σ + 2γ) v and (L + 4S² − 2c) v = σ u with L S′ = 0.
+    """
+    mode = st.refine(problem_of("nls-soliton"), -0.61)
+    assert abs(mode.sigma + 0.6) <= mode.error < 1e-9
