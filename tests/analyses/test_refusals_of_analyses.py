@@ -72,6 +72,10 @@ BAD_INPUT: dict[str, tuple[Callable[[], Any], str]] = {
         r"reynolds = 0\.0, alpha = 1\.0: allowed are numbers above 0, near the critical point",
     ),
     "no digits of an eigenfunction": (lambda: st.eigenfunction(stated(), FIRST, digits=0), "digits = 0: allowed is 1 or more"),
+    "a method of many digits": (
+        lambda: st.refine(stated(), FIRST, digits=20, method="riccati"),
+        r"method 'riccati': allowed up to 12 digits, more come from Taylor series",
+    ),
     "no digits": (lambda: refine_digits.refine_digits(stated(), FIRST, 0), "digits = 0: allowed is 1 to 10000"),
     "units of a third": (
         lambda: st.refine(Rescaled(stated(), 1.0 / 3.0), FIRST, digits=20),

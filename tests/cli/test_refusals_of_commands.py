@@ -37,6 +37,18 @@ REFUSED: dict[str, tuple[tuple[str, ...], str]] = {
         "--digits: allowed without --sensitivity, for eigenvalues in the problem's own terms",
     ),
     "an axis twice": (("sweep", "high", "--ky", "0.01:0.02:2", "--over", "ky=0.01:0.02:2"), "ky: given twice: allowed is once"),
+    "a wavenumber of nothing": (
+        ("verify", "STRING", "CLAIMS", "--alpha", "1"),
+        "--alpha, --sign, --length and --velocity: allowed with --as growth, frequency or phase-speed",
+    ),
+    "an interval about a mode": (
+        ("prove", "STRING", "--guess=-9.8", "--over", "k=1,2"),
+        "--over: allowed with --region and --growing",
+    ),
+    "an interval of one end": (
+        ("prove", "STRING", "--region=-10,-1,-9,1", "--over", "k=1"),
+        "--over k=1: allowed is NAME=LOW,HIGH",
+    ),
     "proof of frequencies": (
         ("verify", "STRING", "CLAIMS", "--prove", "--as", "frequency"),
         "--prove: allowed with eigenvalues in the problem's own terms",

@@ -44,6 +44,10 @@ REFUSALS: dict[str, tuple[Any, tuple[str, ...]]] = {
         lambda: st.problem(2, lambda z: (np.diag([1.0, 1.0]), np.diag([-1.0, -1.0])), st.Wall(0, FIXED), st.Infinity(), reference=0.5),
         ("0 of 2 solutions decay towards +infinity at reference = 0.5", "1 rows at the wall ask for 1"),
     ),
+    "a start on the other side": (
+        lambda: st.problem(2, string, st.Infinity(start=2.0), st.Infinity(start=4.0), fold=5.0),
+        ("at +infinity start = 4", "a |z| beyond 5"),
+    ),
     "no derivative at infinity": (
         lambda: st.problem(2, without_derivative, st.Wall(0, FIXED), st.Infinity()),
         ("C is singular at an end at infinity, whatever sigma is", "solved for the derivative"),

@@ -13,7 +13,7 @@ import pytest
 import shootstab as st
 from shootstab.core.errors import ConvergenceError, InputError, NoFlowError
 from shootstab.models import chute
-from shootstab.models.chute import ChuteProblem, Flow, branch, multiprecision_flow, multiprecision_problem, steady_flow
+from shootstab.models.chute import ChuteProblem, Flow, branch, chute_collocation, multiprecision_flow, multiprecision_problem, steady_flow
 from shootstab.models.chute.branch import continued
 from shootstab.models.chute.multiprecision_problem import ChuteDigits
 from shootstab.models.chute.steady_flow import descend
@@ -28,6 +28,10 @@ REFUSALS: dict[str, tuple[Callable[[Flow], Any], tuple[str, ...]]] = {
     "neither": (lambda flow: chute.steady(e=0.8, e_w=0.8, r=0.6, tan_theta=0.3), ("allowed is exactly one of them",)),
     "swept twice": (lambda flow: ChuteProblem(flow, 0.0, 0.01).family(("ky", "ky")), ("ky: given 2 times", "allowed is once")),
     "no wave": (lambda flow: chute.problem(flow, 0.0, 0.0), ("kx = 0 and ky = 0", "any pair but this one")),
+    "a grid folded beyond its top": (
+        lambda flow: chute_collocation.window(flow, 0.0, 0.01, z_max=10.0, z_half=20.0),
+        ("z_half = 20.0, z_max = 10.0", "0 < z_half < z_max"),
+    ),
     "kx that is no number": (lambda flow: chute.problem(flow, math.nan, 0.01), ("kx = nan", "a finite number")),
     "ky that is infinite": (lambda flow: chute.problem(flow, 0.0, math.inf), ("ky = inf", "a finite number")),
     "denser than the flow": (
