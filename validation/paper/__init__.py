@@ -12,6 +12,7 @@ SCRIPTS = (
     "figures456",
     "figure7",
     "edges",
+    "gentle_slopes",
     "edge_digits",
     "all_waves",
     "oblique",
