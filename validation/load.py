@@ -1,8 +1,9 @@
 """Load: ten thousand claims, files of a million entries, a sweep of many points; memory is flat and the time for each is constant.
 
 `python validation/load.py` prints the figures: each question in a process of its own, seconds of processor time for each and the peak of
-memory over what the program takes by itself. `--quick` a hundredth of each. Exit status 1 if memory grows with the number of claims or of
-points by more than what the answers themselves take, or the time for each by more than half, or a file is not refused in words.
+memory over what the program takes by itself. `--part 10` a tenth of each, `--quick` a hundredth, too few to tell of growth. Exit status 1
+if memory grows with the number of claims or of points by more than what the answers themselves take, or the time for each by more than
+half, or a file is not refused in words.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ import layer
 import numpy as np
 
 A = 60.0
-OWN = 12_000  # bytes that a verdict or a point of the answer may take with its texts; chosen
+OWN = 12_000  # chosen: bytes that a verdict or a point of the answer may take with its texts
 
 
 def claims(number: int) -> list[complex]:
@@ -103,8 +104,10 @@ def measured(question: Callable[..., Any], *given: Any) -> tuple[Any, float, int
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--part", type=int, default=1, metavar="N", help="an N-th of the claims and of the points")
     parser.add_argument("--quick", action="store_true", help="a hundredth of each")
-    part = 100 if parser.parse_args().quick else 1
+    options = parser.parse_args()
+    part = 100 if options.quick else options.part
     failed = False
     for name, question, numbers in (
         ("claims", verdicts, (1000 // part, 10_000 // part)),
@@ -113,7 +116,7 @@ def main() -> int:
         few, many = (measured(question, max(n, 50)) for n in numbers)
         for number, (answer, seconds, grown) in zip(numbers, (few, many), strict=True):
             print(f"{number:7d} {name}: {1e3 * seconds / number:.2f} ms and {grown / number / 1024:.1f} KiB each; {answer}", flush=True)
-        if part == 1:
+        if not options.quick:
             flat = many[2] - few[2] <= OWN * (numbers[1] - numbers[0])
             constant = many[1] / numbers[1] <= 1.5 * few[1] / numbers[0]
             print(f"        memory {'is flat' if flat else 'GROWS'}, the time for each {'is constant' if constant else 'GROWS'}")
