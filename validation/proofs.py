@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import mpmath
 from claims import Case, Claim, main
 
 import shootstab as st
-from shootstab.analyses.certificate import certify, check
+from shootstab.analyses.certificate import certify, check, read
 from shootstab.analyses.proof import Proof
 from shootstab.analyses.prove import prove, prove_growing, prove_interval, prove_rectangle
 from shootstab.io import scenes
@@ -42,6 +43,13 @@ def certified(name: str, problem: Any, proof: Proof, spare: int) -> Case:
 
 
 LONG = ("maxwell-couette", "oblique-wave", "taylor-couette")  # 17 s of processor time to minutes each
+
+
+def stored() -> Iterator[Case]:
+    """Certificates beside this script: modes of the built-in chutes within 1e-20, the channel on both sides of its critical R."""
+    for path in sorted((Path(__file__).parent / "certificates").glob("*.json")):
+        reason, seconds = timed(lambda p=path: check(read(p)))
+        yield Case(f"{path.name}", "accepted", "accepted" if reason is None else reason, 0.0, f"checked in {seconds}")
 
 
 def gallery(quick: bool) -> Iterator[Case]:
@@ -117,6 +125,7 @@ def cases(quick: bool) -> Iterator[Case]:
     yield from bars()
     if quick:
         return
+    yield from stored()
     yield from chutes()
     yield stated(
         "Bénard, every Ra",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
@@ -56,5 +56,11 @@ class Chute:
         return np.array([self.ep, self.tan_theta, self.r, self.wall_dissipation(math.pi), *self.radial_law])
 
     def with_numbers(self, change: Callable[[Any], Any]) -> Chute:
-        """The chute with every number among its parameters changed, in the order of the registry."""
-        return replace(self, **{name: change(getattr(self, name)) for name in names(CHUTE, numbers=True)})
+        """The chute with every number among its parameters changed, in the order of the registry.
+
+        They were checked as numbers of Python; what they are changed to need not be one, a ball for instance, and is not checked again.
+        """
+        told = {field.name: getattr(self, field.name) for field in fields(self)}
+        made = object.__new__(type(self))
+        made.__dict__.update(told | {name: change(told[name]) for name in names(CHUTE, numbers=True)})
+        return made
