@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from shootstab.analyses.hypotheses import LEAST, ROUGHLY, TRIED, agreed, enough
 from shootstab.core.errors import ShootstabError
-from shootstab.core.records import CONFIRMED, Report
+from shootstab.core.records import INACCURATE, SPURIOUS, Report
 from shootstab.discriminants.continuation import Continuation
 from shootstab.problems.protocol import Problem
 
@@ -48,9 +48,9 @@ class OtherValue:
 
 
 def other_values(variations: Mapping[str, Variation], report: Report, digits: int) -> tuple[OtherValue, ...]:
-    """Those that hold, one for a parameter, if the report confirms no claim; nothing otherwise."""
+    """Those that hold, one for a parameter, if the report calls every claim spurious or inaccurate; nothing otherwise."""
     claims = sorted((v.claimed for v in report.verdicts if v.claimed != 0.0), key=abs)[:TRIED]
-    if len(claims) < LEAST or any(v.verdict == CONFIRMED for v in report.verdicts):
+    if len(claims) < LEAST or any(v.verdict not in (SPURIOUS, INACCURATE) for v in report.verdicts):
         return ()
     found = (_of_parameter(name, variation, claims, digits) for name, variation in variations.items() if variation.here != 0.0)
     return tuple(value for value in found if value is not None)

@@ -156,7 +156,7 @@ def _meant(options: Namespace, report: Report, own: scene_files.Scene, scene: sc
     from shootstab.cli.terminal import progress
 
     alpha = wavenumber(own.problem)
-    with progress(f"none is a mode of {scene.name}: looking for what the claims mean"):
+    with progress(f"no claim confirmed for {scene.name}: looking for what the claims mean"):
         found = hypotheses(scene.problem, report, options.digits, factors_tried(convention, alpha))
         if found:
             return [sentence(one, convention, alpha) for one in found]
