@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from shootstab.analyses.sweep.outcomes import NO_FLOW
 from shootstab.cli import figures
@@ -101,6 +102,21 @@ def _curves(figure: Any, found: Swept, varied: Sequence[ParameterAxis], scene: S
     above.legend(frameon=False, fontsize="small")
 
 
+def continued(growth: NDArray[np.float64], unknown: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Growth rates (m, n), and where there is none what two growing neighbours in line lead to, 0 at most, so that their edge is smooth.
+
+    Modes are not followed below zero: the neutral curve lies where the line through the last two growth rates is zero, to the square of the
+    spacing, and at the first point without growth where that is not before it; the points of unknown (m, n) count as 0.
+    """
+    wide = np.pad(growth, 2, constant_values=np.nan)
+    m, n = growth.shape
+    beside = [[wide[2 + i * k : 2 + i * k + m, 2 + j * k : 2 + j * k + n] for k in (1, 2)] for i, j in ((1, 0), (-1, 0), (0, 1), (0, -1))]
+    leads = np.array([2.0 * near - far for near, far in beside])
+    known = np.isfinite(leads)
+    mean = np.where(known, np.minimum(leads, 0.0), 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
+    return np.where(np.isnan(growth), np.where(unknown, 0.0, mean), growth)
+
+
 def _map(figure: Any, found: Swept, varied: Sequence[ParameterAxis], scene: Scene) -> None:
     """Contours of Re σ; white where nothing grows, hatched where nothing is known. The last axis that varies is drawn upwards."""
     from matplotlib.ticker import MaxNLocator
@@ -112,7 +128,7 @@ def _map(figure: Any, found: Swept, varied: Sequence[ParameterAxis], scene: Scen
     x, y = np.array(across.values), np.array(up.values)
     panel = figure.subplots()
     if np.isfinite(growth).any():
-        filled = np.where(np.isnan(growth), 0.0, growth)
+        filled = continued(growth, unknown)
         ticks = MaxNLocator(MAP_LEVELS).tick_values(0.0, float(np.nanmax(growth)))
         levels = np.concatenate(([NOTHING_GROWS * ticks[-1]], ticks[1:]))  # nothing is drawn where nothing grows
         drawn = panel.contourf(x, y, filled, levels=levels, cmap="viridis")

@@ -147,3 +147,18 @@ def test_a_map_of_nothing_is_drawn_too(tmp_path: Path) -> None:
     still = Swept(quiet.axes, dict.fromkeys(quiet.outcomes, Outcome(NONE_GROWS, True)), quiet.settings, quiet.family)
     maps.save(still, load("high"), tmp_path / "a.svg")
     assert b"nothing grows" in (tmp_path / "a.svg").read_bytes() or (tmp_path / "a.svg").stat().st_size > 3000
+
+
+def test_the_edge_of_growth_lies_where_growth_rates_lead() -> None:
+    """1 − x² − y² on a grid of h = 0.1: a line on is 2h² off, the edge by that over the slope; what is not known is not continued."""
+    x = np.linspace(-1.45, 1.45, 30)
+    growth = 1.0 - x[:, None] ** 2 - x[None, :] ** 2
+    nothing = np.zeros(growth.shape, dtype=bool)
+    seen = maps.continued(np.where(growth > 0.0, growth, np.nan), nothing)
+    assert (seen[growth > 0.0] == growth[growth > 0.0]).all()
+    for i in range(8, 22):  # lines that cross the circle steeply
+        j = int(np.flatnonzero(seen[i] > 0.0)[-1])
+        edge = x[j] + 0.1 * seen[i, j] / (seen[i, j] - seen[i, j + 1])
+        exact = np.sqrt(1.0 - x[i] ** 2)
+        assert abs(edge - exact) < 2.0 * 0.1**2 / (2.0 * exact)
+    assert (maps.continued(np.where(growth > 0.0, growth, np.nan), ~nothing)[growth <= 0.0] == 0.0).all()
