@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 import sys
 import time
@@ -27,6 +26,9 @@ from shootstab.formulation.problem import EquationProblem
 SCENES = Path(__file__).parent.parent / "shootstab" / "models" / "catalogue" / "scenes"
 POISEUILLE = "0.0037396706229794099322", "-0.23752648882047010745"
 MANY = 40  # chosen: digits
+# chosen: scenes that have these digits not, as the guide says: rates at infinity differ by a power of the coefficients, at the mode itself
+WITHOUT_LOGARITHMS = ("kdv-soliton",)
+LONG = ("mack",)  # chosen: scenes not asked for many digits, which take a quarter of an hour or more
 T = TypeVar("T")
 
 
@@ -122,7 +124,10 @@ WRITTEN = (
     Written("Bénard, u w p T, free", noted(6, ("2.973306944007455851022", "0"), 20, "exact: see models/gallery/benard.py", FREE)),
     Written("Malik 6, spatial", spatial((SCENES / "mack.toml").read_text(encoding="utf-8")), many=False),
     Written("shear layer, u v p", noted(2, ("0.1897", "0"), 4, "Michalke 1964", LAYER)),
-    *(Written(name, file.read_text(encoding="utf-8")) for name, file in sorted((file.stem, file) for file in SCENES.glob("*.toml"))),
+    *(
+        Written(name, file.read_text(encoding="utf-8"), name not in (*WITHOUT_LOGARITHMS, *LONG))
+        for name, file in sorted((file.stem, file) for file in SCENES.glob("*.toml"))
+    ),
 )
 
 
@@ -168,6 +173,7 @@ class SceneFound:
     mode: Mode
     one: float
     many: Mode | None
+    refused: str
     whole: float
 
 
@@ -184,11 +190,13 @@ def found(case: Written, quick: bool = False) -> SceneFound:
     st.refine(case.problem(), guess)
     problem, reduced = timed(case.problem)
     mode, one = timed(lambda: st.refine(problem, guess))
-    many, whole = None, 0.0
+    many, whole, refused = None, 0.0, ""
     if case.many and not quick:
-        with contextlib.suppress(InputError):
+        try:
             many, whole = timed(lambda: st.refine(problem, mode.sigma, digits=MANY))
-    return SceneFound(problem, reduced, mode, one, many, whole)
+        except InputError as error:
+            refused = str(error)
+    return SceneFound(problem, reduced, mode, one, many, refused, whole)
 
 
 def agreed(sigma: Any, published: Known) -> float:
@@ -235,6 +243,9 @@ def mistakes() -> None:
         print(f"| {what} | {told(old, new)} |")
 
 
+NOT_ASKED = ("not asked", "refused: logarithms at infinity")
+
+
 def table() -> None:
     """The table for validation/README.md; times are processor times."""
     print(f"| problem | lines | order | σ_c inside | essential, ends | published: digits | agreed | reduction | one mode | {MANY} digits |")
@@ -242,7 +253,13 @@ def table() -> None:
     chosen = [case for case in WRITTEN if not sys.argv[2:] or case.name in sys.argv[2:]]
     for case in chosen:
         got = found(case)
-        digits = f"{1e-3 * got.whole:.1f} s" if got.many is not None else "refused" if case.many else "not asked"
+        digits = (
+            f"{1e-3 * got.whole:.1f} s"
+            if got.many is not None
+            else f"refused: {got.refused}"
+            if case.many
+            else NOT_ASKED[case.name in WITHOUT_LOGARITHMS]
+        )
         shared = agreed(got.mode.sigma if got.many is None else got.many.sigma, case.published)
         said = f"{inside(got.problem)} | {at_ends(got.problem)} | {case.published.source}: {case.published.digits} | {shared:.1f}"
         times = f"{got.reduced:.0f} ms | {got.one:.0f} ms | {digits}"
