@@ -23,6 +23,8 @@ RESOLVED_LENGTH = 0.0625  # chosen: length of segments in a disc, in its radius;
 SEGMENT_PARTS = 8  # chosen: into so many a segment is cut that is too long
 CURVE_NOISE = 1e-14  # chosen: segments shorter than this part of σ are the rounding of σ_c
 Z_NOISE = 1e-14  # chosen: heights that differ by less are not told apart
+POLE = 1e10  # chosen: a sample at an end that is so many times the next one is that of a pole
+NEXT_TO_POLE = 1e-8  # chosen: a pole at an end is followed up to there, in the distance of the samples
 MOST_SAMPLES = 200_000  # chosen: samples at most; a region so thin and so long that it wants more keeps coarser segments
 SINGULAR_KNOWN = 1e-6  # chosen: the last step with which one is known, where rounding lets it get no smaller
 
@@ -130,19 +132,24 @@ class SampledContinuum:
         return z if abs(change) < SINGULAR_KNOWN * scale else None
 
     def _offsets(self, sigma: complex) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """The distance of each segment of the curve to σ, and the height of the nearest point on it."""
-        first, along, inverse, rise = self._segments
-        away = sigma - first
-        t = np.clip(away.real * inverse.real - away.imag * inverse.imag, 0.0, 1.0)
-        return np.abs(away - t * along), self.z[:-1] + t * rise
+        """The distance of each segment of the curve to σ, and the height of the nearest point on it.
+
+        Both are measured from the end of the segment that is nearer to σ: next to a pole of σ_c the other one may lie at 1e17.
+        """
+        along, inverse, rise = self._segments
+        from_first, from_last = sigma - self.sigma[:-1], sigma - self.sigma[1:]
+        forward = np.abs(from_first) <= np.abs(from_last)
+        away, sign = np.where(forward, from_first, from_last), np.where(forward, 1.0, -1.0)
+        t = sign * np.clip(sign * (away.real * inverse.real - away.imag * inverse.imag), 0.0, 1.0)
+        return np.abs(away - t * along), np.where(forward, self.z[:-1], self.z[1:]) + t * rise
 
     @cached_property
-    def _segments(self) -> tuple[ComplexArray, ComplexArray, ComplexArray, NDArray[np.float64]]:
-        """The first point of each segment, its difference d, d*/|d|² (0 where it has no length), and its height."""
+    def _segments(self) -> tuple[ComplexArray, ComplexArray, NDArray[np.float64]]:
+        """The length d of each segment, a complex number, d*/|d|² (0 where it has no length), and its height."""
         along = np.diff(self.sigma)
         inverse = np.zeros_like(along)
         np.divide(1.0, along, out=inverse, where=along != 0.0)
-        return self.sigma[:-1], along, inverse, np.diff(self.z)
+        return along, inverse, np.diff(self.z)
 
 
 @lru_cache(maxsize=32)
@@ -158,4 +165,9 @@ def continuum_of(problem: Problem) -> SampledContinuum | None:
 def _sampled(curve: Continuum) -> SampledContinuum:
     """The samples of a curve, which problems may share: those of a chute with one flow and one k_x do."""
     z = curve.heights(CURVE_SAMPLES)
-    return SampledContinuum(curve, z, curve(z.astype(np.complex128)))
+    sigma = curve(z.astype(np.complex128))
+    for end, beside in ((0, 1), (-1, -2)):
+        if abs(sigma[end]) > POLE * abs(sigma[beside]):  # it is noise there, with any sign
+            z[end] += NEXT_TO_POLE * (z[beside] - z[end])
+            sigma[end] = curve(z[[end]].astype(np.complex128))[0]
+    return SampledContinuum(curve, z, sigma)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import shootstab as st
 from shootstab.core.regions import Disc
-from shootstab.essential_spectrum.interior import SampledContinuum
+from shootstab.essential_spectrum.interior import SampledContinuum, continuum_of
 
 X = 0.37317  # between two samples
 
@@ -61,3 +62,20 @@ def test_more_samples_lie_on_the_curve_and_keep_the_order_of_heights(parabola: S
     inside = np.array([disc.contains(s) for s in fine.sigma])
     assert np.abs(np.diff(fine.sigma))[inside[1:] & inside[:-1]].max() <= 1e-8 / 16
     assert parabola.resolved(0.5 + 0.5j, 10.0) is parabola
+
+
+def test_a_pole_at_the_wall_is_followed_from_next_to_it() -> None:
+    """α = ω/U of a boundary layer at the wall is 1e17 of any sign to rounding, and one segment from there would pass anywhere."""
+
+    class Pole(Parabola):
+        def heights(self, points: int) -> np.ndarray:
+            return np.linspace(0.0, 20.0, points)
+
+        def __call__(self, z: np.ndarray) -> np.ndarray:
+            return (0.23 - 1e-3j) / (np.tanh(z) - 1e-18)
+
+    walls = st.Wall(0, [[1, 0]]), st.Wall(20, [[1, 0]])
+    problem = st.problem(2, lambda z: (np.eye(2, k=1), np.eye(2, k=-1)), *walls, continuum=lambda z: Pole()(z))
+    curve = continuum_of(problem)
+    assert abs(curve.sigma[0]) == pytest.approx(0.23 / (0.01 * 1e-8), rel=1e-3)
+    assert curve.distance(0.2 - 0.03j) == pytest.approx(abs(0.03 + 0.029j), rel=2e-2)
