@@ -7,7 +7,7 @@ from shootstab.analyses.cut_region import RegionCount, count_in_region
 from shootstab.core.division import divisions
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.numerus import number_of
-from shootstab.core.regions import Region
+from shootstab.core.regions import Region, require_region
 from shootstab.discriminants.continuation import Continuation, Undecidable
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.method import Method
@@ -37,6 +37,7 @@ def counted_twice(tightening: Tightening, region: Region) -> tuple[Continuation,
     Where the continuous spectrum enters it, the count rests on which side of a curve is which. There the region is divided and the counts
     of its parts, cut elsewhere, must add up: Undecidable is raised where they do not, or where no division can be counted.
     """
+    require_region(region)
     continuation, whole = tightening.first(lambda c: count_in_region(c, region))
     if whole.cut:
         _require_sum(tightening, region, whole)

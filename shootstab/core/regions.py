@@ -6,7 +6,7 @@ import cmath
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from shootstab.core.errors import InputError, shortened
 from shootstab.core.given import is_complex, is_real
@@ -14,6 +14,7 @@ from shootstab.core.given import is_complex, is_real
 SIDES = 12  # chosen: sides of the polygon that stands for the hull of a disc
 
 
+@runtime_checkable
 class Region(Protocol):
     """A bounded part of the σ-plane."""
 
@@ -189,6 +190,12 @@ def _area(points: tuple[complex, ...]) -> float:
     """Twice the signed area, from the first corner: far from the origin a small one must not vanish."""
     sides = [p - points[0] for p in points]
     return sum((p.conjugate() * q).imag for p, q in zip(sides, sides[1:] + sides[:1], strict=True))
+
+
+def require_region(region: Any) -> None:
+    """Raise InputError unless this is a region."""
+    if not isinstance(region, Region) or isinstance(region, type):
+        raise InputError(f"region = {shortened(region)}: allowed is a Disc, a Rectangle or a Polygon")
 
 
 def size(region: Region) -> float:

@@ -39,10 +39,16 @@ class Wall:
         """The same wall at twice the distance from the point that it approximates; itself if there is none."""
         return self if self.approximates is None else replace(self, z=2.0 * self.z - self.approximates)
 
+    def require_place(self, where: str) -> None:
+        """Raise InputError unless the wall stands at a finite place, and what it approximates lies at one."""
+        if not is_real(self.z):
+            raise InputError(f"the {where} wall is at z = {shortened(self.z)}: allowed is a finite number, or st.Infinity()")
+        if self.approximates is not None and not is_real(self.approximates):
+            raise InputError(f"the {where} wall approximates z = {shortened(self.approximates)}: allowed is a finite number")
+
     def matrices(self, n: int, where: str) -> tuple[ComplexArray, ...]:
         """W0, W1, … (m, n). Raises InputError for a place that is none, and for rows of the wrong shape, not finite or dependent."""
-        if not math.isfinite(self.z):
-            raise InputError(f"the {where} wall is at z = {self.z}: allowed is a finite number, or st.Infinity()")
+        self.require_place(where)
         side = -1 if where == WALLS[-1] else 1
         if self.approximates is not None and not 0.0 < side * (self.approximates - self.z) < math.inf:
             told = f"the {where} wall at z = {self.z:g} approximates {self.approximates:g}"

@@ -11,7 +11,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from shootstab.core.errors import InputError
+from shootstab.core.errors import InputError, shortened
+from shootstab.core.given import is_complex
 from shootstab.core.regions import Rectangle
 from shootstab.problems.capabilities import ENCLOSABLE, MULTIPRECISION, VARIED
 from shootstab.problems.decaying_space import AsymptoticRates, DecayingSpace
@@ -91,8 +92,12 @@ def problem(
     for name, end in (("left", left), ("right", right)):
         if not isinstance(end, Wall | Infinity):
             raise InputError(f"{name} = {end!r}: allowed is st.Wall(z, rows) or st.Infinity()")
-    if reference is not None and not (np.isfinite(reference) and reference != 0):
-        raise InputError(f"reference = {reference!r}: allowed is a finite number other than 0, where as many solutions decay as are wanted")
+        if isinstance(end, Wall):
+            end.require_place(name)
+    if reference is not None and not (is_complex(reference) and reference != 0):
+        raise InputError(
+            f"reference = {shortened(reference)}: allowed is a finite number, not 0, at which as many solutions decay as wanted"
+        )
     shown = Unknowns.named(unknowns, size, variable) if len(unknowns) or variable != "z" else None
     function = PencilFunction(size, pencil, vectorized)
     low, high = (end.z if isinstance(end, Wall) else math.copysign(math.inf, side) for end, side in ((left, -1), (right, 1)))
