@@ -10,7 +10,6 @@ from shootstab.core.scaled import Scaled
 from shootstab.discriminants.meshing import TooLong
 from shootstab.discriminants.method import AdaptiveDiscriminant, MeshedDiscriminant
 
-FARTHEST_SEARCH = 1e9  # chosen: the largest |σ| of a search, in that of the guess
 COSTLIER = 8  # chosen: the longest mesh of a search, in steps of that at the guess
 ANYWAY = 4000  # chosen: steps that a mesh of a search may have anyway; a value of D on it takes some 20 ms
 
@@ -21,18 +20,13 @@ class WanderedOff(ConvergenceError):  # noqa: N818
 
 @dataclass(frozen=True)
 class Affordable:
-    """D(σ) on meshes of so many steps at most, not far from a guess.
-
-    Raises WanderedOff where it takes more or σ is far off, ConvergenceError where no mesh is found at all.
-    """
+    """D(σ) on meshes of so many steps at most. Raises WanderedOff where it takes more, ConvergenceError where no mesh is found at all."""
 
     discriminant: AdaptiveDiscriminant
     guess: complex
 
     def at(self, sigma: complex, tangent: bool) -> MeshedDiscriminant:
         """D on the mesh that serves σ; the mesh at the guess is found at once where it is kept."""
-        if abs(sigma) > FARTHEST_SEARCH * abs(self.guess) > 0.0:
-            raise WanderedOff(f"the search from {self.guess:.6g} wandered off, to {sigma:.1e}")
         steps = self.discriminant.at(self.guess).steps
         try:
             return self.discriminant.at(sigma, tangent, max(ANYWAY, COSTLIER * steps))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -40,18 +39,17 @@ class Wall:
         return self if self.approximates is None else replace(self, z=2.0 * self.z - self.approximates)
 
     def require_place(self, where: str) -> None:
-        """Raise InputError unless the wall stands at a finite place, and what it approximates lies at one."""
+        """Raise InputError unless the wall stands at a finite place."""
         if not is_real(self.z):
             raise InputError(f"the {where} wall is at z = {shortened(self.z)}: allowed is a finite number, or st.Infinity()")
-        if self.approximates is not None and not is_real(self.approximates):
-            raise InputError(f"the {where} wall approximates z = {shortened(self.approximates)}: allowed is a finite number")
 
     def matrices(self, n: int, where: str) -> tuple[ComplexArray, ...]:
         """W0, W1, … (m, n). Raises InputError for a place that is none, and for rows of the wrong shape, not finite or dependent."""
         self.require_place(where)
         side = -1 if where == WALLS[-1] else 1
-        if self.approximates is not None and not 0.0 < side * (self.approximates - self.z) < math.inf:
-            told = f"the {where} wall at z = {self.z:g} approximates {self.approximates:g}"
+        beyond = self.approximates
+        if beyond is not None and not (is_real(beyond) and side * (beyond - self.z) > 0.0):
+            told = f"the {where} wall at z = {self.z:g} approximates {shortened(beyond)}"
             raise InputError(f"{told}: allowed is a finite point beyond it, {'below' if side < 0 else 'above'} {self.z:g}")
         return _rows(self.rows, self.moving, (None, n), f"the rows at the {where} wall, z = {self.z:g},")
 

@@ -95,9 +95,7 @@ def problem(
         if isinstance(end, Wall):
             end.require_place(name)
     if reference is not None and not (is_complex(reference) and reference != 0):
-        raise InputError(
-            f"reference = {shortened(reference)}: allowed is a finite number, not 0, at which as many solutions decay as wanted"
-        )
+        raise InputError(f"reference = {shortened(reference)}: allowed is a finite number other than 0, where solutions decay as wanted")
     shown = Unknowns.named(unknowns, size, variable) if len(unknowns) or variable != "z" else None
     function = PencilFunction(size, pencil, vectorized)
     low, high = (end.z if isinstance(end, Wall) else math.copysign(math.inf, side) for end, side in ((left, -1), (right, 1)))

@@ -13,7 +13,7 @@ import pytest
 from scipy.integrate import quad
 
 import shootstab as st
-from shootstab.analyses.affordable import Affordable, WanderedOff
+from shootstab.analyses.affordable import Affordable
 from shootstab.analyses.zeros import zeros_in
 from shootstab.core.errors import OnSpectrum
 from shootstab.core.regions import Disc
@@ -105,8 +105,9 @@ def test_a_search_that_runs_away_is_ended() -> None:
     """From the side where D has no zero Newton's steps grow without end; that D is constant out there was once taken for an arrival."""
     guess = curve(X - 1e-2j)
     D = Continuation(with_zero_at(curve(X - 1e-8j)), st.Frame(rtol=1e-10)).along(guess)[0]
-    with pytest.raises(WanderedOff, match=r"the search from 0\.129156-0\.380633j wandered off, to 1\.1e\+15"):
-        newton(Affordable(D, guess), guess, 1e-10)
+    root = newton(Affordable(D, guess), guess, 1e-10)
+    assert not root.converged
+    assert abs(root.sigma) > 1e15
 
 
 def test_a_guess_on_the_wrong_side_of_the_spectrum_means_the_mode_across() -> None:

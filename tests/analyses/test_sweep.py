@@ -20,8 +20,9 @@ from kills import environment, obey_modes
 
 import shootstab as st
 from shootstab.analyses.processes import in_processes
-from shootstab.analyses.sweep import run, walk
 from shootstab.analyses.sweep import sweep as swept
+from shootstab.analyses.sweep import swept as in_order
+from shootstab.analyses.sweep import walk
 from shootstab.analyses.sweep.dominance import count_dominant
 from shootstab.analyses.sweep.following import ARRIVED, FADED, LOST, FollowedMode, follow, land
 from shootstab.analyses.sweep.grid import LONGEST_LINE, GridLine, SweepGrid
@@ -320,7 +321,7 @@ def test_an_interrupted_sweep_goes_on_and_repeats_nothing(
 ) -> None:
     axes = {"kx": [0.0, 5e-4, 1e-3], "ky": [0.009, 0.0095, 0.01, 0.0105]}
     worked: list[GridLine] = []
-    original = run.walk
+    original = in_order.walk
 
     def counted(family: ChuteFamily, settings: Any, line: GridLine) -> Any:
         worked.append(line)
@@ -330,7 +331,7 @@ def test_an_interrupted_sweep_goes_on_and_repeats_nothing(
         if done == 8:
             raise StopHereError
 
-    monkeypatch.setattr(run, "walk", counted)
+    monkeypatch.setattr(in_order, "walk", counted)
     file = tmp_path / "map.sqlite"
     with pytest.raises(StopHereError):
         swept(scenes["high"], axes, out=file, progress=interrupt)

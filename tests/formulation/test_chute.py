@@ -50,7 +50,7 @@ def machine() -> FirstOrder:
     names = Names(UNKNOWNS, WAVE, {}, given=tuple(base_flow()))
     equations = {f"equation {i}": names.expression(r.first.doit(), f"equation {i}") for i, r in enumerate(residuals(), 1)}
     domain = Domain(0.0, 1.0, base_flow())
-    return reduced(System.of(UNKNOWNS, equations), domain.vanishing, domain.regular)
+    return reduced(System.of(UNKNOWNS, equations, names.text), domain.vanishing, domain.regular)
 
 
 SYMBOLS = [*(jet(name, k) for name in BASE_NAMES for k in range(3)), KX, KY, TAN, SIGMA]

@@ -47,7 +47,7 @@ def test_a_medium_that_thins_out_keeps_its_order() -> None:
     assert abs(mode.sigma + 0.25 + np.pi**2 / 900) <= mode.error < 1e-12
     ends = st.Conditions(0, ["u"]), st.Conditions(1, ["u"])
     assert st.equations(["u", "v"], ["exp(-500)*d(u) + v", "exp(-500)*d(v) - sigma*u"], *ends).size == 2
-    with pytest.raises(InputError, match=r"changes at z = 0.3, where z - 3/10 vanishes, or has a pole, that multiplies d\(y,2\):"):
+    with pytest.raises(InputError, match=r"at z = 0.3, where z - 3/10 vanishes, or has a pole, that multiplies d\(y,2\) in equation 1:"):
         st.equations(["y"], ["(z - 3/10)*d(y,2) + sigma*y"], st.Conditions(0, ["y"]), st.Conditions(1, ["y"]))
     with pytest.raises(InputError, match=r"changes at z = 0.5, where \(1 - 2\*z\)\*\*\(-1\) vanishes, or has a pole, that multiplies"):
         st.equations(["u", "v"], ["d(u)/(1 - 2*z) + v", "d(v) - sigma*u"], *ends)
