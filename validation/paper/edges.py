@@ -267,25 +267,6 @@ def asymptotics(quick: bool) -> Row:
     )
 
 
-def gentle(quick: bool) -> Row:
-    """No flow is stable up to 0.28: d_x > 0 or d_y > 0 at all of them."""
-    cases, least = [], []
-    for tan in (0.28,) if quick else GENTLE:
-        samples = [sample(tan, T) for T in (0.7, 1.0, 1.4)] if quick else curve(tan)
-        grow = sum(s.grows is True for s in samples)
-        lowest = min((s for s in samples if s.grows), key=lambda s: s.largest)
-        least.append(f"{lowest.largest:.4g} at T = {lowest.far_temperature:.3g} (tan θ = {tan})")
-        unknown = sum(s.grows is None for s in samples)
-        cases.append(Case(f"tan θ = {tan}: flows whose long waves grow", f"{len(samples)}", f"{grow}", 0.0, f"{unknown} not known"))
-    return Row(
-        "all steady flows are unstable for tan θ ≤ 0.28",
-        "3.3, figure 8",
-        "unstable",
-        f"unstable to long waves: the least of max(d_x, d_y) is {'; '.join(least)}",
-        tuple(cases),
-    )
-
-
 def window(tan: float) -> Callable[[bool], Row]:
     """The stable flows of a slope, and where they end."""
 
@@ -398,6 +379,5 @@ REPRODUCTION = Reproduction(
         Item("long waves", asymptotics),
         *(Item(f"tan θ = {tan:.2f}", window(tan), in_quick=tan == 0.30) for tan in WINDOW),
         Item("steep slopes", steep),
-        Item("gentle slopes", gentle),
     ),
 )
