@@ -48,7 +48,7 @@ def order_eight(quick: bool) -> Row:
     names = Names(UNKNOWNS, WAVE, {}, given=tuple(f"{name}0" for name in BASE_NAMES))
     written = {f"equation {i}": names.expression(r.first.doit(), f"equation {i}") for i, r in enumerate(residuals(), 1)}
     domain = Domain(0.0, 1.0, {f"{name}0": grown for name in BASE_NAMES})
-    found = reduced(System.of(UNKNOWNS, written), domain.vanishing, domain.regular)
+    found = reduced(System.of(UNKNOWNS, written, names.text), domain.vanishing, domain.regular)
     cases = (
         Case("by hand, φ of (A 8) with det C not zero", "8", str(C.rows) if determinant() != 0 else "less", 0.0),
         Case("by the machine, from the written equations", "8", str(found.order), 0.0),
