@@ -88,7 +88,7 @@ def in_processes(work: Callable[[Job], Result], jobs: Sequence[Job], workers: in
                             todo.appendleft(place)
                     elif not worker.serves:
                         stillborn += 1
-                        _require_start(worker.process.exitcode or 0, stillborn)
+                        require_start(worker.process.exitcode or 0, stillborn)
                     continue
                 worker.job, worker.serves, stillborn = None, True, 0
                 if isinstance(answer, _Raised):
@@ -103,7 +103,7 @@ def in_processes(work: Callable[[Job], Result], jobs: Sequence[Job], workers: in
         raise ShootstabError(f"{lost} of {len(jobs)} jobs are not done: {DEATHS} worker processes died at each, as where memory runs out")
 
 
-def _require_start(status: int, stillborn: int) -> None:
+def require_start(status: int, stillborn: int) -> None:
     """Raise ShootstabError where a worker died before it served by itself, or where too many were killed in a row."""
     if status > 0:
         guard = 'a program must guard its start by `if __name__ == "__main__"`'

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from shootstab.analyses.processes import DEATHS, in_processes
+from shootstab.analyses.processes import DEATHS, STILLBORN, in_processes, require_start
 from shootstab.core.errors import InputError, ShootstabError
 
 JOBS = 60
@@ -137,3 +137,11 @@ def test_workers_end_with_their_parent_and_leave_nothing(tmp_path: Path, by: str
         assert program.stderr is not None
         assert program.stderr.read() == ""  # it ends when the last process that could write to it does
     assert program.returncode == -signal.Signals[by]
+
+
+def test_workers_that_die_as_they_start_say_so() -> None:
+    with pytest.raises(ShootstabError, match=f"{STILLBORN} worker processes in a row were killed as they started: memory may have run out"):
+        require_start(-signal.SIGKILL, STILLBORN)
+    with pytest.raises(ShootstabError, match="a worker process ended as it started, with exit status 1: a program must guard its start"):
+        require_start(1, 1)
+    require_start(-signal.SIGKILL, STILLBORN - 1)

@@ -14,7 +14,7 @@ import os, sys
 import numba
 from numba.core import caching
 
-def nowhere(*_):
+def nowhere(*_, **__):
     raise OSError("read-only")
 
 ensure = caching._CacheLocator.ensure_cache_path
@@ -29,13 +29,20 @@ print(numba.config.CACHE_DIR)
 """
 
 
-def started(folder: Path, **variables: str) -> subprocess.CompletedProcess[str]:
-    environment = {**os.environ, "PYTHONPATH": str(Path(shootstab.__file__).parents[1]), **variables}
-    return subprocess.run([sys.executable, "-c", SCRIPT], env=environment, cwd=folder, capture_output=True, text=True, check=False)
+def started(folder: Path, script: str = SCRIPT) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PYTHONPATH": str(Path(shootstab.__file__).parents[1]), "TMPDIR": str(folder)}
+    return subprocess.run([sys.executable, "-c", script], env=environment, cwd=folder, capture_output=True, text=True, check=False)
 
 
 def test_a_folder_is_made_and_removed(tmp_path: Path) -> None:
-    done = started(tmp_path, TMPDIR=str(tmp_path))
+    done = started(tmp_path)
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith(str(tmp_path / "shootstab-kernels-"))
     assert list(tmp_path.iterdir()) == []
+
+
+def test_where_no_folder_may_be_written_to_it_says_what_to_set(tmp_path: Path) -> None:
+    nowhere = SCRIPT.replace("from shootstab.kernels", "import tempfile; tempfile.TemporaryDirectory = nowhere\nfrom shootstab.kernels")
+    told = started(tmp_path, nowhere)
+    assert told.returncode != 0
+    assert "compiled kernels can be kept nowhere: set NUMBA_CACHE_DIR to a folder that may be written to (read-only)" in told.stderr
