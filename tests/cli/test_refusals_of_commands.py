@@ -26,7 +26,7 @@ right = { at = 1, conditions = ["v"] }
 """
 
 REFUSED: dict[str, tuple[tuple[str, ...], str]] = {
-    "baseline of nothing": (("baseline", "record", "STRING", "DIR/modes.toml"), "no modes: needed is --guess or --from"),
+    "baseline of nothing": (("baseline", "record", "STRING", "modes-of-nothing.toml"), "no modes: needed is --guess or --from"),
     "name with a NUL": (("verify", "STRING", "modes\0.txt"), "not the name of a file"),
     "floor of a rectangle": (("count", "STRING", "--region", "disc", "--floor", "1e-6"), "--floor: allowed only with --region half-plane"),
     "site of one topic": (("guide", "scenes", "--site", "DIR"), "guide --site: allowed without a topic, for all of them"),
