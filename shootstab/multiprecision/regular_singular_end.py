@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from shootstab.core.errors import ConvergenceError
 from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
 from shootstab.multiprecision.linear_step import TaylorEntries, leading, stacked, subsystems
@@ -41,7 +42,11 @@ def decaying_series(
             both = convolution.value()
             E, CP = both[:size], both[size:]
             R = matrices.combined(matrices.combined(E, CP, -(m + rate)), times_N(CP), -1)
-            G = arithmetic.multiplier(matrices.inverse(arithmetic, matrices.combined(matrices.scaled(C0, m + rate), D0, -1)))
+            try:
+                G = arithmetic.multiplier(matrices.inverse(arithmetic, matrices.combined(matrices.scaled(C0, m + rate), D0, -1)))
+            except ConvergenceError:
+                told = f"two rates of solutions at an end differ by {m}, a power of the coefficients there, or may do so"
+                raise ConvergenceError(f"{told}: a series with a logarithm is not taken in") from None
             part = G(matrices.combined(R, times_C0(times_N(G(R))), -1))
             for i, row in zip(unknowns, part, strict=True):
                 for q, x in zip(columns, row, strict=True):

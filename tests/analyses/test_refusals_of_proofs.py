@@ -16,6 +16,7 @@ from shootstab.analyses import certificate, disc_proof, interval_proof
 from shootstab.analyses import prove as proofs
 from shootstab.analyses.prove import prove, prove_disc, prove_interval, prove_rectangle, whole
 from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.io.scenes import load
 
 WALLS = st.Conditions(0, ["y"]), st.Conditions(1, ["y"])
 FIRST = -(math.pi**2)
@@ -94,3 +95,10 @@ def test_a_disc_without_the_mode_of_double_precision_is_refused(monkeypatch: pyt
     monkeypatch.setattr(proofs, "polished", lambda form, seed, places, radius: (repr(seed.real + 1.0), repr(seed.imag)))
     with pytest.raises(ConvergenceError, match=r"no eigenvalue lies in \|σ − \(-8\.8696\d+ .*\)\| < 1e-\d+, next to what double"):
         prove(string(), -9.8)
+
+
+def test_rates_that_differ_by_a_power_of_the_coefficients_are_told() -> None:
+    """The soliton of Korteweg and de Vries has them at its mode; that sigma lay on the continuous spectrum was told of it."""
+    problem = load("kdv-soliton").problem
+    with pytest.raises(st.ConvergenceError, match=r"two rates of solutions at an end differ by \d+, a power of the coefficients there"):
+        prove(problem, 0.3535533905932738, 12)
