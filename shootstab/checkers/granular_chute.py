@@ -64,7 +64,7 @@ NAMED = {
     "lemmas",
 }
 RELIED_ON = ["C2", "C3", "C5", "E5", "E6", "E7", "K1", "K2", "K3"]
-NUMBERS = ("e", "e_w", "r", "tan_theta", "nu_max", "kx", "ky")
+NUMBERS = ("e", "e_w", "r", "tan_theta", "nu_max", "kx", "ky")  # exact: parameters of a certificate that are decimals
 ALLOWED_COUNTS = {
     "count": (0, 60),
     "points": (2, 64),

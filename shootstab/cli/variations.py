@@ -15,8 +15,7 @@ from shootstab.problems.rescaled import Rescaled
 if TYPE_CHECKING:
     from shootstab.problems.protocol import Problem
 
-# chosen: numbers of a scene file that say which wave it is and how viscous: they differ from run to run, and cost no other base flow
-OF_A_RUN = ("alpha", "beta", "omega", "wavenumber", "reynolds", "rayleigh")
+OF_A_RUN = ("alpha", "beta", "omega", "wavenumber", "reynolds", "rayleigh")  # chosen: what differs from run to run and needs no other flow
 OF_PHASE_SPEEDS = ("alpha", "kx")  # exact: those that `conventions.wavenumber` knows, of which a phase speed may have taken its own
 
 

@@ -165,5 +165,5 @@ GROWING_REGION = Capability("growing_region", None, "this problem has no theorem
 RECORDED = Capability("recorded", None, "this problem has no recorded pencil")
 # whether the problem stays what it is: no function of the user's is called, which may read what changes
 UNCHANGING = Capability("unchanging", False, "this problem calls functions that may read what changes")
-# a name and parameters by which a checker of certificates knows the problem
-CERTIFIED = Capability("certified", None, "this problem has no checker of certificates")
+# certificates(proof, count, spare_bits): what to try as a certificate of a proof, each with more bits, for the checker of this problem
+CERTIFICATES = Capability("certificates", None, "this problem has no checker of certificates")

@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 
 import shootstab as st
-from shootstab.analyses.chute_settings import Asked, candidates
 from shootstab.checkers import granular_chute as checker
 from shootstab.checkers.granular_chute import Certified, Model, exact, grown, guessed, precision, verified
+from shootstab.models.chute.certificate_settings import Asked, candidates
 from shootstab.models.chute.chute_problem import ChuteProblem
 
 TERMS, MANY = 12, 70

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 from shootstab.models.chute.mode_shape import ModeShape
 from shootstab.models.chute.perturbations import Perturbations
@@ -51,6 +52,14 @@ class ChuteProblem(Perturbations):
         asked = {"far_temperature": flow.far_temperature} if flow.asked_flux is None else {"mass_flux": flow.asked_flux}
         decimals = {name: repr(float(x)) for name, x in (numbers | asked).items()}
         return {"name": "granular chute", **decimals, "radial": flow.chute.radial, "wall": flow.chute.wall}
+
+    def certificates(self, proof: Any, count: int, spare_bits: int) -> Iterator[dict[str, Any]]:
+        """What to try as a certificate of a proof on a disc, each with more bits; spare_bits, which contours need, say nothing here."""
+        from shootstab.analyses.certificate import disc_of
+        from shootstab.models.chute.certificate_settings import Asked, candidates
+
+        at, size = disc_of(proof, "one on a disc")
+        return candidates(Asked(self.certified, {**at, "radius": size}, count, self.flow.far_temperature))
 
     def family(self, names: tuple[str, ...]) -> ChuteFamily:
         """The chutes that differ from this one in these parameters. Raises InputError for names that cannot vary, or not together."""

@@ -7,6 +7,7 @@ Source: S. A. Orszag, J. Fluid Mech. 50 (1971) 689: R = 10000, α = 1, c = 0.237
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -108,6 +109,12 @@ class PlanePoiseuille:
     def certified(self) -> dict[str, Any] | None:
         """What shootstab/checkers/plane_poiseuille.py knows the problem by; the channel has that of its factors."""
         return {"name": "plane Poiseuille", "reynolds": repr(float(self.reynolds)), "alpha": repr(float(self.alpha)), "modes": self._modes}
+
+    def certificates(self, proof: Any, count: int, spare_bits: int) -> Iterator[dict[str, Any]]:
+        """What to try as a certificate of a proof, each with more points and bits."""
+        from shootstab.models.gallery.poiseuille_certificate import certificates
+
+        return certificates(self, proof, count, spare_bits)
 
     @property
     def _modes(self) -> str:

@@ -1,9 +1,10 @@
-"""Settings with which the checker of granular chutes is likely to accept: choices by its own arithmetic, of which it trusts nothing."""
+"""Certificates for the checker of granular chutes, with settings chosen by its own arithmetic: it trusts none of them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain
@@ -116,15 +117,13 @@ def _start(told: dict[str, Any], T: Model, drift: Model, sigma: Model, thick: Mo
     while nu > LOWEST_NU:
         found = repr(nu)
         chute = Certified({**told, "start": found})
-        try:
+        with suppress(RefusedError):  # what is not verified there may be nearer to ν = 0
             f_nu, f_T, f_u, f_Q, _ = chute.far_flow(T)
             steady = Steady(chute.g, f_nu, f_T, f_u + drift, f_Q)
             checker.far_space(steady, thick, chute.kx, chute.ky, T, drift)
             Y = checker.far_space(steady, sigma, chute.kx, chute.ky, T, drift)
             if max(x.r for row in Y for x in row) < 2.0 ** (FAR_LOSS - Model.P) * max(x.size for row in Y for x in row):
                 return found, Y
-        except RefusedError:
-            pass
         nu /= 2
     raise ConvergenceError("no volume fraction is small enough for the checker's far field: its wave is too short, or |σ| too small")
 
