@@ -148,7 +148,7 @@ def _how_many(inside: int, claims: int) -> str:
     if claims == 1:
         return "the claim lies" if inside else "the claim does not lie"
     if inside == claims:
-        return f"all {claims} claims lie"
+        return "both claims lie" if claims == 2 else f"all {claims} claims lie"
     return f"{inside} of the {claims} claims {'lies' if inside == 1 else 'lie'}"
 
 

@@ -38,7 +38,7 @@ def test_the_first_modes_of_a_right_spectrum_lack_none(count: int) -> None:
     assert report.undecided == ()
     assert report.claims_inside == count
     assert report.searched.startswith("among the claims, from ")
-    assert report.searched.endswith(f"where all {count} claims lie")
+    assert report.searched.endswith("where both claims lie" if count == 2 else f"where all {count} claims lie")
     assert report.region is not None
     assert all(report.region.contains(s) for s in MODES[:count])
 

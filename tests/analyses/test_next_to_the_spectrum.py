@@ -6,6 +6,7 @@ its side. With a = −∫ at a chosen σ that is a zero of D continued from one 
 
 from __future__ import annotations
 
+import math
 import re
 
 import numpy as np
@@ -108,6 +109,9 @@ def test_a_search_that_runs_away_is_ended() -> None:
     root = newton(Affordable(D, guess), guess, 1e-10)
     assert not root.converged
     assert abs(root.sigma) > 1e15
+    lost = st.refine(with_zero_at(curve(X - 1e-8j)), guess)
+    assert not lost.converged
+    assert lost.error == math.inf
 
 
 def test_a_guess_on_the_wrong_side_of_the_spectrum_means_the_mode_across() -> None:
