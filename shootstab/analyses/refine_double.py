@@ -35,7 +35,7 @@ CIRCLE_OF_PROOF = 1e-2  # chosen: the circle of the proof at least, in the accur
 DOUBLE_ATTEMPTS = 3  # chosen: local errors tried; from 1e-5 factors of 100 would need four; tolerance_for begins no mode that far off
 PROOF = 32.0  # chosen: the circle of the proof, in error bounds; the noise of D must be small on it
 WIDEST_PROOF = 1e-2  # chosen: the circle of the proof at most, in the larger of |σ| and the scale, so that it leaves other modes out
-NO_ZERO = 1e-2  # chosen: Newton's step, in |σ|, from a σ that is no zero of D itself
+NO_ZERO = 1e-2  # chosen: Newton's step to a zero of D continued from one side, in that of D from the other, which has none there
 LEFT = 1e-3  # chosen: what iterations may leave, in the accuracy asked for
 NEUTRAL = 1e-12  # chosen: the accuracy of a mode at 0 in the scale of D there; four digits above the rounding of a double
 UNKNOWN = Budget(math.inf, math.inf, math.inf, math.inf, math.inf)
@@ -138,9 +138,10 @@ def _simple(continuation: Continuation, root: Root, rtol: float, atol: float | N
         if not arrived.converged or abs(arrived.sigma - root.sigma) > abs(root.sigma):
             if continuation.distance(root.sigma) <= max(root.step, rtol * abs(root.sigma)):
                 raise OnSpectrum(f"a zero of D lies on the continuous spectrum to the error with which it was found, at {root.sigma:.12g}")
-            if math.isfinite(continuation.distance(root.sigma)) and abs(coarse_value.newton_step) > NO_ZERO * abs(root.sigma):
-                told = f"the zero at {root.sigma:.6g} is one of D continued from elsewhere, and none of D itself"
-                raise ConvergenceError(f"{told}, along the path {branch.path}: a resonance, not a mode")
+            other = continuation.across(root.sigma)
+            if other is not None and abs(other.with_derivative(root.sigma).newton_step) < NO_ZERO * abs(coarse_value.newton_step):
+                told = f"the zero at {root.sigma:.6g} is one of D continued from the other side of the continuous spectrum"
+                raise ConvergenceError(f"{told}, and none of D itself, along the path {branch.path}: a resonance, not a mode")
             raise ConvergenceError(f"the iteration does not settle at {root.sigma:.6g} along the path {branch.path}")
         if arrived.multiplicity > 1 and not alone:
             return _among_several(continuation, arrived.sigma, max(arrived.step, LEFT * rtol * abs(arrived.sigma)), rtol, atol)

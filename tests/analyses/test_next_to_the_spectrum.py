@@ -96,9 +96,7 @@ def test_a_resonance_to_which_a_search_comes_is_told_as_one() -> None:
     """The guess lies on the side from which D has a zero; D itself has none, and leads elsewhere, to infinity."""
     sigma = curve(X - 1e-8j)
     lost = st.refine(with_zero_at(sigma), guess=curve(X + 1e-7j))
-    told = (
-        "the zero at 0.139256-0.37317j is one of D continued from elsewhere, and none of D itself, along the path through z = 0.4 + 0.275i"
-    )
+    told = "the zero at 0.139256-0.37317j is one of D continued from the other side of the continuous spectrum, and none of D itself"
     assert told in lost.status
 
 
