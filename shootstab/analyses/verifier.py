@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, is_dataclass, replace
 
-from shootstab.analyses.accuracy import first_accurate, known_at
+from shootstab.analyses.accuracy import first_accurate, known_at, otherwise
 from shootstab.analyses.claim_size import NEAR_ZERO, NOISY_CHANGE, has_a_size
 from shootstab.analyses.refine import refine
 from shootstab.analyses.refine_double import NEUTRAL, examine, several
@@ -158,11 +158,16 @@ class Verifier:
         return (atol, math.sqrt(atol * around.scale)) if radius < atol < math.inf else (0.0, 0.0)
 
     def _sized_on_every_mesh(self, claim: complex) -> bool:
-        """Whether D around the claim has a size of |claim| on the loose mesh too, which shifts zeros at 0 a thousand times farther."""
-        both = [continuation.at(claim).discriminant for continuation in (self.continuation, self.loose)]
-        step, other = (D.with_derivative(claim).newton_step for D in both)
+        """Whether the loose D has a size of |claim| around the claim, and so has D with all of its errors drawn anew on the mesh halved.
+
+        Zeros at 0 lie elsewhere there, by the error of the loose mesh, which is far above that of the halved one. The count of the zeros
+        around the claim asks for the same system.
+        """
+        loose = self.loose.at(claim).discriminant
+        anew = otherwise(self.problem, loose, claim, 1)
+        step, other = (D.with_derivative(claim).newton_step for D in (anew, loose))
         alike = abs(other - step) < max(NOISY_CHANGE * abs(step), abs(claim) / NEAR_ZERO - abs(step))
-        return both[0] is not both[1] and alike and all(has_a_size(D, claim) for D in both)
+        return alike and has_a_size(loose, claim) and has_a_size(anew, claim)
 
     def _require_reach(self, claim: complex) -> None:
         """Raise ConvergenceError where so large a |σ| needs a mesh that is too long.
@@ -226,16 +231,22 @@ class Verifier:
         return first_accurate(self._continuations, lambda continuation: zeros_in(continuation, disc, most))[1]
 
     def _neighbour(self, seen: Sighting, empty: float) -> complex | None:
-        """The mode that Newton finds between the circle that is empty and that of two digits, which could not be counted."""
-        wide = self._near(seen)
-        claim = sigma = seen.claim
-        if empty >= wide:
+        """The mode that Newton finds between the circle that is empty and that of two digits, which could not be counted.
+
+        It has to arrive on the loose mesh before it begins on the one that error bounds rest on.
+        """
+        if empty >= self._near(seen):
             return None
+        near = self._newton(self.loose, seen.claim, seen)
+        return near if near is None or self.loose is self.continuation else self._newton(self.continuation, near, seen)
+
+    def _newton(self, continuation: Continuation, sigma: complex, seen: Sighting) -> complex | None:
+        """Where Newton's iteration arrives within the circle of two digits around a claim, None where it leaves it."""
         try:
             for _ in range(CLAIM_NEWTON_STEPS):
-                step = self.continuation.at(sigma).discriminant.with_derivative(sigma).newton_step
+                step = continuation.at(sigma).discriminant.with_derivative(sigma).newton_step
                 sigma += step
-                if not abs(sigma - claim) < wide:
+                if not abs(sigma - seen.claim) < self._near(seen):
                     return None
                 if abs(step) < CLAIM_STEP * abs(sigma):
                     return sigma

@@ -35,13 +35,14 @@ class SubsystemMeshes:
     def __init__(
         self,
         problem: Problem,
+        whole: Problem,
         propagator: Propagator,
         path: DeformedPath | None,
         centre: complex | None,
         begin: dict[Cell | None, ComplexArray],
         most_bytes: int,
     ) -> None:
-        self.problem, self.propagator, self.path, self._centre, self._begin = problem, propagator, path, centre, begin
+        self.problem, self._whole, self.propagator, self.path, self._centre, self._begin = problem, whole, propagator, path, centre, begin
         self._kept: OrderedDict[MeshKey, Shooting | ConvergenceError] = OrderedDict()
         self._most_bytes, self._spent = most_bytes, 0
 
@@ -120,7 +121,7 @@ class SubsystemMeshes:
         if begin is None and not isinstance(key, complex) and key in self._begin:
             begin = sample_system(self.problem, self._begin[key])
         try:
-            return made_for(self.problem, self.propagator, self.path, sigma, begin, smallest, most)
+            return made_for(self.problem, self.propagator, self.path, sigma, begin, smallest, most, self._whole)
         except TooLong:
             raise
         except ConvergenceError as error:
@@ -152,8 +153,9 @@ class Adaptive:
         self.problem, self.propagator, self.path = problem, propagator, path
         self._decoupling = decouple(problem)
         subsystems: Sequence[Problem] = (problem,) if self._decoupling is None else self._decoupling.members
+        most_bytes = MOST_BYTES_KEPT // len(subsystems)
         self._members = tuple(
-            SubsystemMeshes(subsystem, propagator, path, centre, _of_member(begin, i, len(subsystems)), MOST_BYTES_KEPT // len(subsystems))
+            SubsystemMeshes(subsystem, problem, propagator, path, centre, _of_member(begin, i, len(subsystems)), most_bytes)
             for i, subsystem in enumerate(subsystems)
         )
         self._products: OrderedDict[tuple[int, ...], Product] = OrderedDict()

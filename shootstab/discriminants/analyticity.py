@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +19,18 @@ CLOSED = 1e-5  # chosen: what the integral around the detour may be, in ∫|f||d
 def require_analytic(problem: Problem, path: DeformedPath, nodes: NDArray[np.float64]) -> None:
     """Raise InputError unless ∮ f dz = 0 (Cauchy) along the detour and back on the real axis, for every entry f of the pencil.
 
-    nodes (N,) are real, from the far end to the wall.
+    nodes (N,) are real, from the far end to the wall. What was found analytic is not looked at again soon: the subsystems of a problem
+    have its pencil, and meshes of other cells the same path.
     """
-    corners = path.corners(nodes)
-    there, along = _rule(corners)
-    back, across = _rule(np.array([corners[0], corners[-1]]))
-    near, far = problem.pencil(back), problem.pencil(there)
+    _require_closed(problem, path, *path.corners(nodes).tolist())
+
+
+@lru_cache(maxsize=64)
+def _require_closed(problem: Problem, path: DeformedPath, leave: complex, apex: complex, back: complex) -> None:
+    """`require_analytic` for the corners of a path."""
+    there, along = _rule([leave, apex, back])
+    straight, across = _rule([leave, back])
+    near, far = problem.pencil(straight), problem.pencil(there)
     for (name, f), g in zip(far.named.items(), near.named.values(), strict=True):
         loop = np.tensordot(along, f, 1) - np.tensordot(across, g, 1)
         size = np.tensordot(np.abs(along), np.abs(f), 1) + np.tensordot(np.abs(across), np.abs(g), 1)
@@ -36,10 +43,16 @@ def require_analytic(problem: Problem, path: DeformedPath, nodes: NDArray[np.flo
             )
 
 
-def _rule(corners: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+def _rule(corners: list[complex]) -> tuple[ComplexArray, ComplexArray]:
     """Points (m,) and weights (m,) of ∫ f dz along straight legs between the corners, in the order of the path."""
-    t, w = np.polynomial.legendre.leggauss(GAUSS_POINTS)
+    t, w = _gauss()
     legs = [np.linspace(a, b, PANELS + 1) for a, b in itertools.pairwise(corners)]
     first, last = (np.concatenate([leg[cut] for leg in legs]) for cut in (slice(None, -1), slice(1, None)))
     half = 0.5 * (last - first)[:, None]
     return (first[:, None] + half * (1 + t)).ravel(), (half * w).ravel()
+
+
+@lru_cache(maxsize=1)
+def _gauss() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Gauss's points and weights on [−1, 1]."""
+    return np.polynomial.legendre.leggauss(GAUSS_POINTS)

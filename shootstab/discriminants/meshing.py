@@ -50,12 +50,14 @@ def made_for(
     coarser: Shooting | SampledSystem | None = None,
     smallest: complex | None = None,
     most: int | None = None,
+    whole: Problem | None = None,
 ) -> Shooting:
     """D on a mesh on which the local errors hold at σ: cut from the coarser one, or spread from the problem's own first mesh.
 
     Where they are rounding, they are held to that. smallest is the other end of the cell whose largest σ is meant: the mesh begins as far
-    out as both need, and is cut once where it does not serve that end. Raises TooLong where the mesh would have more steps than most,
-    ConvergenceError where no mesh is found for σ, InputError where the pencil is not analytic between the path and the real axis.
+    out as both need, and is cut once where it does not serve that end. whole is the problem that this one is a subsystem of, if it is one.
+    Raises TooLong where the mesh would have more steps than most, ConvergenceError where no mesh is found for σ, InputError where the
+    pencil is not analytic between the path and the real axis.
     """
     start = _start(problem, propagator, sigma, smallest)
     noise = coarser.noise if isinstance(coarser, Shooting) else 0.0
@@ -63,7 +65,7 @@ def made_for(
     if coarser is None:
         straight = problem.mesh(start)
         if path is not None:
-            require_analytic(problem, path, straight)
+            require_analytic(problem if whole is None else whole, path, straight)
         sampled = sample_system(problem, straight.astype(np.complex128) if path is None else path.deform(straight))
         regrids: tuple[Regrid, ...] = (redistribute,) * REDISTRIBUTIONS
     else:
