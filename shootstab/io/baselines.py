@@ -83,8 +83,9 @@ class Baseline:
             off, nearest = plane.query(np.column_stack((recorded.real, recorded.imag)), k=np.arange(1, rivals + 1))
             # one that does not hold costs more than nearness can in all of them; and 1 more, for a cost of 0 is no edge of a sparse graph
             cost = 1.0 + (off > allowed[:, None]) * (len(recorded) + 1.0) + off / (off + off.max() + np.finfo(float).tiny)
-            rows = np.arange(0, cost.size + 1, rivals)
-            graph = csr_array((cost.ravel(), nearest.ravel(), rows), shape=(len(recorded), len(numbers)))
+            rows = np.arange(0, cost.size + 1, rivals, dtype=np.int32)
+            # the least SciPy that is allowed, 1.13, matches by indices of 32 bits only
+            graph = csr_array((cost.ravel(), nearest.ravel().astype(np.int32), rows), shape=(len(recorded), len(numbers)))
             for i, j in zip(*min_weight_full_bipartite_matching(graph), strict=True):
                 given[i] = complex(numbers[j])
         return [Difference(sigma, given[i], float(allowed[i])) for i, (sigma, _) in enumerate(self.modes)]
