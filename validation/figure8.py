@@ -22,7 +22,7 @@ from bench import BenchLine, at_most, show
 
 import shootstab as st
 from shootstab.analyses.processes import in_processes
-from shootstab.analyses.sweep.workers import serially
+from shootstab.analyses.workers import serially
 from shootstab.models.chute.stability import STABLE, UNSTABLE, stability
 
 SLOPES = tuple(round(0.25 + 0.01 * i, 2) for i in range(11))  # chosen

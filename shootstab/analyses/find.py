@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+import pickle
 from collections.abc import Iterable, Sequence
+from contextlib import closing
 from dataclasses import dataclass, replace
+from functools import lru_cache, partial
 
 from shootstab.analyses.accuracy import Tightening
 from shootstab.analyses.count import counted_twice
@@ -13,6 +16,7 @@ from shootstab.analyses.multiple import cluster, multiple
 from shootstab.analyses.refine import refine
 from shootstab.analyses.refine_double import require_atol, tightened
 from shootstab.analyses.resonances import find_resonances
+from shootstab.analyses.workers import parcel, spread
 from shootstab.analyses.zeros import MOST_TO_SEPARATE, accurate_count
 from shootstab.core.allowed import FINDING_RTOL, LEAST_MODE_RTOL
 from shootstab.core.errors import ConvergenceError
@@ -57,23 +61,52 @@ def find(
     resonances: bool = False,
     method: Method | str | None = None,
     atol: float | None = None,
+    workers: int | None = 1,
+    cluster: str | None = None,
 ) -> Found:
     """All modes in a region, each to rtol, and to KNOWN_WITHIN of the region's size at least.
 
     Those that grow most come first; a multiple one is one mode with its multiplicity, and the multiplicities add up to counted.count.
 
-    What lies within counted.left_out, around ends of the continuous spectrum, is not looked for. Raises Undecidable or ConvergenceError
-    where the region as a whole cannot be counted.
+    What lies within counted.left_out, around ends of the continuous spectrum, is not looked for. workers: processes of this machine that
+    compute error bars, None: one a core where that saves time; cluster: the address of a Dask scheduler, in place of them; the modes do not
+    depend on it. Raises Undecidable or ConvergenceError where the region as a whole cannot be counted, InputError for a problem that cannot
+    be sent to other processes.
     """
     require_rtol(rtol, LEAST_MODE_RTOL)
     require_atol(atol)
     continuation, zeros, whole = find_modes(Continuation(problem, method_named(method, SEARCHING) or Frame(rtol=SEARCHING)), region)
     within = max(KNOWN_WITHIN * size(region), LEAST_MODE_RTOL * max(map(abs, region.hull)))
-    modes = without_repetition(
-        zeros, (modes_of(continuation, zero, min(rtol, within / max(abs(zero.sigma), within)), atol) for zero in zeros)
-    )
+    jobs = [(i, zero, min(rtol, within / max(abs(zero.sigma), within))) for i, zero in enumerate(zeros)]
+    with closing(
+        spread(
+            partial(_bounded, continuation, atol),
+            lambda: partial(_bounded_elsewhere, parcel(problem, continuation.method, atol)),
+            jobs,
+            workers,
+            cluster,
+        )
+    ) as results:
+        each = {i: some for (i, _, _), some in results}
+    modes = without_repetition(zeros, [each[i] for i in range(len(zeros))])
     modes = tuple(sorted(modes, key=lambda mode: -mode.sigma.real))
     return Found(modes, whole, tuple(find_resonances(continuation, region)) if resonances else None)
+
+
+def _bounded(continuation: Continuation, atol: float | None, job: tuple[int, Zero, float]) -> list[Mode]:
+    """The modes that a zero is; the job has its place in the list and the accuracy that is asked for."""
+    return modes_of(continuation, *job[1:], atol)
+
+
+def _bounded_elsewhere(known: bytes, job: tuple[int, Zero, float]) -> list[Mode]:
+    """The same in another process."""
+    return _bounded(*_sent(known), job)
+
+
+@lru_cache(maxsize=1)
+def _sent(known: bytes) -> tuple[Continuation, float | None]:
+    problem, method, atol = pickle.loads(known)
+    return Continuation(problem, method), atol
 
 
 def find_modes(

@@ -78,6 +78,11 @@ class Verifier:
         self._too_far = math.inf
 
     @property
+    def settings(self) -> tuple[Problem, Method, int, float | None]:
+        """What another verifier is made of that judges as this one does."""
+        return self.problem, self.method, self.digits, self._atol
+
+    @property
     def rests_on(self) -> str:
         """The method with which zeros were counted and bounds computed, and its local errors, in words."""
         errors = ", ".join(f"{continuation.method.rtol:.0e}" for continuation in self._continuations)
@@ -92,6 +97,10 @@ class Verifier:
     def farthest(self) -> float:
         """The largest |σ| that can be judged, as far as that is known; infinite as long as no claim was too large."""
         return self._too_far * NEXT_REACH
+
+    def reach_no_farther(self, farthest: float) -> None:
+        """Learn the largest |σ| that another verifier can judge."""
+        self._too_far = min(self._too_far, farthest / NEXT_REACH)
 
     def look(self, claim: complex) -> Sighting:
         """The zeros around a claim, in a circle that grows from that of the digits to that of two digits until it holds any."""

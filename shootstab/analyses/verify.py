@@ -24,6 +24,7 @@ from shootstab.analyses.missing import (
     told_missing,
 )
 from shootstab.analyses.nearest import with_nearest
+from shootstab.analyses.neighbourhoods import SAME_AS, Neighbourhood, neighbourhoods, same, with_modes
 from shootstab.analyses.refine_double import TIGHTEST, require_atol
 from shootstab.analyses.unstable import count_unstable
 from shootstab.analyses.verdicts import Circle, finite_claims, spurious, verdict_on
@@ -44,9 +45,6 @@ from shootstab.roots.search import Zero
 
 SEARCH_SHARE = 0.5  # chosen: the time of a search for missing modes over that of all claims; only the progress shown rests on it
 EXTRA_DIGITS = 2  # chosen: digits computed beyond those asked for
-CONFUSED_WITHIN = 3.0  # chosen: radii of the circle of the digits within which zeros are told apart together
-WIDER_THAN_CONFUSED = 2.0  # chosen: a circle around zeros that were confused, in the largest distance from their mean
-SAME_AS = 1e-12  # chosen: relative distance of two modes that are one, beside their error bounds
 BELOW_KNOWN = 1e-3  # chosen: the floor of the count of growing modes, in the least growth rate that is known
 
 
@@ -60,6 +58,8 @@ def verify(
     unstable: bool = False,
     missing: str | None = None,
     atol: float | None = None,
+    workers: int | None = 1,
+    cluster: str | None = None,
 ) -> Report:
     """Verdicts to so many digits, in the order of the claims, and the modes missing from them.
 
@@ -72,8 +72,11 @@ def verify(
     the number of claims in it, and names what could not be searched. With unstable=True the whole half-plane of growing modes is counted
     besides, by a bound on |σ| (see unstable.py), so that "no other unstable mode" is a statement.
 
-    Raises InputError for claims that are not finite numbers, for no digits or more than DOUBLE_DIGITS, and for a wish that does not go with
-    the region.
+    workers: processes of this machine that judge claims, None: one a core where that saves time; cluster: the address of a Dask scheduler,
+    in place of them. Verdicts do not depend on it.
+
+    Raises InputError for claims that are not finite numbers, for no digits or more than DOUBLE_DIGITS, for a wish that does not go with
+    the region, and for a problem that cannot be sent to other processes.
     """
     claims = finite_claims(eigenvalues)
     require_whole("digits", digits, 1, DOUBLE_DIGITS)
@@ -81,15 +84,11 @@ def verify(
     require_atol(atol)
     tolerance = max(10.0 ** -(digits + EXTRA_DIGITS), TIGHTEST)
     verifier = Verifier(problem, method_named(method, tolerance) or Frame(rtol=tolerance), digits, atol)
-    seen: dict[int, Sighting] = {}
-    # neighbours share meshes, which are not kept for ever; and in one order, whatever the list's, a mode is refined from the same place
     clock = StageClock(None if progress is None else lambda done, total, left: progress(done, total))
     searches = (wish != NONE) + unstable
     clock.plan([1.0] * len(claims) + [1.0 + SEARCH_SHARE * len(claims)] * searches)
-    for i in sorted(range(len(claims)), key=lambda i: (abs(claims[i]), claims[i].real, claims[i].imag)):
-        seen[i] = verifier.look(claims[i])
-        clock.done()
-    verdicts = Assembly(verifier, seen).verdicts()
+    around = neighbourhoods(verifier, claims, workers, cluster, clock.done)
+    verdicts = Assembly(verifier, around).verdicts()
     lacking = Missing((), NOT_SEARCHED, ())
     if wish != NONE:
         try:
@@ -119,22 +118,18 @@ def verify(
 
 
 class Assembly:
-    """The modes around all claims, each with its error bar and computed once, and the claims that they answer."""
+    """The modes around all claims, and the claims that they answer."""
 
-    def __init__(self, verifier: Verifier, seen: Mapping[int, Sighting]) -> None:
-        """seen by the claim's place in the list, in the order in which the claims are to be gone through."""
-        self._verifier, self._seen = verifier, dict(seen)
+    def __init__(self, verifier: Verifier, around: Mapping[int, Neighbourhood]) -> None:
+        """around by the claim's place in the list, in the order in which the claims are to be gone through."""
+        self._verifier, self._around = verifier, dict(around)
         self._modes: list[Mode] = []
-        self._known: list[dict[Zero, tuple[int, ...]]] = [{} for _ in seen]
-        self._lost: dict[int, str] = {}  # claims around which a zero has no error bound, and why
+        self._numbers: list[list[int]] = [[] for _ in around]  # places in that list of the modes around each claim
 
     def verdicts(self) -> list[Verdict]:
         """The verdicts, in the order of the claims."""
-        for i, seen in self._seen.items():
-            if seen.zeros:
-                nearest = min(seen.zeros, key=lambda zero: abs(zero.sigma - seen.claim))
-                reach = max(CONFUSED_WITHIN * seen.radius, abs(nearest.sigma - seen.claim) + CONFUSED_WITHIN * seen.radius)
-                self._learn_all(i, [z for z in seen.zeros if z is nearest or abs(z.sigma - seen.claim) <= reach + z.radius])
+        for i in self._around:
+            self._number_all(i)
         given = assign(self._candidates())
         # who shares a mode with a claim that got none looks further: there may be one for each
         looked: set[int] = set()
@@ -151,38 +146,20 @@ class Assembly:
                 break
             for i in ask:
                 looked.add(i)
-                self._seen[i] = self._verifier.look_further(self._seen[i])
-                self._learn_all(i, self._seen[i].zeros)
+                seen = self._verifier.look_further(self._around[i].seen)
+                self._around[i] = with_modes(self._verifier, replace(self._around[i], seen=seen), seen.zeros)
+                self._number_all(i)
             given = assign(self._candidates())
         sigmas, often = np.array([complex(mode.sigma) for mode in self._modes]), Counter(given)
-        return [self._verdict(i, given, sigmas, often) for i in range(len(self._seen))]
+        return [self._verdict(i, given, sigmas, often) for i in range(len(self._around))]
 
-    def _learn_all(self, i: int, zeros: Sequence[Zero]) -> None:
-        """The modes that several zeros are; those in one neighbourhood together, as iterations confuse them."""
-        left = list(zeros)
-        while left:
-            near = [z for z in left if abs(z.sigma - left[0].sigma) <= CONFUSED_WITHIN * self._seen[i].radius + z.radius + left[0].radius]
-            left = [z for z in left if z not in near]
-            self._learn(i, _together(near))
-        numbers = {j for some in self._known[i].values() for j in some}
-        if i not in self._lost and sum(self._modes[j].multiplicity for j in numbers) < sum(z.multiplicity for z in zeros):
-            self._learn(i, _together(zeros))  # iterations from several of them came to one mode
-
-    def _learn(self, i: int, zero: Zero) -> None:
-        """The modes that a zero is, as numbers in the list of all."""
-        if zero in self._known[i] or i in self._lost:
-            return
-        try:
-            modes = self._verifier.modes(zero, self._seen[i])
-        except ConvergenceError as error:
-            self._lost[i] = str(error)
-            return
-        self._known[i][zero] = tuple(self._number(mode) for mode in modes)
+    def _number_all(self, i: int) -> None:
+        self._numbers[i] = sorted({self._number(mode) for some in self._around[i].modes.values() for mode in some})
 
     def _number(self, mode: Mode) -> int:
         """Where a mode stands in the list; one that lies within the bounds of one that is listed is the same."""
         for j, other in enumerate(self._modes):
-            if abs(mode.sigma - other.sigma) <= mode.error + other.error + SAME_AS * abs(other.sigma):
+            if same(mode, other):
                 if mode.multiplicity == other.multiplicity and mode.error < other.error:
                     self._modes[j] = mode
                 return j
@@ -191,11 +168,11 @@ class Assembly:
 
     def _candidates(self) -> list[list[Candidate]]:
         """The modes that each claim may mean."""
-        return [self._candidates_of(i) for i in range(len(self._seen))]
+        return [self._candidates_of(i) for i in range(len(self._around))]
 
     def _candidates_of(self, i: int) -> list[Candidate]:
-        numbers = [] if i in self._lost else sorted({j for some in self._known[i].values() for j in some})
-        return [self._candidate(j, self._seen[i]) for j in numbers]
+        around = self._around[i]
+        return [self._candidate(j, around.seen) for j in self._numbers[i]] if around.lost is None else []
 
     def _candidate(self, j: int, seen: Sighting) -> Candidate:
         mode = self._modes[j]
@@ -204,11 +181,11 @@ class Assembly:
 
     def _verdict(self, i: int, given: Sequence[int | None], sigmas: NDArray[np.complex128], often: Mapping[int | None, int]) -> Verdict:
         """sigmas are those of all modes, often says to how many claims each is given."""
-        seen = self._seen[i]
+        seen, lost = self._around[i].seen, self._around[i].lost
         if seen.refusal is not None:
             return self._said(Verdict(seen.claim, *seen.refusal), seen)
-        if i in self._lost:
-            return self._said(Verdict(seen.claim, UNRESOLVED, self._lost[i]), seen)
+        if lost is not None:
+            return self._said(Verdict(seen.claim, UNRESOLVED, lost), seen)
         number = given[i]
         if number is not None:
             inside = np.flatnonzero(np.abs(sigmas - seen.claim) <= seen.radius).tolist()
@@ -239,15 +216,6 @@ class Assembly:
 
     def _said(self, verdict: Verdict, seen: Sighting) -> Verdict:
         return replace(verdict, continuum_distance=seen.distance, atol=seen.atol)
-
-
-def _together(zeros: Sequence[Zero]) -> Zero:
-    """Several zeros as one multiple zero about their mean."""
-    if len(zeros) == 1:
-        return zeros[0]
-    count = sum(z.multiplicity for z in zeros)
-    mean = sum(z.multiplicity * z.sigma for z in zeros) / count
-    return Zero(mean, count, WIDER_THAN_CONFUSED * max(abs(z.sigma - mean) + z.radius for z in zeros))
 
 
 def _unanswered(missing: Sequence[Mode], verdicts: Sequence[Verdict]) -> tuple[Mode, ...]:

@@ -113,7 +113,8 @@ def find(options: Namespace) -> int:
     from shootstab.cli.terminal import progress
 
     with progress(f"finding modes of {scene.name}"):
-        found = question(scene.problem, region, resonances=options.resonances, atol=options.atol)
+        wishes: Any = {"resonances": options.resonances, "atol": options.atol, "workers": options.workers, "cluster": options.dask}
+        found = question(scene.problem, region, **wishes)
     if options.plot is not None:
         from shootstab.cli import plots
 

@@ -168,6 +168,7 @@ def parser() -> argparse.ArgumentParser:
         says = "absolute accuracy that suffices, for modes next to 0 (default 1e-12 of the scale of D there)"
         command.add_argument("--atol", type=values.absolute, metavar="X", help=says)
     figures.options(find, "draw the modes and the region")
+    values.shared_out(find, "one a core where that saves time")
     find.add_argument("--resonances", action="store_true", help="list zeros beyond the continuous spectrum too")
 
     critical = _command(subparsers, critical_command.critical, "where a mode begins to grow, over all values of a parameter")

@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any
 from shootstab.cli import figures
 from shootstab.cli.commands import BAD_NEWS, DONE, answer
 from shootstab.cli.lines import numbered
-from shootstab.cli.values import counted, integer
-from shootstab.core.allowed import COUNT_EVERY, GROWTH_FLOOR, LARGEST_FLOOR, MOST_EVERY, MOST_SWEEP_DIGITS, MOST_WORKERS, SWEEP_DIGITS
+from shootstab.cli.values import counted, shared_out
+from shootstab.core.allowed import COUNT_EVERY, GROWTH_FLOOR, LARGEST_FLOOR, MOST_EVERY, MOST_SWEEP_DIGITS, SWEEP_DIGITS
 from shootstab.core.errors import InputError
 from shootstab.core.numerus import number_of
 from shootstab.io import scenes as scene_files
@@ -49,9 +49,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--floor", type=_floor, default=GROWTH_FLOOR, metavar="X", help=f"a mode grows if Re σ > X (default {GROWTH_FLOOR:g})"
     )
-    where = parser.add_mutually_exclusive_group()
-    where.add_argument("--workers", type=integer(1, MOST_WORKERS), metavar="N", help="processes (default: one a core)")
-    where.add_argument("--dask", metavar="ADDRESS", help="the scheduler of a Dask cluster that does the work")
+    shared_out(parser, "one a core")
     parser.add_argument("--out", type=Path, metavar="FILE", help="SQLite file for the results; one that exists is completed")
     parser.add_argument("--export", type=_export_path, metavar="FILE", help="write the results as csv or npz")
     figures.options(parser, "draw growth rates over one or two parameters")

@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from shootstab.core.allowed import LARGEST_TOLERANCE, LEAST_MODE_RTOL, RTOL
+from shootstab.core.allowed import LARGEST_TOLERANCE, LEAST_MODE_RTOL, MOST_WORKERS, RTOL
 from shootstab.io.notation import complex_from, floats_from
 
 LARGEST_INTEGER = 999_999_999  # chosen: nine digits, more than anything is counted in
@@ -91,3 +91,10 @@ def plot_path(text: str) -> Path:
     if path.suffix.lower() not in (".png", ".pdf", ".svg"):
         raise refused(text, "a file name that ends in .png, .pdf or .svg")
     return path
+
+
+def shared_out(parser: argparse.ArgumentParser, by_default: str) -> None:
+    """Add --workers and --dask: who does the work."""
+    who = parser.add_mutually_exclusive_group()
+    who.add_argument("--workers", type=integer(1, MOST_WORKERS), metavar="N", help=f"processes (default: {by_default})")
+    who.add_argument("--dask", metavar="ADDRESS", help="the scheduler of a Dask cluster that does the work")

@@ -50,6 +50,7 @@ def options(command: ArgumentParser) -> None:
     command.add_argument(
         "--example", action="store_true", help="the spectrum that comes with shootstab for this scene (low): one of each verdict"
     )
+    values.shared_out(command, "one a core where that saves time")
     command.add_argument("--html", type=Path, metavar="FILE", help="a page with all of it, in one file that needs no network")
     command.add_argument("--markdown", type=Path, metavar="FILE", help="the table in Markdown")
     command.add_argument("--tex", type=Path, metavar="FILE", help="the table as a LaTeX tabular")
@@ -104,6 +105,8 @@ def verify(options: Namespace) -> int:
             "unstable": options.unstable,
             "missing": options.missing,
             "atol": options.atol,
+            "workers": options.workers,
+            "cluster": options.dask,
         }
         report = question(scene.problem, given, progress=told, **wishes)
         theorems: tuple[ProvedVerdict, ...] = ()

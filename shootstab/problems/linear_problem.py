@@ -14,21 +14,19 @@ from numpy.typing import ArrayLike, NDArray
 from shootstab.core.errors import InputError, shortened
 from shootstab.core.given import is_complex
 from shootstab.core.regions import Rectangle
-from shootstab.problems.capabilities import ENCLOSABLE, MULTIPRECISION, VARIED
+from shootstab.problems.capabilities import ENCLOSABLE, FAMILY, MULTIPRECISION, VARIED
 from shootstab.problems.decaying_space import AsymptoticRates, DecayingSpace
 from shootstab.problems.ends import Infinity, Interface, Wall
 from shootstab.problems.first_mesh import resolving
+from shootstab.problems.inside_curves import Crossings, inside_curves
 from shootstab.problems.knots import CoefficientFunction, as_knots, find_knots, with_pairs
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
-from shootstab.problems.singular_curve import CURVE_PROBES, TRACE_NOISE, ContinuumOnLine, SingularCurve, singular_curves
-from shootstab.problems.singular_point import require_regular
+from shootstab.problems.singular_curve import CURVE_PROBES, TRACE_NOISE, ContinuumOnLine
 from shootstab.problems.splitting import AsymptoticPencil
 from shootstab.problems.subdomains import blocks, frames
 from shootstab.problems.two_point import TwoPointReduction, reduce_to_two_points
 from shootstab.problems.unknowns import Placement, Unknowns
-
-Crossings = tuple[tuple[NDArray[np.float64], ComplexArray], ...]
 
 MOST_STATES = 64  # chosen: n of a problem; the minors of more states are not to be held
 FIRST_MESH = 33  # chosen: points of it
@@ -109,28 +107,9 @@ def problem(
         except InputError as error:
             raise InputError(f"with walls twice as far from the points that they approximate, {error}") from error
         moved = moved.over(reduction.start, reduction.end)
-        farther = LinearProblem(function, moved, *_curves(function, moved, continuum), given=given)
-    curve, fixed = _curves(function, reduction, continuum)
+        farther = LinearProblem(function, moved, *inside_curves(function, moved, continuum), given=given)
+    curve, fixed = inside_curves(function, reduction, continuum)
     return LinearProblem(function, reduction, curve, fixed, coarser, farther, written, growing_region, shown, given)
-
-
-def _curves(
-    function: PencilFunction, reduction: TwoPointReduction, given: Callable[[Any], Any] | Literal[False] | None
-) -> tuple[Callable[[Any], Any] | None, Crossings]:
-    """σ_c as it was given or as the pencil has it, if a path may lead around it; and (z, σ_c(z)) of what no path leads around."""
-    for line in reduction.lines:
-        require_regular(function, line)
-    if given is not None:
-        return given or None, ()
-    curves: list[tuple[NDArray[np.float64], ComplexArray]] = []
-    for z in reduction.lines:
-        found = singular_curves(function, z[:: len(z) // CURVE_PROBES])
-        if isinstance(found, SingularCurve) and len(reduction.lines) == 1:
-            return found, ()
-        if found:
-            found = singular_curves(function, z)
-            curves += [(z.real, sigma) for sigma in ((found(z),) if isinstance(found, SingularCurve) else found)]
-    return None, tuple(curves)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -139,7 +118,8 @@ class LinearProblem:
 
     curve is σ_c(z), fixed are continuous spectra (z, σ_c), each (m,), that no path avoids. coarser is the problem on a base flow that is
     less accurate by a factor, farther_walls that with its approximate walls twice as far from the points that they approximate, written
-    the same in equations; bounded is the growing_region of `problem`; eigenfunctions are shown in unknowns; given are the user's knots.
+    the same in equations; bounded is the growing_region of `problem`; eigenfunctions are shown in unknowns; given are the user's knots;
+    made_by is the call that makes the problem again, where it is known.
     """
 
     function: PencilFunction
@@ -152,6 +132,14 @@ class LinearProblem:
     bounded: Callable[..., tuple[Rectangle, str]] | None = None
     unknowns: Unknowns | None = None
     given: tuple[float, ...] = ()
+    made_by: Callable[[], LinearProblem] | None = None
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        """The call that makes the problem again, for other processes: functions inside functions are not sent. Otherwise its fields."""
+        family_of = FAMILY.of(self)
+        if family_of is not None:
+            return family_of(()).problem, ({},)
+        return super().__reduce_ex__(protocol) if self.made_by is None else (self.made_by, ())
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}(order {self.size}, {self.decaying} conditions at its first end)"

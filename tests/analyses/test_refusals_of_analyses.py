@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 
 import shootstab as st
-from shootstab.analyses import critical, eigenfunction_digits, find, refine_digits, verifier
+from shootstab.analyses import critical, eigenfunction_digits, find, refine_digits, verifier, workers
 from shootstab.analyses.prove import prove_interval
 from shootstab.analyses.refine_double import examine
 from shootstab.analyses.sensitivity import sensitivities
-from shootstab.analyses.sweep import dominance, grid, workers
+from shootstab.analyses.sweep import dominance, grid
 from shootstab.analyses.sweep.outcomes import NONE_GROWS, Outcome
 from shootstab.analyses.sweep.store import Store
 from shootstab.analyses.unstable import count_unstable

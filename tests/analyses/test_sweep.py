@@ -384,7 +384,7 @@ def test_a_dask_cluster_gives_the_same(scenes: dict[str, ChuteProblem]) -> None:
 
 
 def test_a_cluster_that_is_not_there(scenes: dict[str, ChuteProblem], monkeypatch: pytest.MonkeyPatch) -> None:
-    from shootstab.analyses.sweep import workers
+    from shootstab.analyses import workers
 
     def absent(name: str) -> Any:
         raise ImportError(name)

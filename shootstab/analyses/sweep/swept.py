@@ -18,7 +18,7 @@ from shootstab.analyses.sweep.grid import GridLine, ParameterAxis, Point, SweepG
 from shootstab.analyses.sweep.outcomes import OUTCOMES, Outcome
 from shootstab.analyses.sweep.store import Store
 from shootstab.analyses.sweep.walk import WalkSettings, walk
-from shootstab.analyses.sweep.workers import on_cluster, serially
+from shootstab.analyses.workers import on_cluster, serially
 from shootstab.core.allowed import COUNT_EVERY, GROWTH_FLOOR, MOST_WORKERS, SWEEP_DIGITS
 from shootstab.core.given import require_whole
 from shootstab.core.progress import Progress
@@ -125,7 +125,8 @@ def sweep(
         done = len(grid) - sum(len(line.points) for line in lines)
         if progress is not None:
             progress(done, len(grid))
-        with closing(_results(partial(walk, family, settings), lines, workers, cluster)) as results:
+        kept = "" if out is None else f"; {out} keeps what was done"
+        with closing(_results(partial(walk, family, settings), lines, workers, cluster, kept)) as results:
             for line, outcomes in results:
                 store.add(line.points, outcomes)
                 done += len(line.points)
@@ -135,10 +136,10 @@ def sweep(
 
 
 def _results(
-    work: Callable[[GridLine], list[Outcome]], lines: list[GridLine], workers: int | None, cluster: str | None
+    work: Callable[[GridLine], list[Outcome]], lines: list[GridLine], workers: int | None, cluster: str | None, kept: str
 ) -> Generator[tuple[GridLine, list[Outcome]], None, None]:
     if cluster is not None:
-        return on_cluster(work, lines, cluster)
+        return on_cluster(work, lines, cluster, kept)
     count = os.cpu_count() or 1 if workers is None else workers
     return serially(work, lines) if count == 1 or len(lines) < 2 else in_processes(work, lines, count)
 

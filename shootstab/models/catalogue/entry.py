@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from shootstab.core.scene_keys import Description, Keys
 
@@ -18,15 +19,20 @@ WAVE_FORM = "σ of exp(σt + iαx)"
 
 @dataclass(frozen=True)
 class Maker:
-    """What makes a problem: a function of a module of the gallery, imported when it is called, with values that are given beforehand."""
+    """What makes a problem: a function of a module of the gallery, imported when it is called, with values that are given beforehand.
+
+    A problem that does not know how it was made is told, so that other processes can make it again.
+    """
 
     module: str
     function: str
     values: Mapping[str, Any] = field(default_factory=dict)
 
     def __call__(self, **values: Any) -> Problem:
-        made: Problem = getattr(import_module(f"shootstab.models.gallery.{self.module}"), self.function)(**{**self.values, **values})
-        return made
+        made: Any = getattr(import_module(f"shootstab.models.gallery.{self.module}"), self.function)(**{**self.values, **values})
+        if getattr(made, "made_by", self) is None:
+            made = replace(made, made_by=partial(self, **values))
+        return cast("Problem", made)
 
 
 @dataclass(frozen=True)
