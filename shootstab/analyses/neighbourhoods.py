@@ -11,7 +11,8 @@ from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 
-from shootstab.analyses.verifier import Sighting, Verifier
+from shootstab.analyses.sighting import Sighting
+from shootstab.analyses.verifier import Verifier
 from shootstab.analyses.workers import parcel, spread
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.records import Mode

@@ -6,12 +6,13 @@ A verdict rests on a count of zeros in a circle, never on an iteration that stop
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, is_dataclass, replace
+from dataclasses import is_dataclass, replace
 
 from shootstab.analyses.accuracy import first_accurate, known_at, otherwise
 from shootstab.analyses.claim_size import NEAR_ZERO, NOISY_CHANGE, has_a_size
 from shootstab.analyses.refine import refine
 from shootstab.analyses.refine_double import NEUTRAL, examine, several
+from shootstab.analyses.sighting import Sighting
 from shootstab.analyses.verdicts import NEAR_DIGITS, radius_of
 from shootstab.analyses.zeros import Crowded, Zeros, zeros_in
 from shootstab.core.errors import ConvergenceError, OnSpectrum
@@ -34,26 +35,6 @@ TIGHTER = (1e-10, 1e-13)  # chosen: local errors to which D is computed where a 
 FAR_OFF = 10.0  # chosen: radii of the circle of the digits, beyond which a mode need not be known better than to these digits
 FIRST_REACH, NEXT_REACH = 100.0, 16.0  # chosen: |σ| of the first mesh on the way to a large claim, and the factor to the next
 MOST_LOOSE_STEPS = 800  # chosen: steps of the loose mesh for one claim; where D must be more accurate it is some times as long
-
-
-@dataclass(frozen=True)
-class Sighting:
-    """What was seen around a claim.
-
-    radius is that of the circle that the digits mean, and at least atol; near how far off a mode next to 0 is meant; counted that of
-    the largest circle whose zeros were counted, zeros are the modes in it. resonance is a zero beyond the continuous spectrum inside
-    radius. Where nothing could be counted, refusal is the verdict and the reason.
-    """
-
-    claim: complex
-    radius: float
-    atol: float
-    distance: float
-    near: float = 0.0
-    counted: float = 0.0
-    zeros: tuple[Zero, ...] = ()
-    resonance: complex | None = None
-    refusal: tuple[str, str] | None = None
 
 
 class Verifier:

@@ -26,9 +26,10 @@ from shootstab.analyses.missing import (
 from shootstab.analyses.nearest import with_nearest
 from shootstab.analyses.neighbourhoods import SAME_AS, Neighbourhood, neighbourhoods, same, with_modes
 from shootstab.analyses.refine_double import TIGHTEST, require_atol
+from shootstab.analyses.sighting import Sighting
 from shootstab.analyses.unstable import count_unstable
 from shootstab.analyses.verdicts import Circle, finite_claims, spurious, verdict_on
-from shootstab.analyses.verifier import Sighting, Verifier
+from shootstab.analyses.verifier import Verifier
 from shootstab.core.allowed import DOUBLE_DIGITS, GROWTH_FLOOR, VERDICT_DIGITS
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.given import require_whole
