@@ -38,6 +38,7 @@ QUICK = (
     "tests/test_habits.py",
     "tests/test_floors.py",
 )
+AUTHOR = ("-c", "user.name=versions", "-c", "user.email=versions@localhost")  # chosen: git asks for one
 LINTERS = ("ruff", "mypy")  # run beside the tests, on one version only
 
 
@@ -80,6 +81,9 @@ def passes(python: str, which: str, arguments: list[str]) -> bool:
                 shutil.copytree(whole, here / name, ignore=shutil.ignore_patterns("__pycache__", "*.nb[ic]"))
             else:
                 shutil.copy(whole, here / name)
+        # what is stored of the paper says from which commit it comes: the copy is one
+        subprocess.run(["git", "init", "--quiet", here], check=True)
+        subprocess.run(["git", "-C", here, *AUTHOR, "commit", "--quiet", "--allow-empty", "--message", "a copy"], check=True)
         subprocess.run([own, "-m", "pip", "install", "--quiet", "--no-compile", "--no-deps", "--editable", here], check=True)
         environment = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": ""}
         done = subprocess.run([own, "-m", "pytest", "-p", "no:cacheprovider", *arguments], cwd=here, env=environment, check=False)

@@ -207,8 +207,10 @@ def _among_several(
     continuation: Continuation, sigma: complex, radius: float, rtol: float, atol: float | None, apart: bool = True
 ) -> tuple[Mode, int]:
     """The nearest of several zeros in a circle of about this radius where D tells them apart, and the multiple mode otherwise."""
-    if radius == 0.0:  # an iteration that came to 0 exactly
-        radius = neutral(surroundings(continuation.at(sigma).discriminant, sigma), LEAST_D_ERROR) or SMALLEST_DISTANCE
+    length = neutral(surroundings(continuation.at(sigma).discriminant, sigma), LEAST_D_ERROR)
+    if abs(sigma) <= length:  # 0 to what D tells: an iteration comes to 0 exactly or ever nearer, and |σ| measures no circle
+        radius = max(radius, length)
+    radius = radius or SMALLEST_DISTANCE
     found = cluster(continuation, sigma, radius, goal=max(rtol * abs(sigma), atol or 0.0) if not apart else 0.0)
     zeros = told_apart(continuation, found) if apart else []
     if zeros:

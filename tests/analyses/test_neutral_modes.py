@@ -128,8 +128,9 @@ def test_a_mode_at_zero_in_many_digits() -> None:
         assert abs(mode.sigma) <= mode.error <= mode.atol < 1e-18
 
 
-def test_an_iteration_that_comes_to_a_double_zero_at_0_exactly_has_a_circle() -> None:
+def test_an_iteration_that_comes_to_a_double_zero_at_0_exactly_or_ever_nearer_has_a_circle() -> None:
     """Magnetorotational modes at this wavenumber: σ = ±0.75, and a double zero at 0, around which the radius was 0."""
-    mode = st.refine(st.scene("mri").problem, 0.225, rtol=1e-9)
-    assert (mode.multiplicity, mode.converged) == (2, True)
-    assert abs(mode.sigma) <= mode.error < 1e-9
+    for guess in (0.225, 0.22, 0.23):  # by the build of the linear algebra, one or the other ends at 1e-167 and not at 0
+        mode = st.refine(st.scene("mri").problem, guess, rtol=1e-9)
+        assert (mode.multiplicity, mode.converged) == (2, True)
+        assert abs(mode.sigma) <= mode.error < 1e-9
