@@ -26,19 +26,15 @@ from shootstab.formulation.problem import EquationProblem
 SCENES = Path(__file__).parent.parent / "shootstab" / "models" / "catalogue" / "scenes"
 POISEUILLE = "0.0037396706229794099322", "-0.23752648882047010745"
 MANY = 40  # chosen: digits
-# chosen: scenes that have these digits not, as the guide says: rates at infinity differ by a power of the coefficients, at the mode itself
-WITHOUT_LOGARITHMS = ("kdv-soliton",)
-LONG = ("mack",)  # chosen: scenes not asked for many digits, which take a quarter of an hour or more
 T = TypeVar("T")
 
 
 @dataclass(frozen=True)
 class Written:
-    """A scene as text: its tables, and what is published of it; many: whether it is asked for many digits, which may take minutes."""
+    """A scene as text: its tables, and what is published of it."""
 
     name: str
     text: str
-    many: bool = True
 
     @cached_property
     def tables(self) -> dict[str, Any]:
@@ -122,12 +118,9 @@ def spatial(plate: str) -> str:
 WRITTEN = (
     Written("plane Poiseuille, u v p", noted(4, POISEUILLE, 20, "Orszag 1971, re-computed", PLANE)),
     Written("Bénard, u w p T, free", noted(6, ("2.973306944007455851022", "0"), 20, "exact: see models/gallery/benard.py", FREE)),
-    Written("Malik 6, spatial", spatial((SCENES / "mack.toml").read_text(encoding="utf-8")), many=False),
+    Written("Malik 6, spatial", spatial((SCENES / "mack.toml").read_text(encoding="utf-8"))),
     Written("shear layer, u v p", noted(2, ("0.1897", "0"), 4, "Michalke 1964", LAYER)),
-    *(
-        Written(name, file.read_text(encoding="utf-8"), name not in (*WITHOUT_LOGARITHMS, *LONG))
-        for name, file in sorted((file.stem, file) for file in SCENES.glob("*.toml"))
-    ),
+    *(Written(name, file.read_text(encoding="utf-8")) for name, file in sorted((file.stem, file) for file in SCENES.glob("*.toml"))),
 )
 
 
@@ -191,7 +184,7 @@ def found(case: Written, quick: bool = False) -> SceneFound:
     problem, reduced = timed(case.problem)
     mode, one = timed(lambda: st.refine(problem, guess))
     many, whole, refused = None, 0.0, ""
-    if case.many and not quick:
+    if not quick:
         try:
             many, whole = timed(lambda: st.refine(problem, mode.sigma, digits=MANY))
         except InputError as error:
@@ -243,9 +236,6 @@ def mistakes() -> None:
         print(f"| {what} | {told(old, new)} |")
 
 
-NOT_ASKED = ("not asked", "refused: logarithms at infinity")
-
-
 def table() -> None:
     """The table for validation/README.md; times are processor times."""
     print(f"| problem | lines | order | σ_c inside | essential, ends | published: digits | agreed | reduction | one mode | {MANY} digits |")
@@ -253,13 +243,9 @@ def table() -> None:
     chosen = [case for case in WRITTEN if not sys.argv[2:] or case.name in sys.argv[2:]]
     for case in chosen:
         got = found(case)
-        digits = (
-            f"{1e-3 * got.whole:.1f} s"
-            if got.many is not None
-            else f"refused: {got.refused}"
-            if case.many
-            else NOT_ASKED[case.name in WITHOUT_LOGARITHMS]
-        )
+        digits = f"refused: {got.refused}" if got.many is None else f"{1e-3 * got.whole:.1f} s"
+        if got.many is not None and not got.many.converged:
+            digits = got.many.status
         shared = agreed(got.mode.sigma if got.many is None else got.many.sigma, case.published)
         said = f"{inside(got.problem)} | {at_ends(got.problem)} | {case.published.source}: {case.published.digits} | {shared:.1f}"
         times = f"{got.reduced:.0f} ms | {got.one:.0f} ms | {digits}"

@@ -40,6 +40,10 @@ PLACE_BITS = 20  # chosen: a place has a fraction of so many bits
 SEED_DIGITS = 10  # chosen: digits of X in double precision that the number of Newton steps rests on
 
 
+class LogarithmsError(ConvergenceError):
+    """Solutions that decay have logarithms in the exponential: the series without them does not hold."""
+
+
 @dataclass(frozen=True, eq=False)
 class Solutions:
     """P_m V (n, k) for every m, T = V⁻¹ Λ V upper triangular, and back = V⁻¹."""
@@ -76,7 +80,7 @@ class DecayingSpaceInDigits:
         """Choose the place: as near as the series holds there, and farther out than the target. Raises ConvergenceError."""
         C, D = self._at(sigma)
         A = matrices.solve(self._arithmetic, _leading(C, self._n, self._nothing), _leading(D, self._n, self._nothing))
-        self._pivots = self._chosen_rows(self._seed(A))
+        self._pivots = chosen_rows(self._seed(A))
         self._known = sigma, self._solutions(sigma)
         P = self._known[1].P
         first, *last = [max(self._arithmetic.log2(x) for row in part for x in row) for part in (P[0], *P[1:][-TAIL_TERMS:])]
@@ -134,21 +138,9 @@ class DecayingSpaceInDigits:
         apart = decaying[:, None] - decaying
         orders = np.round(apart.real)
         if self._terms > 1 and ((orders > 0) & (np.abs(apart - orders) <= SMALLEST_SPLITTING * size)).any():
-            raise ConvergenceError(f"at {where} solutions that decay differ by a power of the coefficients: logarithms are not offered")
+            raise LogarithmsError(f"at {where} solutions that decay differ by a power of the coefficients: they have logarithms")
         _, Q, _ = scipy.linalg.schur(double, output="complex", sort=lambda x: x.real > least)
         return np.asarray(Q[:, : self._k])
-
-    def _chosen_rows(self, basis: NDArray[np.complex128]) -> list[int]:
-        """k rows of it that are well independent, the first among about equal ones."""
-        work, chosen = basis.copy(), []
-        for _ in range(self._k):
-            sizes = np.linalg.norm(work, axis=1)
-            row = int(np.argmax(sizes >= PIVOT_PREFERENCE * sizes.max()))
-            chosen.append(row)
-            along = work[row] / np.linalg.norm(work[row])
-            work = work - np.outer(work @ along.conj(), along)
-            work[row] = 0.0
-        return sorted(chosen)
 
     def _solutions(self, sigma: Any) -> Solutions:
         arithmetic, n, k = self._arithmetic, self._n, self._k
@@ -157,7 +149,7 @@ class DecayingSpaceInDigits:
         A = matrices.solve(arithmetic, C0, D0)
         P0 = self._invariant(A)
         growth = [[sum((A[i][j] * P0[j][q] for j in range(n)), self._nothing) for q in range(k)] for i in self._pivots]
-        V, T, back = _triangular(arithmetic, growth)
+        V, T, back = triangular(arithmetic, growth)
         P = [matrices.product(arithmetic, P0, V)]
         turned = [matrices.product(arithmetic, P[0], T)]
         for m in range(1, self._terms):
@@ -168,7 +160,7 @@ class DecayingSpaceInDigits:
                         if not matrices.vanishes(c[order]):
                             factor = sign * c[order]
                             right[i] = [a + factor * b for a, b in zip(right[i], terms[m - order][j], strict=True)]
-            P.append(_sylvester(arithmetic, matrices.combined(matrices.scaled(C0, m), D0, -1), C0, T, right))
+            P.append(sylvester_in_digits(arithmetic, matrices.combined(matrices.scaled(C0, m), D0, -1), C0, T, right))
             turned.append(matrices.combined(matrices.product(arithmetic, P[m], T), P[m], m))
         return Solutions(P, T, back)
 
@@ -197,8 +189,8 @@ class DecayingSpaceInDigits:
                 for r, i in enumerate(others)
             ]
             one = [[arithmetic.number(-int(r == s)) for s in range(len(others))] for r in range(len(others))]
-            V, T, back = _triangular(arithmetic, growth)
-            step = _sylvester(arithmetic, B, one, T, matrices.product(arithmetic, matrices.scaled(off, -1), V))
+            V, T, back = triangular(arithmetic, growth)
+            step = sylvester_in_digits(arithmetic, B, one, T, matrices.product(arithmetic, matrices.scaled(off, -1), V))
             step = matrices.product(arithmetic, step, back)
             X = [[arithmetic.rounded(a + b) for a, b in zip(x, y, strict=True)] for x, y in zip(X, step, strict=True)]
         out: Matrix = [[] for _ in range(self._n)]
@@ -209,12 +201,27 @@ class DecayingSpaceInDigits:
         return out
 
 
+def chosen_rows(basis: NDArray[np.complex128]) -> list[int]:
+    """k rows of a basis (n, k) that are well independent, the first among about equal ones."""
+    work, chosen = basis.copy(), []
+    for _ in range(basis.shape[1]):
+        sizes = np.linalg.norm(work, axis=1)
+        row = int(np.argmax(sizes >= PIVOT_PREFERENCE * sizes.max()))
+        chosen.append(row)
+        along = work[row] / np.linalg.norm(work[row])
+        work = work - np.outer(work @ along.conj(), along)
+        work[row] = 0.0
+    return sorted(chosen)
+
+
 def _leading(series: SeriesEntries, n: int, nothing: Any) -> Matrix:
     return [[series[i, j][0] if (i, j) in series else nothing for j in range(n)] for i in range(n)]
 
 
-def _triangular(arithmetic: Arithmetic, growth: Matrix) -> tuple[Matrix, Matrix, Matrix]:
-    """V, T, V⁻¹ with Λ = V T V⁻¹, T upper triangular, by Schur's form."""
+def triangular(arithmetic: Arithmetic, growth: Matrix) -> tuple[Matrix, Matrix, Matrix]:
+    """V, T, V⁻¹, all (k, k), with growth = V T V⁻¹ (k, k), T upper triangular, by Schur's form."""
+    if not growth:
+        return [], [], []
     k = range(len(growth))
     if len(growth) == 1:
         one = [[arithmetic.number(1)]]
@@ -225,7 +232,7 @@ def _triangular(arithmetic: Arithmetic, growth: Matrix) -> tuple[Matrix, Matrix,
     return turned, upper, [[arithmetic.complex(mpmath.conj(V[j, i])) for j in k] for i in k]
 
 
-def _sylvester(arithmetic: Arithmetic, M: Matrix, C: Matrix, T: Matrix, R: Matrix) -> Matrix:
+def sylvester_in_digits(arithmetic: Arithmetic, M: Matrix, C: Matrix, T: Matrix, R: Matrix) -> Matrix:
     """P (n, k) with M P + C P T = R for an upper triangular T, column by column."""
     columns: list[list[Any]] = []
     for q in range(len(T)):

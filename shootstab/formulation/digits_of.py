@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from shootstab.core.errors import InputError
+from shootstab.formulation.asymptotic_end import asymptotic_end
 from shootstab.formulation.axis import RegularSpace
 from shootstab.formulation.base_digits import FlowDigits
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
@@ -33,7 +34,7 @@ from shootstab.formulation.subdomain_digits import (
 )
 from shootstab.multiprecision.integration import MultiprecisionProblem
 from shootstab.problems.decaying_space import StartingSpace
-from shootstab.problems.ends import INFINITIES, Infinity
+from shootstab.problems.ends import Infinity
 from shootstab.problems.two_point import TwoPointReduction
 
 
@@ -131,10 +132,23 @@ def _shifted(rows: Powers, by: int) -> Powers:
 
 def _at_end(end: object, side: int, system: StatePencil, space: StartingSpace) -> Begin:
     if isinstance(end, Infinity):
-        if end.start is not None:
-            raise InputError(f"at {INFINITIES[side]} the decaying space is that of coefficients frozen at a start: allowed is a limit")
-        return AtInfinity(exponential_end(system, side), space.columns)
+        return _at_infinity(system, side, space.columns)
     return AtSingularEnd(_place(end), -side, _regular(space))
+
+
+def _at_infinity(system: StatePencil, side: int, columns: int) -> AtInfinity:
+    """The series that the coefficients allow: in an exponential, in inverse powers beside what is exponentially small, or both."""
+    try:
+        exponential, refused = exponential_end(system, side), None
+    except InputError as error:
+        exponential, refused = None, error
+    try:
+        powers = asymptotic_end(system, side)
+    except InputError as error:
+        if refused is not None:
+            raise InputError(f"{refused}, and {error}") from error
+        powers = None
+    return AtInfinity(exponential, powers, columns)
 
 
 def _regular(space: StartingSpace) -> RegularStart:

@@ -248,13 +248,13 @@ def assembled(
             bounded = [i for i, (name, order) in enumerate(first.states) if order == 0 and name in statement.names.unknowns]
             made.append(singular_end(system, end.at, -side, bounded, f"{statement.names.variable} = {end.at:g}", domain))
         elif isinstance(end, Infinity):
-            made.append(with_limit(end, matrices, side))
+            made.append(with_limit(end, matrices, side, systems[0 if side < 0 else -1], domain.given))
     if isinstance(ends[0], Periodic) and isinstance(ends[1], Periodic):
         reduction = between_periodic_ends(matrices, ends[0].at, ends[1].at)
     elif any(isinstance(end, Axis) for end in ends):
         if spectrum.curves:
             raise InputError("C is singular for some sigma at every point up to a regular singular end: that is not offered")
-        reduction = between_singular_ends(system.size, made[0], made[1])
+        reduction = between_singular_ends(matrices, made[0], made[1], reference)
     else:
         interfaces = between(statement.joints, [layer.first_order for layer in layers], domain.given)
         reduction = reduce_to_two_points(matrices, made[0], made[1], interfaces, fold, reference)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -14,12 +15,16 @@ from shootstab.formulation.domain import Domain
 from shootstab.formulation.gaussian import Gaussian
 from shootstab.formulation.regular_singular import regular_singular_end
 from shootstab.formulation.state_pencil import StatePencil
-from shootstab.problems.decaying_space import ConstantSpace
-from shootstab.problems.ends import Wall
+from shootstab.problems.beginnings import infinite_beginning
+from shootstab.problems.consistent_splitting import EndConditions, consistent_splitting
+from shootstab.problems.decaying_space import ConstantSpace, StartingSpace
+from shootstab.problems.ends import Infinity, Wall
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.subdomains import Subdomain
-from shootstab.problems.two_point import TwoPointReduction
+from shootstab.problems.two_point import TwoPointReduction, limit_of_end
 
+SERIES_LENGTHS = 4.0  # chosen: lengths of the series of the coefficients that stand for the length of an infinite domain
+MEETING = 0.5  # chosen: the part of the way to infinity, at most, at which the solutions from both ends meet
 PERIODIC_TOLERANCE = 1e-12  # chosen: coefficients at two periodic ends, relative to their size
 
 
@@ -32,45 +37,62 @@ class SingularEnd:
     direction: int
     where: str
 
+    @property
+    def reach(self) -> float:
+        """How far from the point the integration begins."""
+        return self.space.x
+
 
 def singular_end(system: StatePencil, at: float, direction: int, bounded: list[int], where: str, domain: Domain) -> SingularEnd:
-    """Raises InputError where the point is no regular singular one, or the domain has no other end."""
-    length = domain.right - domain.left
-    if not np.isfinite(length):
-        raise InputError(
-            f"a regular singular end at {where} and another at infinity: that is not offered; allowed is Conditions or Axis there"
-        )
+    """Raises InputError where the point is no regular singular one."""
     if domain.given:
         raise InputError(
             f"a regular singular end at {where} asks for coefficients in formulas: {', '.join(domain.given)} are given otherwise"
         )
     end = regular_singular_end(system, Fraction(Gaussian.of(at).re), direction, bounded, where)
-    x = starting_distance(end, length, where)
+    length = domain.right - domain.left
+    x = starting_distance(end, length if np.isfinite(length) else SERIES_LENGTHS * end.length, where)
     return SingularEnd(RegularSpace(end, x, where), at + direction * x, direction, where)
 
 
-def between_singular_ends(size: int, left: Any, right: Any) -> TwoPointReduction:
-    """The subdomains and the rows at their end. Raises InputError where conditions and regular solutions do not fit."""
-    if isinstance(left, SingularEnd) and isinstance(right, SingularEnd):
-        return _meeting(size, left, right)
-    end, wall = (left, right) if isinstance(left, SingularEnd) else (right, left)
-    assert isinstance(wall, Wall)
-    rows = wall.matrices(size, "left" if end is right else "right")
+def between_singular_ends(matrices: PencilFunction, left: Any, right: Any, reference: complex | None) -> TwoPointReduction:
+    """The subdomains and the rows at their end. Raises InputError where conditions and solutions that begin at the ends do not fit."""
+    size = matrices.size
+    end, side = (left, 1) if isinstance(left, SingularEnd) else (right, -1)
+    other = right if side > 0 else left
+    if isinstance(other, SingularEnd):
+        found = [left.space.columns, right.space.columns]
+        if sum(found) != size:
+            told = f"{found[0]} of {size} solutions are regular at {left.where} and {found[1]} at {right.where}"
+            raise InputError(f"{told}: allowed are {size} in all")
+        return _meeting(size, [(left.z, left.space), (right.z, right.space)], 0.5 * (left.z + right.z))
+    if isinstance(other, Infinity):
+        return _towards_infinity(matrices, end, other, side, reference)
+    assert isinstance(other, Wall)
+    rows = other.matrices(size, "left" if end is right else "right")
     k = end.space.columns
     if len(rows[0]) != k:
         told = f"{k} of {size} solutions are regular at {end.where}, and the other end holds {len(rows[0])} conditions"
         raise InputError(f"{told}: allowed are {k}")
-    return TwoPointReduction((Subdomain(0.0, 1.0, end.space),), end.z, wall.z, rows)
+    return TwoPointReduction((Subdomain(0.0, 1.0, end.space),), end.z, other.z, rows)
 
 
-def _meeting(size: int, left: SingularEnd, right: SingularEnd) -> TwoPointReduction:
+def _towards_infinity(
+    matrices: PencilFunction, end: SingularEnd, other: Infinity, side: int, reference: complex | None
+) -> TwoPointReduction:
+    """The solutions that are regular at one end and those that decay at infinity, on that side, which meet between."""
+    limit = limit_of_end(matrices, other, side)
+    given = {} if other.decaying is None else {side: other.decaying}
+    splitting = consistent_splitting(EndConditions(matrices.size, {-side: end.space.columns}, {side: limit}, given), reference)
+    begun = infinite_beginning(matrices, other, limit, splitting.counts[side], splitting.reference, end.z)
+    meeting = end.z + side * min(MEETING * abs(begun.z - end.z), float(np.sqrt(end.reach * abs(begun.z - end.z))))
+    ends: list[tuple[float, StartingSpace]] = [(end.z, end.space), (begun.z, begun.space(begun.distance))]
+    return _meeting(matrices.size, ends[::side], meeting)
+
+
+def _meeting(size: int, ends: Sequence[tuple[float, StartingSpace]], middle: float) -> TwoPointReduction:
     """Both sides run from t = 1 to t = 0, where they meet."""
-    found = [left.space.columns, right.space.columns]
-    if sum(found) != size:
-        told = f"{found[0]} of {size} solutions are regular at {left.where} and {found[1]} at {right.where}"
-        raise InputError(f"{told}: allowed are {size} in all")
-    middle = 0.5 * (left.z + right.z)
-    parts = tuple(Subdomain(middle, end.z - middle, end.space, ends=()) for end in (left, right))
+    parts = tuple(Subdomain(middle, z - middle, space, ends=()) for z, space in ends)
     identity = np.eye(size, dtype=np.complex128)
     rows = np.concatenate((identity, -identity), axis=1)
     return TwoPointReduction(parts, 1.0, 0.0, (rows, np.zeros_like(rows)))

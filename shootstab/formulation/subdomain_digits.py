@@ -15,8 +15,10 @@ from typing import Any, Protocol
 
 from shootstab.core.errors import InputError
 from shootstab.core.progress import StepDone
+from shootstab.formulation.asymptotic_digits import AsymptoticSpaceInDigits
+from shootstab.formulation.asymptotic_end import AsymptoticEnd
 from shootstab.formulation.base_digits import FlowDigits, FlowSeries
-from shootstab.formulation.decaying_digits import DecayingSpaceInDigits
+from shootstab.formulation.decaying_digits import DecayingSpaceInDigits, LogarithmsError
 from shootstab.formulation.exponentials import ExponentialEnd
 from shootstab.formulation.expression import Expression
 from shootstab.formulation.null_space import null_space
@@ -58,15 +60,42 @@ class Begin(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class AtInfinity:
-    """An end at infinity at which so many solutions decay."""
+    """An end at infinity at which so many solutions decay: by series in an exponential, or in inverse powers of the coordinate."""
 
-    end: ExponentialEnd
+    end: ExponentialEnd | None
+    powers: AsymptoticEnd | None
     columns: int
 
     def beginning(
         self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction, flow: FlowSeries | None
     ) -> Beginning:
-        return DecayingSpaceInDigits(arithmetic, settings, self.end, system.size, self.columns, target, flow)
+        ways: list[Beginning] = []
+        if self.end is not None:
+            ways.append(DecayingSpaceInDigits(arithmetic, settings, self.end, system.size, self.columns, target, flow))
+        if self.powers is not None:
+            ways.append(AsymptoticSpaceInDigits(arithmetic, settings, self.powers, system, self.columns, target))
+        return ways[0] if len(ways) == 1 else _FirstThatHolds(ways[0], ways[1])
+
+
+class _FirstThatHolds:
+    """See Beginning: the first of two, or the second where solutions of the first have logarithms."""
+
+    def __init__(self, first: Beginning, second: Beginning) -> None:
+        self._chosen, self._second = first, second
+
+    @property
+    def place(self) -> Fraction:
+        return self._chosen.place
+
+    def begin(self, sigma: Any) -> None:
+        try:
+            self._chosen.begin(sigma)
+        except LogarithmsError:
+            self._chosen = self._second
+            self._chosen.begin(sigma)
+
+    def frame(self, sigma: Any) -> tuple[Matrix, Any]:
+        return self._chosen.frame(sigma)
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,7 @@ from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.splitting import AsymptoticPencil
 from shootstab.problems.truncation import Approach, tails, truncation_distance
 
+FARTHER_THAN_ORIGIN = 1.0  # chosen: where a series holds already at the last wall or interface, it begins so far beyond
 BEYOND_INTERFACE = 1.01  # chosen: an infinite end begins at the nearest at this multiple of the way to the last interface
 
 
@@ -78,6 +79,9 @@ class InfiniteBeginning:
         """The decaying space, begun at this distance from the origin: of the limit, or of the pencil frozen there."""
         side = self.limit.direction
         z = self.origin + side * distance
+        if self.given.expansion is not None:
+            frame = KatoFrame(self.limit, self.k, self.reference)
+            return DecayingSpace(frame, self.pencil, self.origin, z, None, INFINITIES[side], self.given.expansion)
         frozen = self.given.start is not None and self.given.limit is None
         limit = AsymptoticPencil(self.pencil.at(z), side) if frozen else self.limit
         tail = None if frozen else tails(self.pencil, limit, self.origin, distance)
@@ -89,10 +93,14 @@ def infinite_beginning(
 ) -> InfiniteBeginning:
     """Cut where the coefficients have come to their limit, or where the user says. Raises InputError where that is on the other side."""
     side = limit.direction
-    if end.start is None:
+    if end.start is None and end.expansion is not None:
+        distance = end.expansion.begins(k, reference) - side * origin
+    elif end.start is None:
         distance = truncation_distance(Approach(pencil, limit, k, reference, origin), INFINITIES[side])
     else:
         distance = end.start - side * origin
+    if distance <= 0.0 and end.start is None:
+        distance = BEYOND_INTERFACE * abs(origin) - side * origin + FARTHER_THAN_ORIGIN
     if distance <= 0.0:
         raise InputError(f"at {INFINITIES[side]} start = {end.start:g}: allowed is a |z| beyond {origin:g}")
     return InfiniteBeginning(pencil, end, limit, k, reference, origin, distance)

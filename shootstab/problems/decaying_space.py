@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.errors import ConvergenceError
+from shootstab.problems.expansion import AsymptoticSeries
 from shootstab.problems.kato_frame import KatoFrame
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray, FarFrame
@@ -64,7 +65,8 @@ class AsymptoticRates:
 class DecayingSpace:
     """The decaying space at an end at infinity, begun at z: of the limit there, or frozen.
 
-    tail is bounds (…, n, n) on what C0, C1, D0, D1 differ from their limits by; None where the pencil is frozen.
+    tail is bounds (…, n, n) on what C0, C1, D0, D1 differ from their limits by; None where the pencil is frozen, and where the space is
+    that of an asymptotic series, the expansion.
     """
 
     kato_frame: KatoFrame
@@ -73,10 +75,16 @@ class DecayingSpace:
     z: float
     tail: tuple[NDArray[np.float64], ...] | None
     where: str
+    expansion: AsymptoticSeries | None = None
 
     @property
     def columns(self) -> int:
         return self.kato_frame.k
+
+    @property
+    def has_limit(self) -> bool:
+        """Whether the rates are those of a limit of the coefficients, so that its essential spectrum is that of the problem."""
+        return self.tail is not None if self.expansion is None else self.expansion.bounded
 
     def frame(self, sigma: complex) -> FarFrame:
         """The frame, with the error that coefficients off their limit, or a frozen pencil, and rounding make.
@@ -85,7 +93,10 @@ class DecayingSpace:
         """
         frame, tangent, log_scale, split = self.kato_frame.frame(sigma)
         limit = self.kato_frame.limit
-        if self.tail is not None:
+        if self.expansion is not None:
+            found = self.expansion.at(abs(self.z), sigma, split).frame(frame, tangent, log_scale, split)
+            frame, tangent, log_scale, error = found.frame, found.tangent, found.log_scale, found.error
+        elif self.tail is not None:
             error = tail_error(limit, self.tail, split, sigma)
         else:
             error = frozen_error(self.pencil, limit, self.origin, self.z, split, self.columns, sigma)

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from shootstab.core import polynomial
 from shootstab.core.errors import InputError, shortened
 from shootstab.core.given import is_real
+from shootstab.problems.expansion import AsymptoticSeries
 from shootstab.problems.protocol import GENERIC_SIGMA, ComplexArray
 
 WALLS = {-1: "left", 1: "right"}  # words for the sides
@@ -70,6 +71,7 @@ class Infinity:
     decaying: int | None = None
     start: float | None = None
     limit: tuple[ArrayLike, ...] | None = None
+    expansion: AsymptoticSeries | None = None
 
     def __post_init__(self) -> None:
         if self.start is not None and not (is_real(self.start) and self.start > 0.0):

@@ -219,7 +219,7 @@ class LinearProblem:
     @property
     def asymptotics(self) -> tuple[tuple[AsymptoticPencil, int], ...]:
         """The limiting pencil of every end at infinity that has one, and how many solutions decay there."""
-        return tuple((end.kato_frame.limit, end.columns) for end in self.at_infinity if end.tail is not None)
+        return tuple((end.kato_frame.limit, end.columns) for end in self.at_infinity if end.has_limit)
 
     @property
     def crossings(self) -> Crossings:

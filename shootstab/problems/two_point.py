@@ -114,7 +114,7 @@ def reduce_to_two_points(
     ordered = _ordered(left, right, interfaces)
     walls = {side: WallBeginning.of(end, side, n) for side, end in ((-1, left), (1, right)) if isinstance(end, Wall)}
     infinities = {side: end for side, end in ((-1, left), (1, right)) if isinstance(end, Infinity)}
-    limits = {side: _limit(pencil, end, side) for side, end in infinities.items()}
+    limits = {side: limit_of_end(pencil, end, side) for side, end in infinities.items()}
     splitting = _splitting(n, walls, infinities, limits, near)
     whole_line = len(infinities) == 2
     if fold is None:
@@ -155,8 +155,10 @@ def _ordered(left: Wall | Infinity, right: Wall | Infinity, interfaces: tuple[In
     return joints
 
 
-def _limit(pencil: PencilFunction, end: Infinity, side: int) -> AsymptoticPencil:
+def limit_of_end(pencil: PencilFunction, end: Infinity, side: int) -> AsymptoticPencil:
     """What the pencil is at an infinite end; frozen at the start where it has no limit."""
+    if end.expansion is not None:
+        return end.expansion.limit
     if end.start is not None and end.limit is None:
         return AsymptoticPencil(pencil.at(side * end.start), side)
     return limit_at(pencil, side, end.limit, INFINITIES[side])
@@ -166,7 +168,7 @@ def _fold(
     pencil: PencilFunction, infinities: dict[int, Infinity], limits: dict[int, AsymptoticPencil], splitting: ConsistentSplitting
 ) -> float:
     """0, or where the coefficients are at their limits there, the middle of where they are not: no mode lives far from that."""
-    if any(end.start is not None for end in infinities.values()):
+    if any(end.start is not None or end.expansion is not None for end in infinities.values()):
         return 0.0
     left, right = (Approach(pencil, limits[side], splitting.counts[side], splitting.reference, 0.0) for side in (-1, 1))
     return middle(left, right)

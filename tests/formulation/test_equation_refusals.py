@@ -184,8 +184,8 @@ BESSEL: dict[str, Any] = {**WALLS, "equations": ["d(y,2) + d(y)/z - m**2*y/z**2 
     ("changed", "told"),
     [
         (
-            {"right": st.Infinity()},
-            "a regular singular end at z = 0 and another at infinity: that is not offered; allowed is Conditions or",
+            {"right": st.Infinity(), "equations": ["d(y,2) + d(y)/z - sin(z)*y - sigma*y"]},
+            "slower than exponentially, and no asymptotic series (at +infinity sin(z) has no limit",
         ),
         (
             {"equations": ["d(y,2) + d(y)/z - U*y - sigma*y"], "given": {"U": lambda z, order: 0 * z}},
