@@ -9,7 +9,7 @@
     right = { at = 1, conditions = ["u", "v"] }
 
 An end is {at, conditions}; {axis = its place} where the equations have a regular singular point; {periodic = its place}, both ends;
-"infinity"; or, where the coefficients have no limit there, {infinity = true, start = …}.
+"infinity"; or, where the coefficients neither have a limit there nor go as powers, {infinity = true, start = …}.
 interfaces = [{ at, conditions, amplitudes }] divides the domain into layers, in which parameters and definitions that are lists have one
 value each. base is a flow that solves equations of its own: see base_table.py. Further keys: eigenvalue and variable, their names (by
 default sigma and z), fold, reference = [re, im], and knots = [places at which coefficients are not smooth, or hardly].
