@@ -130,7 +130,7 @@ def _searched(
             if not meant(zero.sigma):
                 continue
             try:
-                bounded.append((zero, modes_of(part.continuation, zero, RTOL)))
+                bounded.append((zero, _apart_from_known(part.continuation, zero, known)))
             except ConvergenceError as error:
                 undecided += (f"the {number_of(zero.multiplicity, 'mode')} counted near {zero.sigma:.6g}: {error}",)
         modes += without_repetition([zero for zero, _ in bounded], [some for _, some in bounded])
@@ -141,6 +141,22 @@ def _searched(
     low, high = _extremes(region)
     said = f"{where}, from {low:.6g} to {high:.6g}, where {_how_many(inside, len(claims))}"
     return Missing(modes, said, undecided, region, inside)
+
+
+def _apart_from_known(continuation: Continuation, zero: Zero, known: Sequence[Zero]) -> list[Mode]:
+    """The modes that a zero found beside the known ones is.
+
+    Where an iteration from it comes to a known one, which was not counted again, both are looked for in a circle about them.
+    """
+    modes = modes_of(continuation, zero, RTOL)
+    if len(modes) != 1:
+        return modes
+    (mode,) = modes
+    taken = [k for k in known if k.multiplicity == mode.multiplicity == 1 and abs(k.sigma - mode.sigma) <= k.radius + mode.error]
+    if not taken or abs(zero.sigma - mode.sigma) <= taken[0].radius + mode.error:
+        return modes
+    middle = (zero.sigma + taken[0].sigma) / 2
+    return modes_of(continuation, Zero(middle, zero.multiplicity + 1, abs(zero.sigma - taken[0].sigma)), RTOL)
 
 
 def _how_many(inside: int, claims: int) -> str:
