@@ -8,23 +8,26 @@ from typing import TYPE_CHECKING, Any
 
 from shootstab.core.errors import InputError
 from shootstab.core.records import CONFIRMED, CONTINUUM, Mode, Report, Verdict, digits_between
-from shootstab.io.conventions import Convention, wavenumber
+from shootstab.io.conventions import Convention
 from shootstab.io.notation import claimed_digits, held_complex
 
 if TYPE_CHECKING:
     from shootstab.core.regions import Region
+    from shootstab.io.scenes import Scene
     from shootstab.problems.protocol import Problem
 
 
-def assert_eigenvalue(problem: Problem, claimed: complex, digits: int = 8) -> None:
-    """Raise AssertionError unless `claimed` is an eigenvalue of the problem to so many digits (1 to 12).
+def assert_eigenvalue(problem: Any, claimed: complex, digits: int = 8) -> None:
+    """Raise AssertionError unless `claimed` is an eigenvalue of the problem, or of the scene of that name, to so many digits (1 to 12).
 
     The verdict is that of `verify`: exactly one zero of D inside the circle that these digits mean. The error says the verdict and
     why, the true value, its own error, and how many digits agree. Raises InputError for digits out of range.
     """
     __tracebackhide__ = True
     from shootstab.analyses.verify import verify
+    from shootstab.by_name import problem_of
 
+    problem = problem_of(problem)
     verdict = verify(problem, [complex(claimed)], digits=digits).verdicts[0]
     if verdict.verdict != CONFIRMED:
         raise AssertionError(_failure(problem, verdict, digits))
@@ -51,18 +54,17 @@ def assert_spectrum(
     """
     __tracebackhide__ = True
     from shootstab.analyses.verify import verify
-    from shootstab.by_name import problem_of
+    from shootstab.by_name import scene_of
     from shootstab.io.readers import read
-    from shootstab.io.scenes import Scene, load
 
     if missing not in MISSING_IN_TESTS or (missing == "region") != (region is not None):
         raise InputError(f"missing = {missing!r}: allowed is none, within, or region together with a region")
     if convention is not None and as_ is not None:
         raise InputError("convention and as_: allowed is one of them")
     spectrum = read(claimed) if isinstance(claimed, str | Path) else list(claimed)
-    named = load(str(problem)) if isinstance(problem, str | Path) else problem
-    seen = convention or _kind(as_, problem_of(named))
-    own = named.seen(seen).problem if isinstance(named, Scene) else _seen(problem_of(named), seen)
+    scene = scene_of(problem)
+    seen = convention or _kind(as_, scene)
+    own = scene.seen(seen).problem
     report = seen.shown(verify(own, seen.read(spectrum), digits=digits, region=region, missing=missing))
     bad = [v for v in report.verdicts if v.verdict not in (CONFIRMED, CONTINUUM)]
     lost = report.missing
@@ -71,18 +73,11 @@ def assert_spectrum(
     return report
 
 
-def _kind(kind: str | None, problem: Any) -> Convention:
-    """Numbers of this kind, a phase speed with the wavenumber of the problem. Raises InputError where it has none."""
+def _kind(kind: str | None, scene: Scene) -> Convention:
+    """Numbers of this kind, a phase speed with the wavenumber of the scene. Raises InputError where it has none."""
     if kind == "phase-speed":
-        return Convention(kind, alpha=wavenumber(problem))
+        return Convention(kind, alpha=scene.wavenumber and scene.wavenumber[1])
     return Convention(kind or "growth")
-
-
-def _seen(problem: Any, convention: Convention) -> Any:
-    """The problem with somebody else's eigenvalue."""
-    from shootstab.problems.rescaled import Rescaled
-
-    return problem if convention.plain else Rescaled(problem, convention.unit)
 
 
 def _table(report: Report, digits: int, bad: int, lost: tuple[Mode, ...]) -> str:

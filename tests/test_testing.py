@@ -75,6 +75,7 @@ def test_a_right_spectrum_passes_whatever_its_convention(tmp_path: Path) -> None
     report = assert_spectrum("poiseuille", [SIGMA, SECOND], digits=8)
     assert [v.verdict for v in report.verdicts] == ["confirmed", "confirmed"]
     assert_spectrum("poiseuille", tmp_path / "c.csv", digits=8, convention=Convention("phase-speed", alpha=1.0))
+    assert_spectrum("poiseuille", [1j * SIGMA], digits=8, as_="phase-speed")
     assert_spectrum(FLOW, [SIGMA], digits=8, missing="region", region=st.Rectangle(1e-4 - 1j, 0.1 + 0j))
 
 

@@ -87,26 +87,27 @@ def steps(wheel: Path, environment: Path) -> Iterator[NewcomerStep]:
     yield NewcomerStep("a check against it", [shootstab, "baseline", "check", "modes.toml"], ["1 of 1 mode"])
     yield NewcomerStep("one's own system of order six: what it is", [shootstab, "explain", "convection.toml"], ["order", "6"])
     yield NewcomerStep("its growing modes", [shootstab, "find", "convection.toml", "--corners=0.1,-1,20,1"], ["2.14631104802"])
-    digits = ["2.146311048024414455894386608294090220152397251940444", "status  converged"]
+    digits = ["2.14631104802441445589438660829409022015239725194044", "status  converged"]
     yield NewcomerStep("one of them to 50 digits", [shootstab, "refine", "convection.toml", "--guess", "2.1", "--digits", "50"], digits)
     yield NewcomerStep(
         "its eigenfunction", [shootstab, "mode", "convection.toml", "--guess", "2.1", "--plot", "w.pdf"], [" = 1 at z = 0.5"]
     )
 
 
-def watched(command: Sequence[str], folder: Path) -> tuple[int, str, float, float]:
-    """(exit status, all that was written to a terminal of eighty columns, seconds, longest silence)."""
+def watched(command: Sequence[str], folder: Path) -> tuple[int, str, float, float, str]:
+    """(exit status, all that was written to a terminal of eighty columns, seconds, longest silence, last words before it)."""
     ours, theirs = pty.openpty()
     clean = {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "NUMBA_CACHE_DIR")}
     own = {"COLUMNS": "80", "TERM": "xterm", "MPLBACKEND": "Agg"}
     began = last = time.perf_counter()
     process = subprocess.Popen(command, cwd=folder, env={**clean, **own}, stdin=subprocess.DEVNULL, stdout=theirs, stderr=theirs)
     os.close(theirs)
-    said, silence = b"", 0.0
+    said, silence, before = b"", 0.0, b""
     while True:
         ready, _, _ = select.select([ours], [], [], 0.1)
         now = time.perf_counter()
-        silence = max(silence, now - last)
+        if now - last > silence:
+            silence, before = now - last, said[-400:]
         if not ready:
             continue
         try:
@@ -118,19 +119,34 @@ def watched(command: Sequence[str], folder: Path) -> tuple[int, str, float, floa
         said, last = said + more, now
     os.close(ours)
     status = process.wait()
-    return status, re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", said.decode(errors="replace")), time.perf_counter() - began, silence
+    return (
+        status,
+        plain(said),
+        time.perf_counter() - began,
+        silence,
+        (plain(before).split() and plain(before).strip().split("\n")[-1].strip()) or "",
+    )
+
+
+def plain(written: bytes) -> str:
+    """What was written to a terminal as text, without its commands; a line that is written over is its last form."""
+    lines = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", written.decode(errors="replace")).replace("\r\n", "\n").split("\n")
+    return "\n".join(line.rstrip("\r").rsplit("\r", 1)[-1] for line in lines)
 
 
 def tried(step: NewcomerStep, folder: Path) -> Done:
     """One step."""
-    status, said, seconds, silence = watched(step.command, folder)
+    status, said, seconds, silence, before = watched(step.command, folder)
     lacking = [words for words in step.holds if words not in said]
     wrong = "" if status == step.status else f"exit status {status}"
     if lacking:
         wrong = f"{wrong} lacks {lacking}".strip()
     if wrong:
         print(said[-4000:])
-    print(f"{time.strftime('%H:%M')} {step.says:<50} {seconds:7.1f} s, silent for {silence:5.1f} s  {wrong}", flush=True)
+    print(
+        f"{time.strftime('%H:%M')} {step.says:<50} {seconds:7.1f} s, silent for {silence:5.1f} s after {before[-60:]!r}  {wrong}",
+        flush=True,
+    )
     return Done(step, seconds, silence, wrong)
 
 

@@ -2,20 +2,24 @@
 
 A spectrum v may be meant as σ = f v or σ = f v̄, with f of a sign, of i (frequencies), of a wavenumber (phase speeds, σ = −iαc), or of
 units. f = ±1, ±i and, for a known α, ±iα are tried on the claims themselves; any other f is that of a claim and a mode of the
-pseudospectral reference, where the problem has one, that takes a second claim to another of its modes. Or only one of the two parts of
-each eigenvalue was written. One claim in four may be wrong in itself. What is found is only proposed: nothing is judged by it.
+pseudospectral reference that takes a second claim to another of its modes. Where the reference has no mode to offer, units alone are
+tried, f = |f|, −i|f| and −iα|f|: the |f| at which a claim is a mode (see `arrivals`). Or only one of the two parts of each eigenvalue
+was written. One claim in four may be wrong in itself. What is found is only proposed: nothing is judged by it.
 """
 
 from __future__ import annotations
 
+import cmath
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from shootstab.analyses import reference
+from shootstab.analyses.arrivals import Steps, arrivals
 from shootstab.analyses.verify import verify
-from shootstab.core.errors import ConvergenceError
+from shootstab.core.errors import ShootstabError
 from shootstab.core.records import CONFIRMED, INACCURATE, SPURIOUS, Report, digits_between
 from shootstab.discriminants.continuation import Continuation
 from shootstab.discriminants.frame import Frame
@@ -28,6 +32,7 @@ AGREE = 3.0  # chosen: digits of a claim that must agree with a mode under the h
 NEIGHBOURS = 10.0  # chosen: Newton's step may be so many times the distance of a mode that has others beside it
 ROUGHLY = Frame(rtol=1e-6)  # chosen: a step needs few digits
 HELD_AGAINST_REFERENCE = 40  # chosen: claims that are held against the reference for each factor
+WIDEST_UNIT = 1.4  # chosen: the largest |ln |f|| of units without a reference: a quarter and four times
 # factors between conventions of sign and of time, exp(σt) and exp(∓iωt), before any scale is looked for
 UNITS = (1.0, -1.0, 1j, -1j)  # exact: the fourth roots of 1
 PARTS = {"real parts": 1.0, "imaginary parts": -1j, "imaginary parts with the other sign": 1j}  # exact: the part of σ is Re(factor σ)
@@ -58,11 +63,29 @@ def hypotheses(problem: Problem, report: Report, digits: int, factors: Sequence[
     if len(claims) < LEAST or any(v.verdict != SPURIOUS for v in report.verdicts):
         return ()
     claims = sorted(claims, key=abs)
-    for factors_of in (lambda conjugate: factors, lambda conjugate: _factors(problem, claims, digits, conjugate)):
+    modes = reference.eigenvalues(problem, digits)
+    for factors_of in (lambda conjugate: factors, lambda conjugate: _factors(modes, claims, conjugate)):
         found = _holding(problem, digits, claims[:TRIED], factors_of)
         if found:
             return tuple(found)
-    return _as_parts(problem, claims[:TRIED], digits)
+    return _as_parts(modes, claims[:TRIED]) if len(modes) else _in_other_units(problem, claims[:TRIED], digits, factors)
+
+
+def _in_other_units(problem: Problem, claims: Sequence[complex], digits: int, factors: Sequence[complex]) -> tuple[Hypothesis, ...]:
+    """The first unit found in which the claims are modes: a positive multiple of a factor that is 1 or a clockwise turn."""
+    continuation = Continuation(problem, ROUGHLY)
+    for unit in dict.fromkeys(f for f in map(complex, factors) if f.real > 0.0 or f.imag < 0.0):
+
+        def steps(t: float, unit: complex = unit) -> Steps:
+            factor = unit * math.exp(t)
+            return lambda v: newton_step(continuation, factor * v) / factor
+
+        for t in arrivals(steps, claims[: len(claims) - enough(len(claims)) + 1], WIDEST_UNIT):
+            factor = unit * math.exp(t)
+            shared = agreed(problem, digits, [factor * claim for claim in claims])
+            if len(shared) >= enough(len(claims)):
+                return (Hypothesis(factor, False, len(claims), min(shared), len(shared)),)
+    return ()
 
 
 def enough(claims: int) -> int:
@@ -70,10 +93,9 @@ def enough(claims: int) -> int:
     return max(LEAST, claims - claims // MAY_FAIL)
 
 
-def _as_parts(problem: Problem, claims: Sequence[complex], digits: int) -> tuple[Hypothesis, ...]:
+def _as_parts(reference_modes: ComplexArray, claims: Sequence[complex]) -> tuple[Hypothesis, ...]:
     """Whether real claims are the real or the imaginary parts of eigenvalues of the reference that have both."""
-    modes = reference.eigenvalues(problem, digits)
-    modes = modes[(modes.imag != 0.0) & (modes.real != 0.0)]
+    modes = reference_modes[(reference_modes.imag != 0.0) & (reference_modes.real != 0.0)]
     if not len(modes) or any(c.imag != 0.0 for c in claims):
         return ()
     own = np.array([c.real for c in claims])
@@ -105,11 +127,16 @@ def _holding(problem: Problem, digits: int, claims: Sequence[complex], factors: 
 
 def _may_mean_a_mode(continuation: Continuation, claim: complex) -> bool:
     """Whether Newton's step from the claim, about the distance of the nearest zero, is short; that takes one value of D, a verdict many."""
+    return abs(newton_step(continuation, claim)) <= NEIGHBOURS * 10.0**-AGREE * abs(claim)
+
+
+def newton_step(continuation: Continuation, claim: complex) -> complex:
+    """Newton's step from the claim along the path that the branch of D there takes; infinite where there is none."""
     try:
-        step = continuation.along(claim)[0].with_derivative(claim).newton_step
-    except ConvergenceError:
-        return False
-    return bool(abs(step) <= NEIGHBOURS * 10.0**-AGREE * abs(claim))
+        step = complex(continuation.along(claim)[0].with_derivative(claim).newton_step)
+    except ShootstabError:
+        return complex(math.inf)
+    return step if cmath.isfinite(step) else complex(math.inf)
 
 
 def agreed(problem: Problem, digits: int, claims: Sequence[complex]) -> list[float]:
@@ -124,10 +151,9 @@ def agreed(problem: Problem, digits: int, claims: Sequence[complex]) -> list[flo
     return shared
 
 
-def _factors(problem: Problem, claims: Sequence[complex], digits: int, conjugate: bool) -> list[complex]:
+def _factors(reference_modes: ComplexArray, claims: Sequence[complex], conjugate: bool) -> list[complex]:
     """The factor that takes a claim to a mode and the most others to modes as well, to AGREE digits; of several the nearest to 1."""
-    modes = reference.eigenvalues(problem, digits)
-    modes = modes[modes != 0.0]
+    modes = reference_modes[reference_modes != 0.0]
     own = np.array([c.conjugate() if conjugate else c for c in claims[:HELD_AGAINST_REFERENCE]])
     candidates = (modes[:, None] / own[None, : LEAST * MAY_FAIL]).ravel()
     hits = [(_hits(factor * own, modes), complex(factor)) for factor in candidates]

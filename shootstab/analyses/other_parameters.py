@@ -1,28 +1,24 @@
 """A list whose claims are modes at another value of one parameter: the wavenumber or the Reynolds number of another run.
 
-A claim v is a mode at p where D(v; p) = 0, two real equations for one real p, so that a claim by itself says whether there is one; the
-others are tested there. Newton's step s(p) = −D/∂_vD at v is about the distance from v to a mode at p, whatever factor D has. Secants in
-ln p bring it to zero from values that are near enough. What is found is only proposed.
+A claim by itself says at which values of p it is a mode (see `arrivals`, in ln p); the others are tested there. What is found is only
+proposed.
 """
 
 from __future__ import annotations
 
-import cmath
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
-from shootstab.analyses.hypotheses import LEAST, ROUGHLY, TRIED, agreed, enough
+from shootstab.analyses.arrivals import Steps, arrivals
+from shootstab.analyses.hypotheses import LEAST, ROUGHLY, TRIED, agreed, enough, newton_step
 from shootstab.core.errors import ShootstabError
 from shootstab.core.records import INACCURATE, SPURIOUS, Report
 from shootstab.discriminants.continuation import Continuation
 from shootstab.problems.protocol import Problem
 
 WIDEST_CHANGE = 0.7  # chosen: the largest |ln p/here| that is tried: half and twice the parameter
-VALUES_APART = 0.025  # chosen: the distance of values that are tried; where modes move by more, others come next to the claim
-PROMISING = 3.0  # chosen: how far from such a value a secant may lead, in VALUES_APART; with 2 half of the parameters are missed
-MORE_SECANTS = 8  # chosen: further secants from there
-SHORT_STEP = 1e-6  # chosen: Newton's step in the claim, so short that the claim is a mode to more digits than are asked to agree
 FIGURES = range(2, 7)  # chosen: figures of the value that is proposed, the fewest that do as well; people take round ones
 AS_WELL = 0.5  # chosen: digits of claims that a rounder value may cost
 
@@ -58,17 +54,17 @@ def other_values(variations: Mapping[str, Variation], report: Report, digits: in
 
 def _of_parameter(name: str, variation: Variation, claims: Sequence[complex], digits: int) -> OtherValue | None:
     """The first value found at which enough of the claims are modes; one of the claims that are followed is a mode if there is such."""
-    for claim in claims[: len(claims) - enough(len(claims)) + 1]:
-        for t in _arrivals(variation, claim):
-            exact = variation.here * math.exp(t)
-            values = [float(f"{exact:.{figures}g}") for figures in FIGURES]
-            best = _shared(variation, values[-1], claims, digits)
-            if len(best) < enough(len(claims)):
-                continue
-            for value in values:
-                shared = _shared(variation, value, claims, digits)
-                if len(shared) == len(best) and min(shared) >= min(best) - AS_WELL:
-                    return OtherValue(name, variation.here, value, len(claims), len(shared), min(shared))
+    followed = claims[: len(claims) - enough(len(claims)) + 1]
+    for t in arrivals(partial(_steps, variation), followed, WIDEST_CHANGE):
+        exact = variation.here * math.exp(t)
+        values = [float(f"{exact:.{figures}g}") for figures in FIGURES]
+        best = _shared(variation, values[-1], claims, digits)
+        if len(best) < enough(len(claims)):
+            continue
+        for value in values:
+            shared = _shared(variation, value, claims, digits)
+            if len(shared) == len(best) and min(shared) >= min(best) - AS_WELL:
+                return OtherValue(name, variation.here, value, len(claims), len(shared), min(shared))
     return None
 
 
@@ -80,46 +76,10 @@ def _shared(variation: Variation, value: float, claims: Sequence[complex], digit
         return []
 
 
-def _arrivals(variation: Variation, claim: complex) -> Iterator[float]:
-    """The ln(p/here) at which the claim is a mode, as far as secants between neighbouring values lead there, the nearest first."""
-    steps = round(WIDEST_CHANGE / VALUES_APART)
-    known: dict[int, complex] = {}
-    for k in sorted(range(-steps, steps), key=abs):
-        for i in (k, k + 1):
-            if i not in known:
-                known[i] = _distance(variation, claim, i * VALUES_APART)
-        step = _secant(known[k + 1], known[k], VALUES_APART)
-        if abs(step) <= PROMISING * VALUES_APART:
-            arrived = _followed(variation, claim, (k + 1) * VALUES_APART, known[k + 1], step.real)
-            if arrived is not None:
-                yield arrived
-
-
-def _secant(now: complex, before: complex, apart: float) -> complex:
-    """The step in t to where a line through both is zero; infinite where there is none."""
-    change = now - before
-    step = -now * apart / change if change != 0.0 else complex(math.inf)
-    return step if cmath.isfinite(step) else complex(math.inf)
-
-
-def _followed(variation: Variation, claim: complex, t: float, at_t: complex, step: float) -> float | None:
-    """The t at which secants from here arrive; None where they do not."""
-    for _ in range(MORE_SECANTS):
-        if abs(at_t) <= SHORT_STEP * abs(claim):
-            return t
-        if not 0.0 < abs(step) <= PROMISING * VALUES_APART:
-            return None
-        before, t = at_t, t + step
-        at_t = _distance(variation, claim, t)
-        step = _secant(at_t, before, step).real
-    return None
-
-
-def _distance(variation: Variation, claim: complex, t: float) -> complex:
-    """Newton's step from the claim at ln(p/here) = t, infinite where D has none or there is no problem."""
+def _steps(variation: Variation, t: float) -> Steps:
+    """Newton's steps at ln(p/here) = t, infinite where D has none or there is no problem."""
     try:
-        problem = variation.problem(variation.here * math.exp(t))
-        step = Continuation(problem, ROUGHLY).along(claim)[0].with_derivative(claim).newton_step
+        continuation = Continuation(variation.problem(variation.here * math.exp(t)), ROUGHLY)
     except ShootstabError:
-        return complex(math.inf)
-    return step if cmath.isfinite(step) else complex(math.inf)
+        return lambda claim: complex(math.inf)
+    return partial(newton_step, continuation)

@@ -15,7 +15,7 @@ from shootstab.cli.lines import filled
 from shootstab.core.errors import InputError
 from shootstab.core.regions import Disc, Polygon, Rectangle, Region
 from shootstab.io import scenes as scene_files
-from shootstab.io.conventions import Convention, wavenumber
+from shootstab.io.conventions import Convention
 from shootstab.io.files import require_writable, write_text
 
 if TYPE_CHECKING:
@@ -66,9 +66,9 @@ def _convention(options: Namespace) -> Convention:
     if options.kind is None and (given or options.sign is not None):
         raise InputError("--alpha, --sign, --length and --velocity: allowed with --as growth, frequency or phase-speed")
     if options.kind == "phase-speed" and "alpha" not in given:
-        own = wavenumber(scene_files.load(options.scene).problem)
+        own = scene_files.load(options.scene).wavenumber
         if own is not None:
-            given["alpha"] = own * given.get("length", 1.0)  # α in the user's units
+            given["alpha"] = own[1] * given.get("length", 1.0)  # α in the user's units
     return Convention(options.kind or "growth", options.sign, conjugate=options.conjugate, **given)
 
 

@@ -16,14 +16,14 @@ if TYPE_CHECKING:
     from shootstab.problems.protocol import Problem
 
 OF_A_RUN = ("alpha", "beta", "omega", "wavenumber", "reynolds", "rayleigh")  # chosen: what differs from run to run and needs no other flow
-OF_PHASE_SPEEDS = ("alpha", "kx")  # exact: those that `conventions.wavenumber` knows, of which a phase speed may have taken its own
 
 
 def variations(scene: scene_files.Scene, convention: Convention, own_wavenumber: bool) -> Mapping[str, Variation]:
     """Those parameters by name, for the eigenvalue of a convention; own_wavenumber: α of a phase speed is that of the scene."""
     found: dict[str, Variation] = {}
+    own = scene.wavenumber and scene.wavenumber[0]
     for name, (here, member) in _members(scene).items():
-        turned = own_wavenumber and convention.kind == "phase-speed" and name in OF_PHASE_SPEEDS
+        turned = own_wavenumber and convention.kind == "phase-speed" and name == own
         found[name] = Variation(here, partial(_seen, member, convention, here if turned else None))
     return found
 

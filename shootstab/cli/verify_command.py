@@ -15,7 +15,7 @@ from shootstab.core.allowed import DOUBLE_DIGITS, VERDICT_DIGITS
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.records import CONFIRMED, VERDICTS, Report
 from shootstab.io import scenes as scene_files
-from shootstab.io.conventions import Convention, wavenumber
+from shootstab.io.conventions import Convention
 from shootstab.io.files import write_text
 
 if TYPE_CHECKING:
@@ -158,7 +158,7 @@ def _meant(options: Namespace, report: Report, own: scene_files.Scene, scene: sc
     from shootstab.cli.proposals import factors_tried, sentence
     from shootstab.cli.terminal import progress
 
-    alpha = wavenumber(own.problem)
+    alpha = own.wavenumber and own.wavenumber[1]
     with progress(f"no claim confirmed for {scene.name}: looking for what the claims mean"):
         found = hypotheses(scene.problem, report, options.digits, factors_tried(convention, alpha))
         if found:

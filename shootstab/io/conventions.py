@@ -14,16 +14,21 @@ for α.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 from shootstab.core.errors import InputError
 from shootstab.core.records import Report
 from shootstab.core.regions import Polygon
+from shootstab.problems.capabilities import FAMILY
 
 KINDS = ("growth", "frequency", "phase-speed")
 SYMBOLS = {"growth": "σ", "frequency": "ω", "phase-speed": "c"}
 SIGNS = {"growth": "+", "frequency": "-", "phase-speed": "-"}
+STREAMWISE = ("alpha", "kx", "k")  # chosen: parameters that are a streamwise wavenumber wherever they are the only ones of these
+EXPONENTIAL = re.compile(r"i[ (]?(\w+?) ?[xz]\b")  # chosen: the NAME of exp(σt + iNAMEx), along x or the axis of a pipe
 
 
 @dataclass(frozen=True)
@@ -94,10 +99,18 @@ class Convention:
         return replace(report, verdicts=tuple(verdicts), missing=missing, region=region)
 
 
-def wavenumber(problem: object) -> float | None:
-    """The one streamwise wavenumber of a problem that names it, alpha or kx; None for others."""
-    for name in ("alpha", "kx"):
-        value = getattr(problem, name, None)
-        if isinstance(value, int | float) and value != 0:
-            return float(value)
-    return None
+def wavenumber(problem: object, tables: Mapping[str, Any], eigenvalue: str) -> tuple[str, float] | None:
+    """The streamwise wavenumber α of exp(σt + iαx): what it is called, and its value; None where no name, or more than one, may be it.
+
+    It is the parameter that stands behind the i of the exponential, where the words on the eigenvalue have one; otherwise the one of
+    STREAMWISE that the problem or its tables hold.
+    """
+    held = {name: getattr(problem, name) for name in STREAMWISE if hasattr(problem, name)}
+    family_of = None if tables else FAMILY.of(problem)
+    held |= {} if family_of is None else family_of(()).here
+    for table in tables.values():
+        held |= {**table, **table.get("parameters", {})}
+    named = {name: float(value) for name, value in held.items() if isinstance(value, int | float) and value != 0}
+    stated = next((words[1] for words in EXPONENTIAL.finditer(eigenvalue) if words[1] in named), None)
+    names = [name for name in STREAMWISE if name in named] if stated is None else [stated]
+    return (names[0], named[names[0]]) if len(names) == 1 else None

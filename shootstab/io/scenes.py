@@ -17,7 +17,7 @@ from shootstab.core.errors import InputError, shortened
 from shootstab.core.reading import toml_of
 from shootstab.core.scene_keys import Description, NamedScene, SceneModel
 from shootstab.core.scene_notes import NOTES, about, described, known
-from shootstab.io.conventions import Convention
+from shootstab.io.conventions import Convention, wavenumber
 from shootstab.io.notation import nearest
 
 if TYPE_CHECKING:
@@ -57,6 +57,11 @@ class Scene:
     def as_dict(self) -> dict[str, Any]:
         """The name, the description, the details and the parameters, for JSON."""
         return {"name": self.name, "description": self.description, **vars(self.details), "parameters": self.parameters}
+
+    @property
+    def wavenumber(self) -> tuple[str, float] | None:
+        """What the streamwise wavenumber is called, and its value; None where it is not told apart."""
+        return wavenumber(self.problem, self.parameters, self.details.eigenvalue)
 
     def seen(self, convention: Convention) -> Scene:
         """The scene with somebody else's eigenvalue."""

@@ -8,6 +8,7 @@ import pytest
 import shootstab as st
 from shootstab.analyses.hypotheses import Hypothesis, hypotheses
 from shootstab.core.records import SPURIOUS, Report, Verdict
+from shootstab.models.gallery.potentials import poeschl_teller
 
 # plane Poiseuille flow, R = 10000, alpha = 1: the first three modes (the bundled reference's, and shooting's)
 MODES = np.array([0.0037396706229794 - 0.2375264888204701j, -0.03518658379244 - 0.96464251003928j, -0.06325156907426 - 0.93635178116473j])
@@ -60,3 +61,12 @@ def test_one_claim_in_four_may_be_wrong_in_itself() -> None:
     for factor in (1j, 0.37 - 0.2j):
         (one,) = found(np.concatenate([MODES, more])[[0, 1, 2, 4, 3]] / factor * np.array([1.0, 1.0, 1.3, 1.0, 1.0]))
         assert (abs(one.factor - factor) < 1e-6, one.tried, one.agreeing) == (True, 4, 3)
+
+
+def test_claims_in_other_units_of_a_problem_without_a_reference() -> None:
+    """Bound states of ν (ν + 1) sech² x are λ = (ν − n)²; no list of modes is there to be held against."""
+    claims = [1.7 * (3.5 - n) ** 2 for n in range(3)]
+    report = Report(tuple(Verdict(claim, SPURIOUS, "") for claim in claims), (), 6)
+    (found,) = hypotheses(poeschl_teller(3.5), report, 6)
+    assert found.factor == pytest.approx(1 / 1.7, rel=1e-6)
+    assert (found.conjugate, found.tried, found.agreeing) == (False, 3, 3)

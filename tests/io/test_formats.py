@@ -319,7 +319,7 @@ def test_conjugate_waves_answer_in_their_own_numbers() -> None:
     ("words", "said"),
     [
         (["verify", "poiseuille", "FILE", "--alpha", "1"], "--as"),
-        (["verify", "blasius", "FILE", "--as", "phase-speed"], "--alpha"),
+        (["verify", "davies", "FILE", "--as", "phase-speed"], "--alpha"),
         (["verify", "poiseuille", "FILE", "--as", "frequency", "--unstable"], "growth rates only"),
         (["verify", "poiseuille", "--dataset", "x"], "EIGENVALUES"),
         (["verify", "poiseuille", "FILE", "--as", "lambda x: x"], "invalid choice"),

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from shootstab.by_name import scene_of
 from shootstab.core.errors import InputError, NoFlowError
 from shootstab.io.scenes import built_in, load
 from shootstab.models.chute.chute_scene import GROWTH_UNIT
@@ -70,6 +71,34 @@ def test_every_built_in_scene_says_what_it_is() -> None:
         assert scene.details.order == (equations.size if written is None else written.order)
         assert all(vars(scene.details).values())
         assert scene.heading.startswith(f"{name}: {scene.description} (")
+
+
+@pytest.mark.parametrize(
+    ("name", "wavenumber"),
+    [
+        ("low", ("kx", 0.011)),
+        ("blasius", ("alpha", 0.179)),
+        ("suction", ("alpha", 0.1555)),
+        ("eady", ("k", 1.2)),
+        ("pipe", ("a", 1.0)),  # exp(σt + iaz + inθ)
+        ("mri", None),
+        ("davies", None),
+    ],
+)
+def test_the_streamwise_wavenumber_of_a_scene(name: str, wavenumber: tuple[str, float] | None) -> None:
+    scene = load(name)
+    assert scene.wavenumber == wavenumber
+    assert scene_of(scene.problem).wavenumber == (wavenumber if name in ("low", "eady") else None)
+
+
+def test_of_two_wavenumbers_none_is_taken(tmp_path: Path) -> None:
+    """α may be an expansion as well; the words on the eigenvalue say which it is."""
+    lines = '[problem]\nparameters = { alpha = 2, k = 3 }\nunknowns = ["u"]\nequations = ["d(u,2) - alpha*k*u = sigma*u"]\n'
+    lines += 'left = { at = 0, conditions = ["u"] }\nright = { at = 1, conditions = ["u"] }\n'
+    (tmp_path / "own.toml").write_text(lines)
+    assert load(str(tmp_path / "own.toml")).wavenumber is None
+    (tmp_path / "own.toml").write_text(lines + '[about]\neigenvalue = "σ of exp(σt + ikx)"\n')
+    assert load(str(tmp_path / "own.toml")).wavenumber == ("k", 3.0)
 
 
 def test_scene_file(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ ENTRIES = (
         make=Maker("suction", "suction"),
         keys=keys("reynolds", "alpha"),
         describe=lambda values: SUCTION,
-        scenes={"suction": ("asymptotic suction layer, R = 54370, alpha = 0.1555", {})},
+        scenes={"suction": ("asymptotic suction layer, R = 54370, alpha = 0.1555", {"reynolds": 54370.0, "alpha": 0.1555})},
         published=(
             Published("suction layer", Maker("suction", "suction"), 0.150, 3, "Hocking 1975, at the critical point", -0.1555j, slow=True),
         ),
