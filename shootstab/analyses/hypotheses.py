@@ -127,7 +127,7 @@ def _holding(problem: Problem, digits: int, claims: Sequence[complex], factors: 
 
 def _may_mean_a_mode(continuation: Continuation, claim: complex) -> bool:
     """Whether Newton's step from the claim, about the distance of the nearest zero, is short; that takes one value of D, a verdict many."""
-    return abs(newton_step(continuation, claim)) <= NEIGHBOURS * 10.0**-AGREE * abs(claim)
+    return bool(abs(newton_step(continuation, claim)) <= NEIGHBOURS * 10.0**-AGREE * abs(claim))
 
 
 def newton_step(continuation: Continuation, claim: complex) -> complex:
