@@ -28,7 +28,7 @@ KINDS = ("growth", "frequency", "phase-speed")
 SYMBOLS = {"growth": "σ", "frequency": "ω", "phase-speed": "c"}
 SIGNS = {"growth": "+", "frequency": "-", "phase-speed": "-"}
 STREAMWISE = ("alpha", "kx", "k")  # chosen: parameters that are a streamwise wavenumber wherever they are the only ones of these
-EXPONENTIAL = re.compile(r"i[ (]?(\w+?) ?[xz]\b")  # chosen: the NAME of exp(σt + iNAMEx), along x or the axis of a pipe
+WAVE_EXPONENT = re.compile(r"i[ (]?(\w+?) ?[xz]\b")  # chosen: the NAME of exp(σt + iNAMEx), along x or the axis of a pipe
 
 
 @dataclass(frozen=True)
@@ -111,6 +111,6 @@ def wavenumber(problem: object, tables: Mapping[str, Any], eigenvalue: str) -> t
     for table in tables.values():
         held |= {**table, **table.get("parameters", {})}
     named = {name: float(value) for name, value in held.items() if isinstance(value, int | float) and value != 0}
-    stated = next((words[1] for words in EXPONENTIAL.finditer(eigenvalue) if words[1] in named), None)
+    stated = next((words[1] for words in WAVE_EXPONENT.finditer(eigenvalue) if words[1] in named), None)
     names = [name for name in STREAMWISE if name in named] if stated is None else [stated]
     return (names[0], named[names[0]]) if len(names) == 1 else None
