@@ -97,14 +97,15 @@ def find_missing(
     chosen, hull_region = _chosen(loose, verdicts, farthest)
     if hull_region is None:
         return Missing((), NOT_SEARCHED, ("the claims span no part of the plane that is small enough to be searched: name a region",))
-    left = len(claims) - len(chosen)
-    undecided = (f"the part of the plane that {left} more of the claims add: name a region to search there",) if left else ()
     corners = convex_hull(tuple(chosen))
     nearest = ON_HULL * _extent(chosen)
 
     def among(sigma: complex) -> bool:
         return distance_outside(corners, sigma) <= nearest
 
+    left = sum(not among(claim) for claim in claims)
+    more = f"{left} more of the claims {'adds' if left == 1 else 'add'}"
+    undecided = (f"the part of the plane that {more}: name a region to search there",) if left else ()
     return _searched(continuation, hull_region, known, claims, among, "among the claims", undecided, step_done)
 
 

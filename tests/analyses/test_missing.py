@@ -132,3 +132,12 @@ def test_a_claim_whose_mesh_needs_too_much_memory_loses_no_other(monkeypatch: py
     report = st.verify(strings(), [-(math.pi**2), -4 * math.pi**2], missing="none")
     assert [v.verdict for v in report.verdicts] == ["confirmed", "unresolved"]
     assert "memory" in report.verdicts[1].why
+
+
+def test_claims_that_lie_where_was_searched_are_not_called_outside() -> None:
+    """A claim that is no mode, among those that are, adds no part of the plane; one beyond them does."""
+    inside = st.verify(strings(), [*MODES[:5], 0.9 * MODES[2]])
+    assert inside.claims_inside == 6 and inside.undecided == ()
+    beyond = st.verify(strings(), [*MODES[:5], 30.0])
+    assert beyond.claims_inside == 5
+    assert beyond.undecided == ("the part of the plane that 1 more of the claims adds: name a region to search there",)

@@ -239,7 +239,7 @@ def test_where_nothing_is_searched_is_said(scenes: dict[str, ChuteProblem]) -> N
     assert [m.sigma.real for m in line.missing] == pytest.approx([0.0039705046389])
     far = st.verify(scenes["high"], [0.0039705, 0.0045, 1e12], digits=5)
     assert [v.verdict for v in far.verdicts] == ["confirmed", "spurious", "unresolved"]
-    assert far.undecided[0].startswith("the part of the plane that 1 more of the claims add")
+    assert far.undecided[0].startswith("the part of the plane that 1 more of the claims adds")
     assert "where 2 of the 3 claims lie" in far.searched
 
 
