@@ -147,7 +147,8 @@ class FarField:
         P, dP = (terms.astype(np.complex128, copy=False) for terms in self.terms(sigma))
         sizes = _row_sizes(P)
         tail = max(sizes[m] * nu**m for m in range(FAR_TERMS - 4, FAR_TERMS))
-        return series_value(P, nu) * self._back, series_value(dP, nu) * self._back, float(tail)
+        with np.errstate(invalid="ignore"):  # Ω = 0 as in terms below: what is not finite ends as a mesh on which no step is short enough
+            return series_value(P, nu) * self._back, series_value(dP, nu) * self._back, float(tail)
 
 
 class _FarSeries(NamedTuple):
