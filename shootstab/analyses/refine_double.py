@@ -8,6 +8,7 @@ import time
 from dataclasses import is_dataclass, replace
 from typing import Any
 
+from shootstab.analyses.claim_size import has_a_size
 from shootstab.analyses.error_budget import budget
 from shootstab.analyses.multiple import cluster, multiple, told_apart
 from shootstab.analyses.root_near import searches
@@ -207,10 +208,9 @@ def _among_several(
     continuation: Continuation, sigma: complex, radius: float, rtol: float, atol: float | None, apart: bool = True
 ) -> tuple[Mode, int]:
     """The nearest of several zeros in a circle of about this radius where D tells them apart, and the multiple mode otherwise."""
-    length = neutral(surroundings(continuation.at(sigma).discriminant, sigma), LEAST_D_ERROR)
-    if abs(sigma) <= length:  # 0 to what D tells: an iteration comes to 0 exactly or ever nearer, and |σ| measures no circle
-        radius = max(radius, length)
-    radius = radius or SMALLEST_DISTANCE
+    D = continuation.at(sigma).discriminant
+    if radius == 0.0 or not has_a_size(D, sigma):  # an iteration comes to 0 exactly or ever nearer, and |σ| measures no circle
+        radius = max(radius, neutral(surroundings(D, sigma), LEAST_D_ERROR)) or SMALLEST_DISTANCE
     found = cluster(continuation, sigma, radius, goal=max(rtol * abs(sigma), atol or 0.0) if not apart else 0.0)
     zeros = told_apart(continuation, found) if apart else []
     if zeros:

@@ -22,7 +22,6 @@ from typing import Any
 from shootstab.core.errors import InputError
 from shootstab.core.records import Report
 from shootstab.core.regions import Polygon
-from shootstab.problems.capabilities import FAMILY
 
 KINDS = ("growth", "frequency", "phase-speed")
 SYMBOLS = {"growth": "σ", "frequency": "ω", "phase-speed": "c"}
@@ -105,6 +104,8 @@ def wavenumber(problem: object, tables: Mapping[str, Any], eigenvalue: str) -> t
     It is the parameter that stands behind the i of the exponential, where the words on the eigenvalue have one; otherwise the one of
     STREAMWISE that the problem or its tables hold.
     """
+    from shootstab.problems.capabilities import FAMILY  # numbers are loaded with a problem, and not by the program's help
+
     held = {name: getattr(problem, name) for name in STREAMWISE if hasattr(problem, name)}
     family_of = None if tables else FAMILY.of(problem)
     held |= {} if family_of is None else family_of(()).here
