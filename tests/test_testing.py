@@ -21,6 +21,7 @@ FLOW = PlanePoiseuille(10000.0, 1.0)
 def test_a_right_eigenvalue_passes() -> None:
     assert_eigenvalue(FLOW, SIGMA)
     assert_eigenvalue(FLOW, SIGMA, digits=10)
+    assert_eigenvalue("poiseuille", SIGMA, digits=8)
 
 
 def test_orszags_eight_digits() -> None:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from importlib import import_module
+from statistics import median
 from time import perf_counter
 from typing import Any
 
@@ -21,8 +22,8 @@ from shootstab.core.errors import InputError, ShootstabError, shortened
 from shootstab.core.given import require_whole
 
 CONNECT = 15  # chosen: seconds to wait for a cluster
-ALONE = 4.0  # chosen: seconds that one process works before others are started, each of which takes half of that to be ready
-JOBS_LEFT = 4  # chosen: jobs that must be left for that
+WORTH_OTHERS = 6.0  # chosen: seconds of work left for which others are started, each of which takes about a third of that to be ready
+DONE_FIRST = 3  # chosen: jobs done alone before that is estimated; the first may have compiled kernels
 
 
 def spread(
@@ -33,7 +34,7 @@ def spread(
     cluster: str | None,
 ) -> Generator[tuple[Job, Result], None, None]:
     """Do the jobs in this process for one worker, in so many others, on the Dask cluster at an address; with None in as many as there are
-    cores, once ALONE seconds have shown that this is worth their start, if the problem can be sent there.
+    cores, where the first jobs show that what is left is worth their start, and the problem can be sent there.
 
     elsewhere makes what does in other processes what here does in this one. Raises InputError for a number of workers that is none, beside
     a cluster, and where the problem cannot be sent.
@@ -52,9 +53,9 @@ def spread(
 def _when_worth_it(
     here: Callable[[Job], Result], elsewhere: Callable[[], Callable[[Job], Result]], jobs: Sequence[Job], cores: int
 ) -> Generator[tuple[Job, Result], None, None]:
-    began = perf_counter()
+    took: list[float] = []
     for i, job in enumerate(jobs):
-        if cores > 1 and len(jobs) - i >= JOBS_LEFT and perf_counter() - began > ALONE:
+        if cores > 1 and len(took) >= DONE_FIRST and median(took) * (len(jobs) - i) > WORTH_OTHERS:
             try:
                 sent = elsewhere()
             except InputError:  # what cannot be sent is done here
@@ -62,7 +63,10 @@ def _when_worth_it(
             else:
                 yield from in_processes(sent, jobs[i:], cores)
                 return
-        yield job, here(job)
+        began = perf_counter()
+        result = here(job)
+        took.append(perf_counter() - began)
+        yield job, result
 
 
 def parcel(*parts: Any) -> bytes:

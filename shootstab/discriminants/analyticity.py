@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections import OrderedDict
 from functools import lru_cache
 
 import numpy as np
@@ -10,24 +11,27 @@ from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
 from shootstab.discriminants.deformed_path import DeformedPath
+from shootstab.problems.capabilities import UNCHANGING
 from shootstab.problems.protocol import ComplexArray, Problem
 
 PANELS, GAUSS_POINTS = 6, 12  # chosen: Gauss's rule on each leg; features a tenth as wide as the path are integrated to 1e−9
+REMEMBERED = 16  # chosen: problems and paths that are remembered as analytic, those of one question
 CLOSED = 1e-5  # chosen: what the integral around the detour may be, in ∫|f||dz|; a coefficient that is not analytic misses by tenths
+
+# what was found analytic lately; a problem is held, so that no other one has its id
+_analytic: OrderedDict[tuple[int, DeformedPath, complex, complex, complex], Problem] = OrderedDict()
 
 
 def require_analytic(problem: Problem, path: DeformedPath, nodes: NDArray[np.float64]) -> None:
     """Raise InputError unless ∮ f dz = 0 (Cauchy) along the detour and back on the real axis, for every entry f of the pencil.
 
-    nodes (N,) are real, from the far end to the wall. What was found analytic is not looked at again soon: the subsystems of a problem
-    have its pencil, and meshes of other cells the same path.
+    nodes (N,) are real, from the far end to the wall. A problem of formulas and numbers is not looked at again soon along a path where it
+    was found analytic: its subsystems have its pencil, and meshes of other cells the same path.
     """
-    _require_closed(problem, path, *path.corners(nodes).tolist())
-
-
-@lru_cache(maxsize=64)
-def _require_closed(problem: Problem, path: DeformedPath, leave: complex, apex: complex, back: complex) -> None:
-    """`require_analytic` for the corners of a path."""
+    leave, apex, back = path.corners(nodes).tolist()
+    asked = (id(problem), path, leave, apex, back)
+    if asked in _analytic:
+        return
     there, along = _rule([leave, apex, back])
     straight, across = _rule([leave, back])
     near, far = problem.pencil(straight), problem.pencil(there)
@@ -41,6 +45,10 @@ def _require_closed(problem: Problem, path: DeformedPath, leave: complex, apex: 
                 f"pass the continuous spectrum: allowed there are analytic functions of complex z, without abs, .real, comparisons and "
                 f"interpolation; or a problem without continuum="
             )
+    if UNCHANGING.of(problem):
+        _analytic[asked] = problem
+        while len(_analytic) > REMEMBERED:
+            _analytic.popitem(last=False)
 
 
 def _rule(corners: list[complex]) -> tuple[ComplexArray, ComplexArray]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import pickle
 import warnings
+from time import sleep
 from typing import Any
 
 import layer
@@ -56,15 +58,26 @@ def test_a_cluster_gives_the_same() -> None:
     assert seen(modes.modes) == seen(st.find(problem, BOX).modes)
 
 
-def test_others_are_started_where_one_takes_long(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What one process alone has done by then it need not do again."""
-    monkeypatch.setattr(workers, "ALONE", 0.0)
+def test_others_are_started_where_much_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What one process alone has done by then it need not do again; a first job that takes long, as one that compiles, tells nothing."""
     done: list[int] = []
-    jobs = list(range(9))
-    shared = dict(workers.spread(lambda job: done.append(job) or -job, lambda: abs, jobs, None, None))
-    assert done == [] and shared == {job: job for job in jobs}
-    monkeypatch.setattr(workers, "ALONE", 1e9)
-    assert dict(workers.spread(lambda job: -job, lambda: abs, jobs, None, None)) == {job: -job for job in jobs}
+
+    def here(job: int) -> int:
+        done.append(job)
+        if job == 0:
+            sleep(0.2)
+        return job
+
+    def shared() -> dict[int, int]:
+        done.clear()
+        return dict(workers.spread(here, lambda: abs, list(range(9)), None, None))
+
+    whole = {job: job for job in range(9)}
+    monkeypatch.setattr(os, "cpu_count", lambda: 2)
+    monkeypatch.setattr(workers, "WORTH_OTHERS", 0.1)
+    assert shared() == whole and done == list(range(9))
+    monkeypatch.setattr(workers, "WORTH_OTHERS", 0.0)
+    assert shared() == whole and done == list(range(workers.DONE_FIRST))
 
 
 @pytest.mark.parametrize("name", ["low", "benard", "shear-layer", "kink", "two-layers"])

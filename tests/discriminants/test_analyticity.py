@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -83,3 +84,22 @@ def test_a_stratified_shear_layer_with_abs_is_no_mode_with_a_bound(even) -> None
     p = st.problem(2, pencil, st.Wall(0, [[1, 0]]), st.Wall(1, [[1, 0]]), continuum=lambda x: -1j * k / 3 * np.tanh(steep * (x - 0.5)))
     with pytest.raises(InputError, match="not analytic"):
         st.refine(p, guess=0.3)
+
+
+@dataclass
+class OfOnesOwn:
+    """A problem that somebody wrote as a class, which compares by value and so has no hash."""
+
+    f: Callable[[complex], Any]
+
+    def pencil(self, z: np.ndarray) -> Any:
+        return with_coefficient(self.f, 2).pencil(z)
+
+
+def test_a_class_of_ones_own_needs_no_hash_and_is_looked_at_as_it_is_now() -> None:
+    problem = OfOnesOwn(lambda z: z * z)
+    nodes = np.linspace(0.0, 1.0, 9)
+    require_analytic(problem, PATHS[0], nodes)  # type: ignore[arg-type]
+    problem.f = lambda z: abs(z - 0.5)
+    with pytest.raises(InputError, match="not analytic"):
+        require_analytic(problem, PATHS[0], nodes)  # type: ignore[arg-type]
