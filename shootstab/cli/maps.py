@@ -86,6 +86,10 @@ def _curves(figure: Any, found: Swept, varied: Sequence[ParameterAxis], scene: S
     still = np.where(np.isnan(growth) & ~unknown, 0.0, np.nan)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     above.plot(x, growth, "-", color=BLUE, linewidth=1.6, label="dominant mode, followed")
+    beyond = found.below.real.ravel()
+    if np.isfinite(beyond).any():
+        crossing = np.where(np.isnan(growth), beyond, growth)
+        above.plot(x, crossing, "--", color=BLUE, linewidth=1.0, zorder=1, label="the same, one step below zero")
     above.plot(x[proved], growth[proved], "o", color=BLUE, markersize=5, label="dominance proved by a count")
     if np.isfinite(still).any():
         above.plot(x, still, "-", color=GREY, linewidth=1.6, label="no growing mode")
@@ -102,11 +106,11 @@ def _curves(figure: Any, found: Swept, varied: Sequence[ParameterAxis], scene: S
     above.legend(frameon=False, fontsize="small")
 
 
-def continued(growth: NDArray[np.float64], unknown: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Growth rates (m, n), and where there is none what two growing neighbours in line lead to, 0 at most, so that their edge is smooth.
+def continued(growth: NDArray[np.float64], below: NDArray[np.float64], unknown: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Growth rates (m, n), and next to them what is below zero, so that the contour of 0, the neutral curve, lies between both.
 
-    Modes are not followed below zero: the neutral curve lies where the line through the last two growth rates is zero, to the square of the
-    spacing, and at the first point without growth where that is not before it; the points of unknown (m, n) count as 0.
+    below (m, n) are growth rates of modes that were followed across the neutral curve. Where none arrived, it is what two growing
+    neighbours in line lead to, 0 at most; the points of unknown (m, n) count as 0.
     """
     wide = np.pad(growth, 2, constant_values=np.nan)
     m, n = growth.shape
@@ -114,7 +118,8 @@ def continued(growth: NDArray[np.float64], unknown: NDArray[np.bool_]) -> NDArra
     leads = np.array([2.0 * near - far for near, far in beside])
     known = np.isfinite(leads)
     mean = np.where(known, np.minimum(leads, 0.0), 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
-    return np.where(np.isnan(growth), np.where(unknown, 0.0, mean), growth)
+    filled = np.where(np.isfinite(growth), growth, np.where(unknown, 0.0, np.where(np.isfinite(below), below, mean)))
+    return np.asarray(filled, dtype=np.float64)
 
 
 def _map(figure: Any, found: Swept, varied: Sequence[ParameterAxis], scene: Scene) -> None:
@@ -122,13 +127,13 @@ def _map(figure: Any, found: Swept, varied: Sequence[ParameterAxis], scene: Scen
     from matplotlib.ticker import MaxNLocator
 
     across, up = varied
-    growth = np.squeeze(found.growth, axis=tuple(i for i, a in enumerate(found.axes) if len(a.values) == 1)).T
-    unknown = found.array(lambda o: o.status.startswith((UNRESOLVED, NO_FLOW)), dtype=np.bool_).reshape(found.growth.shape)
-    unknown = np.squeeze(unknown, axis=tuple(i for i, a in enumerate(found.axes) if len(a.values) == 1)).T
+    single = tuple(i for i, a in enumerate(found.axes) if len(a.values) == 1)
+    unsettled = found.array(lambda o: o.status.startswith((UNRESOLVED, NO_FLOW)), dtype=np.bool_)
+    growth, below, unknown = (np.squeeze(values, axis=single).T for values in (found.growth, found.below.real, unsettled))
     x, y = np.array(across.values), np.array(up.values)
     panel = figure.subplots()
     if np.isfinite(growth).any():
-        filled = continued(growth, unknown)
+        filled = continued(growth, below, unknown)
         ticks = MaxNLocator(MAP_LEVELS).tick_values(0.0, float(np.nanmax(growth)))
         levels = np.concatenate(([NOTHING_GROWS * ticks[-1]], ticks[1:]))  # nothing is drawn where nothing grows
         drawn = panel.contourf(x, y, filled, levels=levels, cmap="viridis")

@@ -41,12 +41,13 @@
     const ink = printed ? "#1a1a1a" : getComputedStyle(document.body).color;
     for (const script of document.querySelectorAll("script[data-figure]")) {
       const { data, layout, config } = JSON.parse(script.textContent);
-      const grid = { gridcolor: "rgba(128,128,128,0.25)", zerolinecolor: "rgba(128,128,128,0.6)", exponentformat: "power" };
+      const grid = { gridcolor: "rgba(128,128,128,0.25)", zerolinecolor: "rgba(128,128,128,0.6)", exponentformat: "power", automargin: true };
       const before = document.getElementById(script.dataset.figure).layout;
       const kept = (axis) => (before?.[axis]?.range ? { range: [...before[axis].range] } : {}); // what a reader has zoomed to stays
       const axes = { xaxis: { ...grid, ...layout.xaxis, ...kept("xaxis") }, yaxis: { ...grid, ...layout.yaxis, ...kept("yaxis") } };
       const look = { paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", font: { color: ink }, margin: { t: 40, r: 20, l: narrow ? 48 : 70, b: narrow ? 40 : 60 }, dragmode: "pan", modebar: { bgcolor: "rgba(0,0,0,0)", color: ink } };
-      Plotly.react(script.dataset.figure, data, { ...layout, ...look, ...axes, ...(printed ? paper : { autosize: true }) }, config);
+      const menus = (layout.updatemenus ?? []).map((menu) => ({ ...menu, visible: !printed, bgcolor: "rgba(0,0,0,0)", bordercolor: ink, font: { color: ink } }));
+      Plotly.react(script.dataset.figure, data, { ...layout, ...look, ...axes, updatemenus: menus, ...(printed ? paper : { autosize: true }) }, config);
       if (!printed && before) Plotly.Plots.resize(script.dataset.figure); // after printing it fills the page again
     }
   };

@@ -38,8 +38,10 @@ PLOTLY_MARKS = {"o": "circle", "^": "triangle-up", "x": "x-thin", "+": "cross-th
 MARK_SIZE = 10  # chosen: size of a mark, in pixels
 THIN = ("x-thin", "cross-thin")  # marks that are lines, which plotly draws in the colour of the line alone
 GREY_LINE = "#7d7d7d"  # readable on white and on black
-LEGEND = {"orientation": "h", "y": -0.25}  # chosen: a place below the numbers and the name of the axis, also on a phone
+LEGEND = {"orientation": "h", "yref": "container", "y": 0, "yanchor": "bottom"}  # below the numbers and the name of the axis, on any width
 UNBROKEN = re.compile(r"\d\.\d+e[-+]\d+")  # a browser breaks lines at a hyphen
+AXES = {"xaxis": "Re", "yaxis": "Im"}  # exact: the part of the eigenvalue on each axis
+MENU_PLACE = {"x": 0, "xanchor": "left", "y": 1, "yanchor": "bottom", "pad": {"b": 4, "t": 0}}  # chosen: above the left end
 CONFIGURATION = {"responsive": True, "displaylogo": False, "scrollZoom": True}
 PAGE_HEIGHTS = 201  # chosen: heights of an eigenfunction on a page, which is loaded over a network
 
@@ -77,7 +79,7 @@ def made(page: Page) -> str:
     own = resources.files("shootstab.cli")
     sections = [
         ("Verdicts", _verdicts(page)),
-        ("Complex plane", _figure(_plane(page), "plane") + f"<p>{html.escape(_searched(page.report))}</p>"),
+        ("Complex plane", _complex_plane(page)),
         ("Error budgets", _budgets(page.modes)),
         ("Eigenfunctions", _eigenfunctions(page)),
         ("Where this comes from", _provenance(page)),
@@ -95,6 +97,12 @@ def made(page: Page) -> str:
             f"<script>{(own / 'page.js').read_text(encoding='utf-8')}</script></body></html>",
         ]
     )
+
+
+def _complex_plane(page: Page) -> str:
+    figure, seen = _plane(page)
+    words = [_searched(page.report), *([seen] if seen else [])]
+    return _figure(figure, "plane") + "".join(f"<p>{html.escape(said)}</p>" for said in words)
 
 
 def _verdicts(page: Page) -> str:
@@ -128,8 +136,8 @@ def _sort_keys(report: Report, place: int, row: Sequence[str]) -> list[str]:
     return ["", "", row[2], repr(complex(m.sigma).real), repr(float(m.error)), "", ""]
 
 
-def _plane(page: Page) -> dict[str, Any]:
-    """The claims, the modes, the continuous spectrum, and what was searched."""
+def _plane(page: Page) -> tuple[dict[str, Any], str]:
+    """The claims, the modes, the continuous spectrum, and what was searched; and a sentence on what is not in sight at first, if any."""
     groups, near = plots.of_report(page.report, page.scene)
     reasons = {complex(v.claimed): f"{i}: {v.verdict}<br>{html.escape(with_i(v.why))}" for i, v in enumerate(page.report.verdicts, 1)}
     traces: list[dict[str, Any]] = []
@@ -157,16 +165,26 @@ def _plane(page: Page) -> dict[str, Any]:
             ]
             points = {"x": group.points.real.tolist(), "y": group.points.imag.tolist(), "text": text, "hoverinfo": "text+name"}
             traces.append({"type": "scatter", "mode": "markers", "name": group.label, "marker": marker, **points})
-    drawn = [np.empty(0, dtype=np.complex128), *(group.points for group in groups), *([] if rim is None else [rim])]
-    _, (centre, width, height) = plane.in_view(np.concatenate(drawn), near)
-    return {
-        "data": traces,
-        "layout": {
-            "xaxis": {"title": {"text": plane.label("Re", page.scene)}, "range": [centre.real - width, centre.real + width]},
-            "yaxis": {"title": {"text": plane.label("Im", page.scene)}, "range": [centre.imag - height, centre.imag + height]},
-            "legend": LEGEND,
-        },
-    }
+    drawn = np.concatenate([np.empty(0, dtype=np.complex128), *(group.points for group in groups), *([] if rim is None else [rim])])
+    magnified, near = plane.in_view(drawn, near)
+    ranges = _ranges(near)
+    layout = {axis: {"title": {"text": plane.label(part, page.scene)}, "range": ranges[axis]} for axis, part in AXES.items()}
+    if not magnified:
+        return {"data": traces, "layout": {**layout, "legend": LEGEND}}, ""
+    centre, width, height = near
+    told = np.array([complex(v.claimed) for v in page.report.verdicts] + [complex(m.sigma) for m in page.report.missing])
+    seen = int(((np.abs(told.real - centre.real) <= width) & (np.abs(told.imag - centre.imag) <= height)).sum())
+    views = {"magnified": ranges, "all": _ranges(plane.around(drawn, 0.0))}
+    buttons = [{"label": name, "method": "relayout", "args": [{f"{axis}.range": of[axis] for axis in AXES}]} for name, of in views.items()]
+    menu = {"type": "buttons", "direction": "right", "showactive": False, "buttons": buttons, **MENU_PLACE}
+    said = f"The magnified part, which is shown first, holds {seen} of the {len(told)} rows above; the button “all” shows the others."
+    return {"data": traces, "layout": {**layout, "legend": LEGEND, "updatemenus": [menu]}}, said
+
+
+def _ranges(box: plane.Box) -> dict[str, list[float]]:
+    """The ranges of both axes."""
+    centre, width, height = box
+    return {"xaxis": [centre.real - width, centre.real + width], "yaxis": [centre.imag - height, centre.imag + height]}
 
 
 def _line(name: str, points: Any, style: Mapping[str, Any]) -> dict[str, Any]:
@@ -176,17 +194,21 @@ def _line(name: str, points: Any, style: Mapping[str, Any]) -> dict[str, Any]:
 
 def _eigenfunctions(page: Page) -> str:
     """The figures of eigenfunctions, and why other modes have none."""
-    figures = "".join(_caption(f, page.scene.symbol) + _figure(_shape(f), f"mode{i}") for i, f in enumerate(page.eigenfunctions))
+    shown = enumerate(page.eigenfunctions)
+    figures = "".join(f"<div class=kept>{_caption(f, page.scene.symbol)}{_figure(_shape(f), f'mode{i}')}</div>" for i, f in shown)
     return figures + "".join(f"<p>{html.escape(with_i(why))}</p>" for why in page.left_out) or "<p>No mode was found.</p>"
 
 
 def _shape(found: Eigenfunction) -> dict[str, Any]:
-    """The unknowns of an eigenfunction over z, upwards: real parts solid, imaginary ones dashed; those but the first two on demand."""
+    """The unknowns of an eigenfunction over z, upwards: real parts solid, imaginary ones dashed."""
     z, values = found.sampled(PAGE_HEIGHTS)
     traces = []
     for i, (name, f) in enumerate(values.items()):
         colour = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")[i % 6]
-        largest = float(np.abs(f).max()) or 1.0
+        largest = float(np.abs(f).max())
+        if largest == 0.0:
+            traces.append(_line(f"{name} = 0", 1j * z[[0, -1]], {"color": colour, "width": 2}))
+            continue
         for part, of, dash in (("Re", f.real, "solid"), ("Im", f.imag, "dash")):
             label = f"{part} {name} / {largest:.3g}"
             trace = _line(label, of / largest + 1j * z, {"color": colour, "dash": dash, "width": 2})

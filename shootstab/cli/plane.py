@@ -34,6 +34,7 @@ HAIR_OF_RADIUS = 1e-9  # chosen: relative, so that rounding leaves none of them 
 LINEAR_ROOM, DECADE_ROOM = 0.2, 1.6  # chosen: what is free beyond a limit: in the linear part, or as a factor
 NARROWEST_PLANE = 3.4  # chosen: inches of one of two panels side by side
 LETTERS_PER_INCH = 12  # chosen: letters of a title in a font of medium size
+FEWEST_TICKS = 3  # chosen: numbers along an axis from which its scale is read
 BALLOON = 10.0  # chosen: claims that the continuous spectrum blurs are shown up to this many times the distance of the nearest mode
 
 Points = NDArray[np.complex128]
@@ -206,13 +207,15 @@ def _decades(panel: Any, points: Points, near: Box, width_of_panel: float) -> No
 
 
 def _powers(low: float, high: float, linear: float, most: int) -> list[float]:
-    """0 and the powers of ten beyond the linear part, at most so many on each side."""
+    """0 and the powers of ten beyond the linear part, at most so many on each side; halves of the linear part where these are too few."""
     first = round(math.log10(linear))
     ticks = [0.0]
     for sign, limit in ((-1.0, -low), (1.0, high)):
         last = math.floor(math.log10(limit)) if limit > linear else first - 1
         step = max(1, math.ceil((last - first + 1) / most))
         ticks += [sign * 10.0**k for k in range(first, last + 1, step)]
+    if len(ticks) < FEWEST_TICKS:
+        ticks += [tick for tick in (-0.5 * linear, 0.5 * linear) if low < tick < high]
     return sorted(ticks)
 
 

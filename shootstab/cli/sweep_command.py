@@ -1,8 +1,9 @@
 """`shootstab sweep`: its options, its JSON, its table, and the files that its results go to.
 
 JSON: {"axes": {name: [values]}, "digits", "every", "floor", "summary": {status: points, "counted": points}, "fastest": a point or null,
-"points": [{each parameter by its name, "sigma": {"re", "im"} or null, "error", "status", "proved", "floor", "evaluations", and
-"far_temperature" where the mass flux chose the flow}]}.
+"points": [{each parameter by its name, "sigma": {"re", "im"} or null, "error", "status", "proved", "floor", "evaluations", "below":
+{"re", "im"} or null, the mode of a growing neighbour followed to where nothing grows, without a bound, and "far_temperature" where the
+mass flux chose the flow}]}.
 """
 
 from __future__ import annotations
@@ -33,7 +34,17 @@ if TYPE_CHECKING:
     from shootstab.analyses.sweep.outcomes import Outcome
     from shootstab.io.scenes import Scene
 
-CSV_COLUMNS = ("re", "im", "error", "status", "proved", "floor", "evaluations")  # chosen: the columns of the file behind the parameters
+CSV_COLUMNS = (
+    "re",
+    "im",
+    "error",
+    "status",
+    "proved",
+    "floor",
+    "evaluations",
+    "below_re",
+    "below_im",
+)  # chosen: the columns of the file behind the parameters
 MOST_LISTED = 70  # chosen: points that the table lists; more are summed up
 MOST_VALUES = 1_000_000  # chosen: values along one axis of a sweep; more are a slip of the pen
 
@@ -120,6 +131,7 @@ def _said(outcome: Outcome) -> dict[str, Any]:
         "proved": outcome.proved,
         "floor": outcome.floor,
         "evaluations": outcome.evaluations,
+        "below": None if outcome.below is None else as_strings(outcome.below),
         **outcome.beside,
     }
 
@@ -171,14 +183,19 @@ def write_csv(found: Swept, path: Path) -> None:
         writer = csv.writer(file)
         writer.writerow((*found.grid.names, *CSV_COLUMNS, *found.columns))
         for point, o in found.rows():
-            re_, im = ("", "") if o.sigma is None else (repr(o.sigma.real), repr(o.sigma.imag))
             rest = (o.error, o.status, int(o.proved), o.floor, o.evaluations)
             beside = (o.beside.get(c) for c in found.columns)
-            writer.writerow((*map(repr, point), re_, im, *("" if x is None else x for x in (*rest, *beside))))
+            row = (*_cells(o.sigma), *rest, *_cells(o.below), *beside)
+            writer.writerow((*map(repr, point), *("" if x is None else x for x in row)))
+
+
+def _cells(number: complex | None) -> tuple[str, str]:
+    """Both parts with every digit; empty where there is no number."""
+    return ("", "") if number is None else (repr(number.real), repr(number.imag))
 
 
 def write_npz(found: Swept, path: Path) -> None:
-    """One array for each axis by its name, and on the grid: re, im, error (NaN where absent), status, proved."""
+    """One array for each axis by its name, and on the grid: re, im, error, below_re, below_im (NaN where absent), status, proved."""
     import numpy as np
 
     def beside(name: str) -> Any:
@@ -193,6 +210,8 @@ def write_npz(found: Swept, path: Path) -> None:
             re=found.growth,
             im=found.array(lambda o: None if o.sigma is None else o.sigma.imag),
             error=found.array(lambda o: o.error),
+            below_re=found.below.real,
+            below_im=found.below.imag,
             status=found.array(lambda o: o.status, dtype=np.str_),
             proved=found.array(lambda o: o.proved, dtype=np.bool_),
         )

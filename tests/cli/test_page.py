@@ -67,6 +67,21 @@ def test_the_page_is_whole_and_asks_for_nothing(made: str) -> None:
     (left, right), (low, high) = (figures[0]["layout"][axis]["range"] for axis in ("xaxis", "yaxis"))
     assert all(left < x < right and low < y < high for x, y in marked)  # nothing is out of sight where all is near
     assert "<span class=unbroken>7.1e-03</span>" in own
+    assert "updatemenus" not in figures[0]["layout"]
+
+
+def test_what_the_magnified_part_leaves_out_is_said_and_a_button_shows_it() -> None:
+    claims = [CLAIMS[0], CLAIMS[0] * 1.001, 0.1 - 40j]
+    report = st.verify("poiseuille", claims, digits=4, missing="none")
+    made = page.made(Page(report, st.scene("poiseuille"), [], [], [], "shootstab verify poiseuille"))
+    assert "holds 2 of the 3 rows above; the button “all” shows the others." in made
+    (figure,) = (json.loads(text) for text in re.findall(r"data-figure=plane>(.*?)</script>", made))
+    magnified, everything = (button["args"][0] for button in figure["layout"]["updatemenus"][0]["buttons"])
+    low, high = magnified["yaxis.range"]
+    assert [low, high] == figure["layout"]["yaxis"]["range"]
+    assert not low <= claims[2].imag <= high
+    low, high = everything["yaxis.range"]
+    assert all(low < claim.imag < high for claim in claims)
 
 
 def test_words_of_a_user_are_words_and_no_markup(made: str) -> None:

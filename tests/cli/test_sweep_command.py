@@ -31,6 +31,8 @@ def outcome(kx: float, ky: float) -> Outcome:
     """Something of everything."""
     if kx == ky == 0.0:
         return Outcome(NO_WAVE)
+    if ky == 0.03 and kx == 5e-4:
+        return Outcome(NONE_GROWS, below=complex(-1e-3, 2e-4))
     if ky == 0.03:
         return Outcome(NONE_GROWS, kx == 0.0, floor=1e-8, evaluations=100)
     if kx == 1e-3 and ky == 0.0:
@@ -56,7 +58,7 @@ def test_the_command_and_its_files(tmp_path: Path, capsys: pytest.CaptureFixture
     assert set(said) == own | {"scene", "version", "seconds", "compilation_seconds"}
     assert said["axes"] == {"kx": [0.0], "ky": [-0.01, 0.0, 0.01]}
     assert [p["status"] for p in said["points"]] == ["proved", "no wave", "proved"]
-    assert set(said["points"][0]) == {"kx", "ky", "sigma", "error", "status", "proved", "floor", "evaluations"}
+    assert set(said["points"][0]) == {"kx", "ky", "sigma", "error", "status", "proved", "floor", "evaluations", "below"}
     assert abs(float(said["fastest"]["sigma"]["re"]) - 0.003970504639) < 1e-11
     assert (tmp_path / "a.png").stat().st_size > 10_000
     assert cli.main([*words]) == 0  # nothing is done again
@@ -109,13 +111,15 @@ def test_csv_and_npz_hold_every_digit(tmp_path: Path) -> None:
     for row in rows:
         expected = found.outcomes[float(row["kx"]), float(row["ky"])]
         assert row["status"] == expected.status
-        assert (None if row["re"] == "" else complex(float(row["re"]), float(row["im"]))) == expected.sigma
+        for re_, im, number in (("re", "im", expected.sigma), ("below_re", "below_im", expected.below)):
+            assert (None if row[re_] == "" else complex(float(row[re_]), float(row[im]))) == number
     sweeping.write_npz(found, tmp_path / "a.npz")
     with np.load(tmp_path / "a.npz") as arrays:
         assert arrays["kx"].tolist() == list(KX)
         assert arrays["re"].shape == arrays["status"].shape == (3, 4)
         assert arrays["re"][1, 1] == outcome(5e-4, 0.01).sigma.real  # type: ignore[union-attr]
         assert np.isnan(arrays["im"][:, 3]).all()
+        assert arrays["below_re"][1, 3] == -1e-3
         assert arrays["proved"][0].tolist() == [False, False, True, True]
         assert arrays["status"][2, 0].startswith(UNRESOLVED)
 
@@ -126,6 +130,7 @@ def test_curves_and_maps_show_what_was_proved() -> None:
     above, below = curves.axes
     assert above.get_ylabel() == "growth rate Re σ / √(g cosθ/d)"
     assert below.get_xlabel() == "cross-slope wavenumber $k_y$ / $d^{-1}$"
+    assert "the same, one step below zero" in [t.get_text() for t in above.get_legend().get_texts()]
     assert "dominance proved by a count" in [t.get_text() for t in above.get_legend().get_texts()]
     assert curves.get_suptitle().startswith("high: kx = 0.0005\nfastest growth: σ = 0.004 - 0.002i at kx = 0.0005, ky = 0.01")
     panel, bar = maps.draw(swept(), scene).axes
@@ -150,15 +155,21 @@ def test_a_map_of_nothing_is_drawn_too(tmp_path: Path) -> None:
 
 
 def test_the_edge_of_growth_lies_where_growth_rates_lead() -> None:
-    """1 − x² − y² on a grid of h = 0.1: a line on is 2h² off, the edge by that over the slope; what is not known is not continued."""
+    """1 − x² − y² on a grid of h = 0.1: a line on is 2h² off, the edge by that over the slope; what is not known is not continued.
+
+    Where modes were followed below zero the edge is off by an eighth of that.
+    """
     x = np.linspace(-1.45, 1.45, 30)
     growth = 1.0 - x[:, None] ** 2 - x[None, :] ** 2
     nothing = np.zeros(growth.shape, dtype=bool)
-    seen = maps.continued(np.where(growth > 0.0, growth, np.nan), nothing)
+    grows, unknown = np.where(growth > 0.0, growth, np.nan), np.full(growth.shape, np.nan)
+    seen = maps.continued(grows, unknown, nothing)
+    better = maps.continued(grows, np.where(growth > -0.3, growth, np.nan), nothing)
     assert (seen[growth > 0.0] == growth[growth > 0.0]).all()
     for i in range(8, 22):  # lines that cross the circle steeply
         j = int(np.flatnonzero(seen[i] > 0.0)[-1])
-        edge = x[j] + 0.1 * seen[i, j] / (seen[i, j] - seen[i, j + 1])
         exact = np.sqrt(1.0 - x[i] ** 2)
-        assert abs(edge - exact) < 2.0 * 0.1**2 / (2.0 * exact)
-    assert (maps.continued(np.where(growth > 0.0, growth, np.nan), ~nothing)[growth <= 0.0] == 0.0).all()
+        for values, off in ((seen, 2.0 * 0.1**2), (better, 0.25 * 0.1**2)):
+            edge = x[j] + 0.1 * values[i, j] / (values[i, j] - values[i, j + 1])
+            assert abs(edge - exact) < off / (2.0 * exact)
+    assert (maps.continued(grows, unknown, ~nothing)[growth <= 0.0] == 0.0).all()

@@ -51,15 +51,15 @@ class FollowedMode:
         return total
 
 
-def land(discriminant: Discriminant, guess: complex) -> complex | None:
-    """The growing zero that is several times nearer to the guess than any other, by Newton; None if the steps do not shrink as it implies.
+def land(discriminant: Discriminant, guess: complex, least: float = 0.0) -> complex | None:
+    """The zero that is several times nearer to the guess than any other, by Newton; None if the steps do not shrink as it implies.
 
-    Next to a simple zero with its nearest neighbour at distance d, a step δ is followed by one of about δ²/d. On the left of the
-    imaginary axis, where D may be singular, it is not evaluated.
+    Next to a simple zero with its nearest neighbour at distance d, a step δ is followed by one of about δ²/d. On the left of Re σ = least,
+    where D may be singular, it is not evaluated.
     """
     sigma, before = guess, float("inf")
     for _ in range(ITERATIONS):
-        if not (cmath.isfinite(sigma) and sigma.real > 0.0):
+        if not (cmath.isfinite(sigma) and sigma.real > least):
             return None
         step = discriminant.with_derivative(sigma).newton_step
         sigma += step
@@ -74,30 +74,33 @@ def land(discriminant: Discriminant, guess: complex) -> complex | None:
     return None
 
 
-def follow(followed: FollowedMode, place: float, at: Callable[[float], Discriminant], deepest: int = DEEPEST_HALVING) -> str:
-    """Follow a followed to a place, in halved steps where the whole one is not safe: ARRIVED, FADED where its growth rate is about to reach
-    zero before that place, or LOST where the smallest step is not safe either. The followed grows by every place on the way.
+def follow(
+    followed: FollowedMode, place: float, at: Callable[[float], Discriminant], deepest: int = DEEPEST_HALVING, least: float = 0.0
+) -> str:
+    """Follow a mode to a place, in halved steps where the whole one is not safe, and add every place on the way to what is known of it.
+
+    ARRIVED, FADED where its growth rate is about to reach the least one before that place, or LOST where the smallest step is not safe.
     """
     predicted = followed.predicted(place)
-    if len(followed.places) > 1 and predicted.real <= 0.0:
+    if len(followed.places) > 1 and predicted.real <= least:
         return FADED
-    found = _lands(followed, place, predicted, at)
+    found = _lands(followed, place, predicted, at, least)
     if found is not None:
         followed.add(place, found)
         return ARRIVED
     if deepest == 0:
         return LOST
     middle = (followed.places[-1] + place) / 2
-    reached = follow(followed, middle, at, deepest - 1)
-    return follow(followed, place, at, deepest - 1) if reached == ARRIVED else reached
+    reached = follow(followed, middle, at, deepest - 1, least)
+    return follow(followed, place, at, deepest - 1, least) if reached == ARRIVED else reached
 
 
-def _lands(followed: FollowedMode, place: float, predicted: complex, at: Callable[[float], Discriminant]) -> complex | None:
+def _lands(followed: FollowedMode, place: float, predicted: complex, at: Callable[[float], Discriminant], least: float) -> complex | None:
     try:
-        found = land(at(place), predicted)
-    except ConvergenceError:  # D cannot be had there: the followed runs into the continuous spectrum
+        found = land(at(place), predicted, least)
+    except ConvergenceError:  # D cannot be had there: the mode runs into the continuous spectrum
         return None
-    if found is None or found.real <= 0.0:
+    if found is None or found.real <= least:
         return None
     if len(followed.places) > 1:
         wrong, way = abs(found - predicted), abs(found - followed.last)

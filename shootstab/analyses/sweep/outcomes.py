@@ -25,8 +25,9 @@ class Outcome:
     floor: the Re σ above which modes were counted here, half that of the dominant one; where none grows the one asked for, or 1e−7 of
     the frequencies of the continuous spectrum where that is more.
     beside: what else there is to be said of the problem at this point, such as T_∞ of a flow that was chosen by its mass flux.
-    sigma is None where nothing grows: decaying modes are neither counted nor followed, for next to the continuous spectrum nothing would
-    tell which of them decays least.
+    sigma is None where nothing grows: decaying modes are not counted, for next to the continuous spectrum nothing would tell which of them
+    decays least. below: where nothing grows next to a point where something does, the fastest mode of such neighbours, followed to here
+    (see neutral.py), or its continuation where it meets the continuous spectrum; None where none is, or none arrives. It has no bound.
     """
 
     status: str
@@ -36,6 +37,7 @@ class Outcome:
     floor: float | None = None
     evaluations: int = 0
     beside: Mapping[str, float] = field(default_factory=dict)
+    below: complex | None = None
 
     @property
     def growth(self) -> float | None:

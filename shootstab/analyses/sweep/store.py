@@ -1,7 +1,8 @@
 """The results of a sweep in an SQLite file, as they come: a sweep that was interrupted goes on where it stopped.
 
 Table `sweep` holds one row, the definition as JSON; table `points` one row a point, with the swept parameters as its key, then re, im,
-error, status, proved, floor, evaluations. A line of points is written in one transaction, so a line is there whole or not at all,
+error, status, proved, floor, evaluations; table `below` likewise re and im of the modes that were followed across the neutral curve, empty
+where none arrived. A line of points is written in one transaction, so a line is there whole or not at all,
 whatever ends the process. A point that another run on the same file has written meanwhile is left as it is: its values are the same.
 What is read is held against what a sweep can have written: the tables to the letter, the points to the grid, each value to its kind.
 """
@@ -10,7 +11,7 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
@@ -31,6 +32,7 @@ STORED_COLUMNS = {
     "beside": "TEXT",
 }
 ALLOWED_STORE = "allowed is a new file or one of `shootstab sweep`"
+BELOW_COLUMNS = {"re": "REAL", "im": "REAL"}
 SWEEP = "CREATE TABLE sweep (definition TEXT NOT NULL)"
 
 
@@ -52,25 +54,29 @@ class Store:
 
     def _begin(self, definition: dict[str, Any]) -> None:
         text = json.dumps(definition, sort_keys=True)
+        tables = {"points": self._table("points", STORED_COLUMNS), "below": self._table("below", BELOW_COLUMNS)}
         with self._refusing(), self._base:
             self._base.execute("BEGIN IMMEDIATE")
             there = dict(self._base.execute("SELECT name, sql FROM sqlite_master WHERE sql IS NOT NULL"))
             if not there:
                 self._base.execute(SWEEP)
                 self._base.execute("INSERT INTO sweep VALUES (?)", (text,))
-                self._base.execute(self._points)
-            elif set(there) != {"sweep", "points"} or there["sweep"] != SWEEP:
+                for made in tables.values():
+                    self._base.execute(made)
+            elif not {"sweep", "points"} <= set(there) or there["sweep"] != SWEEP:
                 raise InputError(f"{self._path}: holds other tables: {ALLOWED_STORE}")
             else:
                 self._require_same(definition, text)
-                if there["points"] != self._points:
-                    self._broken("its table of points has other columns")
+                if set(there) != {"sweep", *tables}:
+                    raise InputError(f"{self._path}: holds other tables: {ALLOWED_STORE}")
+                for name, made in tables.items():
+                    if there[name] != made:
+                        self._broken(f"its table {name!r} has other columns")
 
-    @property
-    def _points(self) -> str:
-        """The table of points in SQL."""
-        columns = [f'"{n}" REAL NOT NULL' for n in self._names] + [f"{n} {kind}" for n, kind in STORED_COLUMNS.items()]
-        return f"CREATE TABLE points ({', '.join(columns)}, PRIMARY KEY ({self._keys})) WITHOUT ROWID"
+    def _table(self, name: str, stored: Mapping[str, str]) -> str:
+        """A table of points in SQL."""
+        columns = [f'"{n}" REAL NOT NULL' for n in self._names] + [f"{n} {kind}" for n, kind in stored.items()]
+        return f"CREATE TABLE {name} ({', '.join(columns)}, PRIMARY KEY ({self._keys})) WITHOUT ROWID"
 
     @property
     def _keys(self) -> str:
@@ -121,11 +127,17 @@ class Store:
 
     def add(self, points: Sequence[Point], outcomes: Sequence[Outcome]) -> None:
         """Results of one line of points, all or none. Raises OutputError where they cannot be written."""
-        marks = ", ".join("?" * (len(self._names) + len(STORED_COLUMNS)))
-        insert = f"INSERT OR IGNORE INTO points VALUES ({marks})"
+        self._insert("points", [(*p, *_row(o)) for p, o in zip(points, outcomes, strict=True)])
+
+    def add_below(self, point: Point, sigma: complex | None) -> None:
+        """The mode followed to a point at which nothing grows, None where none arrived. Raises OutputError."""
+        self._insert("below", [(*point, *_parts(sigma))])
+
+    def _insert(self, table: str, rows: Sequence[tuple[Any, ...]]) -> None:
+        insert = f"INSERT OR IGNORE INTO {table} VALUES ({', '.join('?' * len(rows[0]))})"
         try:
             self._base.execute("BEGIN IMMEDIATE")
-            self._base.executemany(insert, [(*p, *_row(o)) for p, o in zip(points, outcomes, strict=True)])
+            self._base.executemany(insert, rows)
             self._base.execute("COMMIT")
         except sqlite3.Error as error:
             if self._base.in_transaction:
@@ -144,6 +156,18 @@ class Store:
                     self._broken(f"{shortened(row)} is no result")
         return found
 
+    def below(self) -> dict[Point, complex | None]:
+        """What was followed across the neutral curve, by the point to which. Raises InputError for a row that no sweep has written."""
+        n = len(self._names)
+        found: dict[Point, complex | None] = {}
+        with self._refusing():
+            for row in self._base.execute("SELECT * FROM below"):
+                try:
+                    found[row[:n]] = _number(*row[n:])
+                except (ValueError, TypeError):
+                    self._broken(f"{shortened(row)} is no result")
+        return found
+
     def close(self) -> None:
         """Close the file."""
         self._base.close()
@@ -156,9 +180,21 @@ class Store:
 
 
 def _row(outcome: Outcome) -> tuple[Any, ...]:
-    sigma = outcome.sigma
-    re, im = (None, None) if sigma is None else (sigma.real, sigma.imag)
-    return re, im, outcome.error, outcome.status, int(outcome.proved), outcome.floor, outcome.evaluations, json.dumps(dict(outcome.beside))
+    beside = json.dumps(dict(outcome.beside))
+    return *_parts(outcome.sigma), outcome.error, outcome.status, int(outcome.proved), outcome.floor, outcome.evaluations, beside
+
+
+def _parts(sigma: complex | None) -> tuple[float | None, float | None]:
+    return (None, None) if sigma is None else (sigma.real, sigma.imag)
+
+
+def _number(re: Any, im: Any) -> complex | None:
+    """The number of two parts. Raises TypeError or ValueError where they are none."""
+    if not isinstance(re, float | None) or not isinstance(im, float | None):
+        raise TypeError
+    if (re is None) != (im is None):
+        raise ValueError
+    return None if re is None or im is None else complex(re, im)
 
 
 def _outcome(row: Sequence[Any]) -> Outcome:
@@ -166,13 +202,13 @@ def _outcome(row: Sequence[Any]) -> Outcome:
     re, im, error, status, proved, floor, evaluations, beside = row
     if status.partition(":")[0] not in OUTCOMES or proved not in (0, 1) or not isinstance(evaluations, int):
         raise ValueError
-    for number in (re, im, error, floor):
+    for number in (error, floor):
         if not isinstance(number, float | None):
             raise TypeError
     said = json.loads(beside)
-    if (re is None) != (im is None) or not all(isinstance(value, float) for value in said.values()):
+    if not all(isinstance(value, float) for value in said.values()):
         raise ValueError
-    return Outcome(status, bool(proved), None if re is None else complex(re, im), error, floor, evaluations, said)
+    return Outcome(status, bool(proved), _number(re, im), error, floor, evaluations, said)
 
 
 def _differences(found: dict[str, Any], wanted: dict[str, Any]) -> str:

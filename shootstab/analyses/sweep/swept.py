@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from shootstab.analyses.processes import in_processes
-from shootstab.analyses.sweep.grid import GridLine, ParameterAxis, Point, SweepGrid
+from shootstab.analyses.processes import Job, Result, in_processes
+from shootstab.analyses.sweep.grid import ParameterAxis, Point, SweepGrid
+from shootstab.analyses.sweep.neutral import neutral_steps, stepped, with_below
 from shootstab.analyses.sweep.outcomes import OUTCOMES, Outcome
 from shootstab.analyses.sweep.store import Store
 from shootstab.analyses.sweep.walk import WalkSettings, walk
@@ -26,7 +27,8 @@ from shootstab.core.records import UNRESOLVED
 from shootstab.problems.capabilities import FAMILY, Family
 from shootstab.problems.protocol import Problem
 
-FORMAT = 2  # defined by the store: the version of the file of results; one of another version is refused
+FORMAT = 3  # defined by the store: the version of the file of results; one of another version is refused
+STEPS_SHARE = 0.1  # chosen: the part of the work that steps across the neutral curve are; only the progress shown rests on it
 
 
 @dataclass(frozen=True, repr=False)
@@ -69,6 +71,11 @@ class Swept:
         return self.array(lambda o: o.growth)
 
     @property
+    def below(self) -> NDArray[np.complex128]:
+        """σ of the mode followed across the neutral curve, as `array` has it; NaN where there is none."""
+        return self.array(lambda o: o.below, np.complex128)
+
+    @property
     def fastest(self) -> tuple[Point, Outcome] | None:
         """The point of the largest growth rate, None where nothing grows anywhere."""
         growing = [(p, o) for p, o in self.rows() if o.sigma is not None]
@@ -103,8 +110,10 @@ def sweep(
 
     axes: name → number or numbers that rise or fall. Modes are followed along lines of neighbouring points, and counted at their ends, at
     every `every`-th point and where one is lost (see walk.py): there dominance is proved, between it is continued. Modes with
-    Re σ ≤ floor do not count as growing. σ has so many digits at every point, or the point is unresolved. Its error is measured, the
-    integration's part at every point, the other parts at two points of each line of up to 64 and taken ten times at the others.
+    Re σ ≤ floor do not count as growing; next to the neutral curve they are followed one step beyond it (see neutral.py).
+
+    σ has so many digits at every point, or the point is unresolved. Its error is measured, the integration's part at every point, the
+    other parts at two points of each line of up to 64 and taken ten times at the others.
 
     workers: processes of this machine, None: one a core; cluster: the address of a Dask scheduler, in place of them. With `out`, results
     go to an SQLite file as they come (see store.py), and what is there already is not done again. progress(done, total).
@@ -122,26 +131,35 @@ def sweep(
         lines = grid.lines(store.done(grid))
         if lines:
             store.require_writable()
+        steps = round(STEPS_SHARE * len(grid))
+        told = progress or (lambda done, total: None)
         done = len(grid) - sum(len(line.points) for line in lines)
-        if progress is not None:
-            progress(done, len(grid))
+        told(done, len(grid) + steps)
         kept = "" if out is None else f"; {out} keeps what was done"
         with closing(_results(partial(walk, family, settings), lines, workers, cluster, kept)) as results:
             for line, outcomes in results:
                 store.add(line.points, outcomes)
                 done += len(line.points)
-                if progress is not None:
-                    progress(done, len(grid))
-        return Swept(grid.axes, store.results(), settings, family)
+                told(done, len(grid) + steps)
+        outcomes_of, known = store.results(), store.below()
+        left = [step for step in neutral_steps(grid, outcomes_of) if step.point not in known]
+        if left:
+            store.require_writable()
+        with closing(_results(partial(stepped, family, settings), left, workers, cluster, kept)) as landed:
+            for i, (step, sigma) in enumerate(landed, 1):
+                store.add_below(step.point, sigma)
+                told(len(grid) + round(steps * i / len(left)), len(grid) + steps)
+        told(len(grid) + steps, len(grid) + steps)
+        return Swept(grid.axes, with_below(outcomes_of, store.below(), settings), settings, family)
 
 
 def _results(
-    work: Callable[[GridLine], list[Outcome]], lines: list[GridLine], workers: int | None, cluster: str | None, kept: str
-) -> Generator[tuple[GridLine, list[Outcome]], None, None]:
+    work: Callable[[Job], Result], jobs: list[Job], workers: int | None, cluster: str | None, kept: str
+) -> Generator[tuple[Job, Result], None, None]:
     if cluster is not None:
-        return on_cluster(work, lines, cluster, kept)
+        return on_cluster(work, jobs, cluster, kept)
     count = os.cpu_count() or 1 if workers is None else workers
-    return serially(work, lines) if count == 1 or len(lines) < 2 else in_processes(work, lines, count)
+    return serially(work, jobs) if count == 1 or len(jobs) < 2 else in_processes(work, jobs, count)
 
 
 def _definition(grid: SweepGrid, family: Family, settings: WalkSettings) -> dict[str, Any]:
