@@ -23,7 +23,7 @@ from shootstab.discriminants.continuation import Continuation
 from shootstab.discriminants.frame import Frame
 from shootstab.problems.capabilities import Family
 
-HALVINGS = 4  # chosen: of a half step that is not safe
+STEP_HALVINGS = 4  # chosen: of a half step that is not safe
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ def _followed(family: Family, settings: WalkSettings, line: GridLine, sigma: com
             raise ConvergenceError(absent)
         return Continuation(family.problem(values), method).along(followed.predicted(place))[0]
 
-    arrived = all(follow(followed, place, at, HALVINGS, least=-math.inf) == ARRIVED for place in (0.5, 1.0))
+    arrived = all(follow(followed, place, at, STEP_HALVINGS, least=-math.inf) == ARRIVED for place in (0.5, 1.0))
     return followed.last if arrived else None
 
 
