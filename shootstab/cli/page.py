@@ -38,10 +38,10 @@ PLOTLY_MARKS = {"o": "circle", "^": "triangle-up", "x": "x-thin", "+": "cross-th
 MARK_SIZE = 10  # chosen: size of a mark, in pixels
 THIN = ("x-thin", "cross-thin")  # marks that are lines, which plotly draws in the colour of the line alone
 GREY_LINE = "#7d7d7d"  # readable on white and on black
-LEGEND = {"orientation": "h", "yref": "container", "y": 0, "yanchor": "bottom"}  # below the numbers and the name of the axis, on any width
+LEGEND = {"orientation": "h", "yref": "container", "y": 0, "yanchor": "bottom"}  # a place below the name of the axis, on any width
 UNBROKEN = re.compile(r"\d\.\d+e[-+]\d+")  # a browser breaks lines at a hyphen
 AXES = {"xaxis": "Re", "yaxis": "Im"}  # exact: the part of the eigenvalue on each axis
-MENU_PLACE = {"x": 0, "xanchor": "left", "y": 1, "yanchor": "bottom", "pad": {"b": 4, "t": 0}}  # chosen: above the left end
+MENU_PLACE = {"x": 0, "xanchor": "left", "y": 1, "yanchor": "bottom", "pad": {"b": 4, "t": 0}}  # chosen: a place above the left end
 CONFIGURATION = {"responsive": True, "displaylogo": False, "scrollZoom": True}
 PAGE_HEIGHTS = 201  # chosen: heights of an eigenfunction on a page, which is loaded over a network
 

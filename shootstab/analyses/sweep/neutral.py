@@ -23,7 +23,7 @@ from shootstab.discriminants.continuation import Continuation
 from shootstab.discriminants.frame import Frame
 from shootstab.problems.capabilities import Family
 
-STEP_HALVINGS = 4  # chosen: of a half step that is not safe
+STEP_HALVINGS = 4  # chosen: halvings of a half step that is not safe
 
 
 @dataclass(frozen=True)
