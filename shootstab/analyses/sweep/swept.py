@@ -72,7 +72,7 @@ class Swept:
 
     @property
     def below(self) -> NDArray[np.complex128]:
-        """σ of the mode followed across the neutral curve, as `array` has it; NaN where there is none."""
+        """σ of the mode followed across the neutral curve, (a, b, …) as `array` has it; NaN where there is none."""
         return self.array(lambda o: o.below, np.complex128)
 
     @property
