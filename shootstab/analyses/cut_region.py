@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -21,9 +22,12 @@ import numpy as np
 from shootstab.analyses.accuracy import Inaccurate, MeshedValue, require_accurate
 from shootstab.core.discriminant import Value
 from shootstab.core.division import BISECTIONS
+from shootstab.core.errors import ConvergenceError
 from shootstab.core.regions import Disc, Region, size
 from shootstab.core.scaled import EPSILON
-from shootstab.discriminants.continuation import Branch, Continuation, Undecidable
+from shootstab.discriminants.continuation import Continuation, Undecidable
+from shootstab.discriminants.method import MeshedDiscriminant
+from shootstab.discriminants.shared_meshes import SharedMeshes
 from shootstab.essential_spectrum.interior import SampledContinuum
 from shootstab.roots.winding import Legs, change, follow, whole_turns
 
@@ -51,22 +55,31 @@ class RegionCount:
 
 
 class _Contour:
-    """Legs of a contour, followed one after the other, with every sample and the discriminant that it is of."""
+    """Legs of a contour, followed one after the other, with every sample and the discriminant that it is of.
 
-    def __init__(self, continuation: Continuation, most: float) -> None:
-        self.continuation, self.most = continuation, most
+    The legs are those of D without a factor that has no zero and no singular point in the region, the samples those of D.
+    """
+
+    def __init__(self, continuation: Continuation, most: float, without: Callable[[Value], Value] | None) -> None:
+        self.continuation, self.most, self._without = continuation, most, without
         self.samples: list[MeshedValue] = []
+        self._meshes = SharedMeshes()
         self.legs: list[tuple[int, tuple[Value, ...]]] = []
 
     def off_the_curve(self, sigma: complex) -> Value:
         """D along whatever path suits σ: it is the same function."""
-        return self._value(self.continuation.at(sigma), sigma)
+        return self._value(self._meshes.at(self.continuation.along(sigma)[0], sigma), sigma)
+
+    def begin_at(self, sigma: complex) -> None:
+        """Have a mesh for σ, which most others may share where it asks most of one; that there is none is said when σ is asked for."""
+        with suppress(ConvergenceError):
+            self._meshes.at(self.continuation.along(sigma)[0], sigma)
 
     def on_the_curve(self, z: float, side: int) -> Value:
         """D at σ_c(z), continued from the side of singular points above (+1) or below (−1) the real z-axis."""
         assert self.continuation.continuum is not None
         sigma = self.continuation.continuum.at(z)
-        return self._value(self.continuation.beside(z, sigma, side), sigma)
+        return self._value(self.continuation.beside(z, sigma, side).discriminant, sigma)
 
     def follow(self, sign: int, evaluate: Callable[[float], Value], stops: Sequence[float], closed: bool = False) -> None:
         """Add a leg, which counts with this sign."""
@@ -80,19 +93,22 @@ class _Contour:
         closure = abs(phase / (2 * math.pi) - count)
         return RegionCount(count, closure, left_out, sum(len(values) for _, values in self.legs), tuple(self.legs), cut)
 
-    def _value(self, branch: Branch, sigma: complex) -> Value:
-        value = branch.discriminant.with_derivative(sigma)
-        self.samples.append((branch.discriminant, value))
+    def _value(self, discriminant: MeshedDiscriminant, sigma: complex) -> Value:
+        value = discriminant.with_derivative(sigma)
+        self.samples.append((discriminant, value))
         if len(self.samples) > self.most:
             raise Inaccurate(
                 f"D is noise along the contour, or has too many zeros next to it: {len(self.samples)} samples do not follow it"
             )
-        return value
+        return value if self._without is None else self._without(value)
 
 
-def count_in_region(continuation: Continuation, region: Region, most: float = math.inf) -> RegionCount:
+def count_in_region(
+    continuation: Continuation, region: Region, most: float = math.inf, without: Callable[[Value], Value] | None = None
+) -> RegionCount:
     """Count the modes in a region, with so many samples of D at most.
 
+    without divides D by a function that is analytic and not 0 in the region: the quotient may turn less along the contour.
     Raises Undecidable where the continuous spectrum runs over itself, or an end of it lies on the boundary; Inaccurate where D is not
     known well enough, or most samples do not suffice; ConvergenceError where a mode lies on the contour.
     """
@@ -101,7 +117,7 @@ def count_in_region(continuation: Continuation, region: Region, most: float = ma
     if continuation.barrier is not None and continuation.barrier.beyond(region.boundary(0.0)):
         raise Undecidable("the region lies beyond the continuous spectrum of an end at infinity")
     curve = continuation.continuum
-    contour = _Contour(continuation, most)
+    contour = _Contour(continuation, most, without)
     if curve is None:
         _follow_boundary(contour, region, region.corners, closed=True)
         return contour.counted((), False)
@@ -109,6 +125,7 @@ def count_in_region(continuation: Continuation, region: Region, most: float = ma
     if inside and _runs_over_itself(curve):
         raise Undecidable("the continuous spectrum runs over itself inside the region: nothing tells the sides apart")
     ends = ends_inside(curve, region)
+    contour.begin_at(region.boundary(region.parameter(complex(curve.sigma[-1]))))  # next to the end at infinity meshes begin farthest out
     for first, last in _between_crossings(curve, region, inside):
         stops = [first, *(t for t in region.corners if first < t < last), *(t + 1 for t in region.corners if first < t + 1 < last), last]
         _follow_boundary(contour, region, stops, closed=last - first == 1.0)

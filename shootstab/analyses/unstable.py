@@ -10,16 +10,14 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
-
-import numpy as np
 
 from shootstab.analyses.accuracy import Tightening
 from shootstab.analyses.count import counted_twice
 from shootstab.analyses.cut_region import RegionCount
+from shootstab.analyses.growth_law import GrowthLaw
 from shootstab.core.allowed import GROWTH_FLOOR, LARGEST_FLOOR
-from shootstab.core.discriminant import Discriminant
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.given import require_floor
 from shootstab.core.regions import Rectangle
@@ -29,8 +27,6 @@ from shootstab.discriminants.method import AdaptiveDiscriminant, Method
 from shootstab.problems.capabilities import GROWING_REGION
 from shootstab.problems.protocol import Problem
 
-# chosen: nine directions on a half circle in Re σ > 0 in which the law of D at large |σ| is looked at
-ANGLES = np.linspace(-0.5, 0.5, 9) * math.pi
 LAW = 0.05  # chosen: relative departure of q from its law that is allowed on every arc
 OUTWARDS = (1.0, 4.0, 16.0, 64.0)  # chosen: radii, in that of the bound, on which the law is checked
 SMALLEST_RADIUS = LARGEST_FLOOR
@@ -128,25 +124,26 @@ def _closed(problem: Problem, method: Method, floor: float) -> tuple[HalfDisc | 
     return HalfDisc(radius, floor), "", departure
 
 
-def bound(discriminant: AdaptiveDiscriminant) -> tuple[float, float]:
-    """A radius beyond which D follows its law of growth in the right half-plane, and the largest departure seen.
+def growth_beyond(discriminant: AdaptiveDiscriminant, radius: float = SMALLEST_RADIUS) -> GrowthLaw:
+    """The law of growth on an arc from which on D follows it in the right half-plane, with the largest departure seen out there.
 
-    Raises ConvergenceError, before long, where none is found.
+    The arc is that of the radius, or one farther out. Raises ConvergenceError, before long, where none is found.
     """
-    radius, work, without = SMALLEST_RADIUS, 0, ""
+    work, without = 0, ""
     while radius <= LARGEST_RADIUS:
-        departures = []
+        laws: list[GrowthLaw] = []
         for factor in OUTWARDS:
             try:
-                departures.append(departure_from_law(discriminant, radius * factor))
-                work += len(ANGLES) * discriminant.at(radius * factor).steps
+                laws.append(GrowthLaw.on(discriminant, radius * factor))
             except ConvergenceError as error:  # an arc that ends on the continuous spectrum, say: farther out are others
-                departures.append(math.inf)
                 without = f" ({error})"
-            if not departures[-1] < LAW or work > MOST_WORK:
                 break
-        if len(departures) == len(OUTWARDS) and max(departures) < LAW:
-            return radius, max(departures)
+            work += laws[-1].work
+            if not laws[-1].departure < LAW or work > MOST_WORK:
+                break
+        departure = max((law.departure for law in laws), default=math.inf)
+        if len(laws) == len(OUTWARDS) and departure < LAW:
+            return replace(laws[0], departure=departure)
         if work > MOST_WORK:
             break
         radius *= 4.0
@@ -156,12 +153,12 @@ def bound(discriminant: AdaptiveDiscriminant) -> tuple[float, float]:
     )
 
 
-def departure_from_law(discriminant: Discriminant, radius: float) -> float:
+def bound(discriminant: AdaptiveDiscriminant) -> tuple[float, float]:
+    """The radius of `growth_beyond`, and the largest departure seen."""
+    law = growth_beyond(discriminant)
+    return law.radius, law.departure
+
+
+def departure_from_law(discriminant: AdaptiveDiscriminant, radius: float) -> float:
     """max |q − A σ^(1/2) − B|/max |q| on the arc, with A and B fitted to it."""
-    sigmas = radius * np.exp(1j * ANGLES)
-    q = np.array([s * discriminant.with_derivative(complex(s)).logarithmic_derivative for s in sigmas])
-    if not np.isfinite(q).all():
-        return math.inf
-    basis = np.stack((np.sqrt(sigmas), np.ones_like(sigmas)), axis=1)
-    fit = basis @ np.linalg.lstsq(basis, q, rcond=None)[0]
-    return float(np.abs(q - fit).max() / np.abs(q).max())
+    return GrowthLaw.on(discriminant, radius).departure

@@ -25,6 +25,9 @@ PATTERN_SAMPLES = 9  # chosen: points, beside those of the first mesh, at which 
 FAR_START = 1e-14  # chosen: the accuracy of the far field at the beginning of the interval that is sampled, so that it holds every mesh
 
 
+FourLists = tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]
+
+
 class Coupled(InputError):  # noqa: N818 - it is a finding, not a fault
     """What was taken for independent subsystems is not."""
 
@@ -42,7 +45,7 @@ class Subsystem:
     equations: NDArray[np.int64]
     solutions: NDArray[np.int64]
     rows: NDArray[np.int64]
-    phases: tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]
+    phases: FourLists
 
     @property
     def size(self) -> int:
@@ -51,12 +54,6 @@ class Subsystem:
     @property
     def decaying(self) -> int:
         return len(self.solutions)
-
-    @property
-    def factor(self) -> complex:
-        """What the determinant of the subsystem is to be multiplied with: i^(phases of the rows − phases of the solutions)."""
-        turns = int(self.phases[3].sum() - self.phases[2].sum()) % 4
-        return (1 + 0j, 1j, -1 + 0j, -1j)[turns]
 
     def pencil(self, z: ComplexArray) -> Pencil:
         """The matrices (m, n, n) of the subsystem at points z (m,).
@@ -180,31 +177,55 @@ def decouple(problem: Problem) -> Decoupling | None:
         blocks = _entries(problem)
     except ShootstabError:
         return None
+    members, factor = _parts(n, k, *(_kinds(block).tobytes() for block in blocks))
+    if members is None:
+        return None
+    return Decoupling(tuple(Subsystem(problem, *places) for places in members), factor)
+
+
+Places = tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], FourLists]
+
+
+def _kinds(block: ComplexArray) -> NDArray[np.uint8]:
+    """What the entries (p, q) of a block (m, p, q) are: 0 zero, 1 real, 2 imaginary, 3 neither."""
+    real, imaginary = ((part != 0.0).any(axis=0) for part in (block.real, block.imag))
+    return np.asarray(real + 2 * imaginary, dtype=np.uint8)
+
+
+@lru_cache(maxsize=64)
+def _parts(n: int, k: int, pencil: bytes, frame: bytes, rows_at_wall: bytes) -> tuple[tuple[Places, ...] | None, complex]:
+    """States, equations, solutions, rows and phases of every subsystem with decaying solutions, and the factor of their product.
+
+    Given are the kinds of the entries: (n, n) of the pencil, (k, n) of the far frame and of the wall rows. None where nothing falls apart.
+    """
     # nodes: states, equations, solutions, wall rows
     first = np.array([0, n, 2 * n, 2 * n + k])
-    edges = [
-        (int(a) + first[at], int(j), entries[:, a, j])
-        for entries, at in zip(blocks, (1, 2, 3), strict=True)
-        for a, j in zip(*np.nonzero(entries.any(axis=0)), strict=True)
-    ]
+    edges = []
+    for kinds, at in zip((pencil, frame, rows_at_wall), (1, 2, 3), strict=True):
+        block = np.frombuffer(kinds, dtype=np.uint8).reshape(-1, n)
+        edges += [(int(a) + first[at], int(j), int(block[a, j])) for a, j in zip(*np.nonzero(block), strict=True)]
     component, phase, consistent = _two_colouring(2 * n + 2 * k, edges)
     members = []
     for name in dict.fromkeys(component[:n].tolist()):
         nodes = np.flatnonzero(component == name)
         turned = phase if consistent[name] else np.zeros_like(phase)
-        kinds = [nodes[(nodes >= low) & (nodes < high)] for low, high in zip(first, (*first[1:], 2 * n + 2 * k), strict=True)]
-        states, equations, solutions, rows = (kind - low for kind, low in zip(kinds, first, strict=True))
+        kinds_of = [nodes[(nodes >= low) & (nodes < high)] for low, high in zip(first, (*first[1:], 2 * n + 2 * k), strict=True)]
+        states, equations, solutions, rows = (kind - low for kind, low in zip(kinds_of, first, strict=True))
         if len(states) != len(equations) or len(solutions) != len(rows):
-            return None
-        phases = tuple(turned[kind] for kind in kinds)
-        members.append(Subsystem(problem, states, equations, solutions, rows, phases))  # type: ignore[arg-type]
-    if len(members) == 1 and not any(phase.any() for phase in members[0].phases):
-        return None
-    sign = _sign(np.concatenate([m.rows for m in members])) * _sign(np.concatenate([m.solutions for m in members]))
-    factor = complex(sign)
+            return None, 1.0
+        a, b, c, d = (turned[kind] for kind in kinds_of)
+        members.append((states, equations, solutions, rows, (a, b, c, d)))
+    if len(members) == 1 and not any(phase.any() for phase in members[0][4]):
+        return None, 1.0
+    factor = complex(_sign(np.concatenate([m[3] for m in members])) * _sign(np.concatenate([m[2] for m in members])))
     for m in members:
-        factor *= m.factor
-    return Decoupling(tuple(m for m in members if m.decaying > 0), factor)
+        factor *= _turned(m[4])
+    return tuple(m for m in members if len(m[2]) > 0), factor
+
+
+def _turned(phases: FourLists) -> complex:
+    """i^(phases of the rows − phases of the solutions)."""
+    return (1 + 0j, 1j, -1 + 0j, -1j)[int(phases[3].sum() - phases[2].sum()) % 4]
 
 
 def _entries(problem: Problem) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
@@ -222,16 +243,14 @@ def _entries(problem: Problem) -> tuple[ComplexArray, ComplexArray, ComplexArray
     return np.concatenate(list(pencil.named.values())), frame, np.stack(problem.wall_rows())
 
 
-def _two_colouring(
-    nodes: int, edges: Iterable[tuple[int, int, ComplexArray]]
-) -> tuple[NDArray[np.int64], NDArray[np.int64], dict[int, bool]]:
-    """component (nodes,), phase (nodes,) and, by component, whether phases make its entries real.
+def _two_colouring(nodes: int, edges: Iterable[tuple[int, int, int]]) -> tuple[NDArray[np.int64], NDArray[np.int64], dict[int, bool]]:
+    """component (nodes,), phase (nodes,) and, by component, whether phases make its entries real; edges come with the kind of an entry.
 
     A real entry asks for equal phases at its ends, an imaginary one for different ones; an entry that is neither allows none.
     """
     neighbours: list[list[tuple[int, int | None]]] = [[] for _ in range(nodes)]
-    for a, b, values in edges:
-        turn = 0 if not values.imag.any() else 1 if not values.real.any() else None
+    for a, b, kind in edges:
+        turn = (0, 1, None)[kind - 1]
         neighbours[a].append((b, turn))
         neighbours[b].append((a, turn))
     component, phase = np.full(nodes, -1), np.zeros(nodes, dtype=np.int64)

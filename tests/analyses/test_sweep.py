@@ -118,6 +118,12 @@ class KnownPolynomial:
     def at(self, sigma: complex) -> KnownPolynomial:
         return self
 
+    def serves(self, sigma: complex) -> bool:
+        return True
+
+    def on_same_mesh(self, problem: Any) -> KnownPolynomial:
+        return KnownPolynomial(problem.zeros)
+
     meshes = None
 
 

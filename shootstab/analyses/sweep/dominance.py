@@ -6,16 +6,19 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from shootstab.analyses.accuracy import Tightening
 from shootstab.analyses.cut_region import count_in_region
 from shootstab.analyses.find import find_modes
+from shootstab.analyses.growth_law import GrowthLaw
 from shootstab.analyses.reference import spectrum
 from shootstab.analyses.sweep.following import land
-from shootstab.analyses.unstable import LAW, OUTWARDS, HalfDisc, bound, departure_from_law
+from shootstab.analyses.unstable import HalfDisc, growth_beyond
 from shootstab.core.allowed import GROWTH_FLOOR
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.numerus import number_of
 from shootstab.discriminants.continuation import Continuation
 from shootstab.discriminants.frame import Frame
+from shootstab.discriminants.method import AdaptiveDiscriminant
 from shootstab.problems.protocol import Problem
 from shootstab.roots.search import Zero
 
@@ -24,7 +27,9 @@ SHARE = 0.5  # chosen: modes above this part of the dominant growth rate are cou
 NUDGES = (1.0, 0.83, 0.61)  # chosen: factors on a floor on which a mode lies
 RAISE = 30.0  # chosen: factor by which the floor rises where it is too near the continuous spectrum for a count
 HIGHEST_FLOOR = 1e-4  # chosen: the floor up to which it does
-SWEEP_COUNTING = Frame(rtol=1e-6)  # chosen: a phase needs few digits
+SWEEP_COUNTING = Frame(rtol=1e-5)  # chosen: a phase needs few digits; where it needs more, the tolerance is tightened
+SWEEP_FINDING = Frame(rtol=1e-6)  # chosen: a mode that is found is told from one that is known, to SAME_MODE
+LAW_FOLLOWED = Frame(rtol=1e-4)  # chosen: whether D departs by some percent from its law needs fewer
 SUGGESTING_TRUNCATIONS = (40, 64)  # chosen: orders of the pseudospectral spectra that suggest modes
 SUGGESTED = 12  # chosen: suggested modes that are tried, the fastest first
 COUNTED = ("mode is counted", "modes are counted")  # words for a number of them
@@ -33,12 +38,17 @@ SAME_MODE = 1e-5  # chosen: relative distance below which two numbers mean one m
 
 @dataclass(frozen=True)
 class DominantModes:
-    """All modes with Re σ > floor, by falling growth rate; their number is counted, and none lies beyond the radius (see unstable.py)."""
+    """All modes with Re σ > floor, by falling growth rate; their number is counted, and none lies beyond the radius of the law of growth
+    (see unstable.py).
+
+    The meshes of continuation, by which they were counted, and of far, by which the law was found, serve a neighbour too.
+    """
 
     modes: tuple[complex, ...]
     floor: float
-    radius: float
+    law: GrowthLaw
     continuation: Continuation
+    far: AdaptiveDiscriminant
     evaluations: int
 
 
@@ -48,24 +58,27 @@ def count_dominant(problem: Problem, known: Sequence[complex], floor: float, bef
     The count is made first with the known ones. If there are more, pseudospectral spectra suggest where they are, and at last the half-disc
     is divided. Raises ConvergenceError where the count cannot be made or not all modes are found.
     """
-    continuation = Continuation(problem, SWEEP_COUNTING, None if before is None else before.continuation.on_the_axis.meshes)
+    counting = Continuation(problem, SWEEP_COUNTING, None if before is None else before.continuation.on_the_axis.meshes)
+    finding = Continuation(problem, SWEEP_FINDING)
     modes = _distinct(known)
-    if before is None or not modes:
-        modes = _distinct([*modes, *_suggested(continuation, SUGGESTING_TRUNCATIONS[0])])
-    radius, least = _radius(continuation, before), lowest_floor(continuation, floor)
+    if before is None:
+        modes = _distinct([*modes, *_suggested(finding, SUGGESTING_TRUNCATIONS[0])])
+    far = LAW_FOLLOWED.on(problem, begin=None if before is None else before.far.meshes)
+    law = growth_beyond(far) if before is None else growth_beyond(far, before.law.radius)
+    least = lowest_floor(counting, floor)
     for attempt in range(len(SUGGESTING_TRUNCATIONS) + 2):
         level = max(least, SHARE * max((m.real for m in modes), default=0.0))
-        count, level, spent = _counted(continuation, radius, level)
+        count, level, spent = _counted(counting, law, level)
         growing = [m for m in modes if m.real > level]
         if count == len(growing):
             growing.sort(key=lambda m: (-m.real, m.imag))
-            return DominantModes(tuple(growing), level, radius, continuation, spent)
+            return DominantModes(tuple(growing), level, law, counting, far, spent)
         if count < len(growing):
             raise ConvergenceError(f"{number_of(count, *COUNTED)} with Re sigma > {level:.2g}, but {len(growing)} found")
         if attempt < len(SUGGESTING_TRUNCATIONS):
-            modes = _distinct([*modes, *_suggested(continuation, SUGGESTING_TRUNCATIONS[attempt])])
+            modes = _distinct([*modes, *_suggested(finding, SUGGESTING_TRUNCATIONS[attempt])])
         else:
-            _, zeros, _ = find_modes(continuation, HalfDisc(radius, level), [Zero(m) for m in growing])
+            _, zeros, _ = find_modes(finding, HalfDisc(law.radius, level), [Zero(m) for m in growing])
             modes = _distinct([*modes, *(z.sigma for z in zeros)])
     raise ConvergenceError(f"{number_of(count, *COUNTED)} with Re sigma > {level:.2g}, but only {len(growing)} found")
 
@@ -76,22 +89,15 @@ def lowest_floor(continuation: Continuation, floor: float) -> float:
     return floor if curve is None else max(floor, DECAY_NOISE * float(abs(curve.sigma.imag).max()))
 
 
-def _radius(continuation: Continuation, before: DominantModes | None) -> float:
-    """A radius beyond which D follows its law of growth: that of the neighbour if it holds here too."""
-    if before is not None:
-        D = continuation.on_the_axis
-        if all(departure_from_law(D, before.radius * r) < LAW for r in OUTWARDS):
-            return before.radius
-    return bound(continuation.on_the_axis)[0]
-
-
-def _counted(continuation: Continuation, radius: float, floor: float) -> tuple[int, float, int]:
+def _counted(continuation: Continuation, law: GrowthLaw, floor: float) -> tuple[int, float, int]:
     """The number of modes with Re σ above the floor, or above a lower or higher one on which no mode and no singular point lies."""
+    tightening = Tightening(continuation)
     level = floor
     while True:
         for nudge in NUDGES:
             try:
-                found = count_in_region(continuation, HalfDisc(radius, nudge * level))
+                region = HalfDisc(law.radius, nudge * level)
+                _, found = tightening.first(lambda c, region=region: count_in_region(c, region, without=law.divided_out))  # type: ignore[misc]
             except ConvergenceError:
                 if nudge == NUDGES[-1] and RAISE * level > max(HIGHEST_FLOOR, floor):
                     raise
@@ -102,7 +108,7 @@ def _counted(continuation: Continuation, radius: float, floor: float) -> tuple[i
 
 def suggested(problem: Problem) -> list[complex]:
     """Growing zeros of D next to eigenvalues of a coarse pseudospectral discretization, the fastest first: there may be others."""
-    return _suggested(Continuation(problem, SWEEP_COUNTING), SUGGESTING_TRUNCATIONS[0])
+    return _suggested(Continuation(problem, SWEEP_FINDING), SUGGESTING_TRUNCATIONS[0])
 
 
 def _suggested(continuation: Continuation, truncation: int) -> list[complex]:

@@ -22,7 +22,7 @@ from shootstab.core.errors import ConvergenceError
 from shootstab.core.given import require_floor, require_whole
 from shootstab.core.records import UNRESOLVED
 from shootstab.discriminants.frame import Frame
-from shootstab.discriminants.method import AdaptiveDiscriminant
+from shootstab.discriminants.shared_meshes import NeighbouringD
 from shootstab.problems.capabilities import Family
 from shootstab.problems.protocol import Problem
 
@@ -91,8 +91,8 @@ class _Walk:
         self._followed: dict[int, FollowedMode] = {}
         self._made = 0
         self._problems: dict[float, Problem] = {}
-        self._kept: dict[float, AdaptiveDiscriminant] = {}
-        self._latest: AdaptiveDiscriminant | None = None  # its meshes are those that the next one begins with
+        self._kept: dict[float, NeighbouringD] = {}
+        self._latest: NeighbouringD | None = None  # its meshes are those that the next one begins with
         self._dominant: DominantModes | None = None
 
     def outcomes(self) -> list[Outcome]:
@@ -165,11 +165,10 @@ class _Walk:
             self._problems[place] = self._family.problem(self._line.values(place))
         return self._problems[place]
 
-    def _at(self, place: float) -> AdaptiveDiscriminant:
+    def _at(self, place: float) -> NeighbouringD:
         """D at a place on the line, which begins with the meshes of the last one."""
         if place not in self._kept:
-            problem = self._problem(place)
-            self._latest = self._method.on(problem, begin=None if self._latest is None else self._latest.meshes)
+            self._latest = NeighbouringD(self._problem(place), self._method, self._latest)
             self._kept[place] = self._latest
         return self._kept[place]
 

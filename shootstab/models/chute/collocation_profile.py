@@ -98,12 +98,19 @@ def clustering(
     """
     heights = z_max * np.geomspace(*CANDIDATE_HALVES) if z_half is None else [z_half]
     pairs = product(heights, FOCI if focus is None else (focus,))
-    best = min(pairs, key=lambda pair: _area(flow, chebyshev.malik(COMPARED_DEGREE, z_max, *pair).z, kx, ky))
+    best = min(pairs, key=lambda pair: _area(flow, *_candidate(flow, z_max, *map(float, pair)), kx, ky))
     return float(best[0]), float(best[1])
 
 
-def _area(flow: Flow, z: RealArray, kx: float, ky: float) -> float:
-    s, K, mean = profile(flow, z), math.hypot(kx, ky), flow.mass_flux / flow.hold_up
+@lru_cache(maxsize=256)
+def _candidate(flow: Flow, z_max: float, z_half: float, focus: float) -> tuple[RealArray, SteadyProfile]:
+    """The points of a grid and the flow at them: for all waves they are the same."""
+    z = chebyshev.malik(COMPARED_DEGREE, z_max, z_half, focus).z
+    return z, profile(flow, z)
+
+
+def _area(flow: Flow, z: RealArray, s: SteadyProfile, kx: float, ky: float) -> float:
+    K, mean = math.hypot(kx, ky), flow.mass_flux / flow.hold_up
     c = s.nu * (s.a * s.K + s.b * s.K_star) / (s.K * (s.xi + 4 / 3 * s.eta))
     resonance = c / (c + K * flow.far_temperature**0.5 / 10 + 1j * kx * (s.u - mean))
     sizes = np.abs(chebyshev.coefficients(np.array([s.nu, s.T, s.u, s.q / s.nu, np.exp(-K * z), resonance])))

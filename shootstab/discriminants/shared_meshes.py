@@ -1,0 +1,98 @@
+"""Meshes that the points of one contour share, or neighbouring problems along a line.
+
+A mesh of few steps serves σ of very different size, and a value on it costs less than to look for another one. What is kept belongs to one
+contour, or to one line, whose points come in one order: which mesh serves a σ follows from that.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+
+from shootstab.core.discriminant import Value
+from shootstab.core.errors import ConvergenceError
+from shootstab.core.scaled import Scaled
+from shootstab.discriminants.method import AdaptiveDiscriminant, MeshedDiscriminant, Meshes, Method
+from shootstab.discriminants.subsystems import Coupled
+from shootstab.problems.protocol import Problem
+
+MESHES_TRIED = 2  # chosen: meshes that are tried before another one is made, those that served last
+SHORT_MESH = 32  # chosen: steps up to which a mesh may serve any σ: a value on them costs less than a mesh
+SHARED_WITHIN = 8.0  # chosen: the ratio of |σ| over which a longer mesh is shared; steps go with |σ|^(1/2) where there are many
+
+
+class SharedMeshes:
+    """Meshes of a discriminant, or of several, in the order in which they served last; the first one made is tried always."""
+
+    def __init__(self) -> None:
+        self._kept: dict[AdaptiveDiscriminant, list[tuple[MeshedDiscriminant, float]]] = {}
+
+    def at(self, discriminant: AdaptiveDiscriminant, sigma: complex) -> MeshedDiscriminant:
+        """D on a mesh that serves σ, if it can be one that served a point before. Raises ConvergenceError where none is found."""
+        kept, size = self._kept.setdefault(discriminant, []), abs(sigma)
+        for known in (*kept[: -MESHES_TRIED - 1 : -1], *kept[: max(0, len(kept) - MESHES_TRIED)][:1]):
+            made, of = known
+            if (made.steps <= SHORT_MESH or size <= SHARED_WITHIN * of <= SHARED_WITHIN**2 * size) and _serves(made, sigma):
+                if known is not kept[0]:
+                    kept.remove(known)
+                    kept.append(known)
+                return made
+        kept.append((discriminant.at(sigma), size))
+        return kept[-1][0]
+
+
+class NeighbouringD:
+    """D(σ) of a problem, on a mesh of its neighbour's that serves σ here too, and on one of its own otherwise."""
+
+    def __init__(self, problem: Problem, method: Method, before: NeighbouringD | None) -> None:
+        self._problem, self._method = problem, method
+        self._lent = [] if before is None else before.meshes_used
+        self._begin: Meshes | None = None if before is None else before.begun
+        self._own: AdaptiveDiscriminant | None = None
+        self._used: list[MeshedDiscriminant] = []
+        self._borrowed: list[MeshedDiscriminant] = []
+
+    def at(self, sigma: complex) -> MeshedDiscriminant:
+        """D on a mesh that serves σ. Raises ConvergenceError where none is found."""
+        for made in reversed(self._used):
+            if _serves(made, sigma):
+                return made
+        while self._lent:
+            with suppress(Coupled):  # the neighbour falls into subsystems, and this problem does not
+                made = self._lent.pop().on_same_mesh(self._problem)
+                self._borrowed.append(made)
+                if _serves(made, sigma):
+                    self._used.append(made)
+                    return made
+        if self._own is None:
+            self._own = self._method.on(self._problem, begin=self._begin)
+        self._used.append(self._own.at(sigma))
+        return self._used[-1]
+
+    def __call__(self, sigma: complex) -> Scaled:
+        return self.at(sigma)(sigma)
+
+    def with_derivative(self, sigma: complex) -> Value:
+        return self.at(sigma).with_derivative(sigma)
+
+    @property
+    def evaluations(self) -> int:
+        """How often D was computed."""
+        return sum(made.evaluations for made in self._borrowed) + (0 if self._own is None else self._own.evaluations)
+
+    @property
+    def meshes_used(self) -> list[MeshedDiscriminant]:
+        """D on the meshes that served here, those that served last at the end; before the first value those of the neighbour."""
+        return list(self._used or self._lent)
+
+    @property
+    def begun(self) -> Meshes | None:
+        """The nodes (N + 1,) of cells with which a neighbour may begin."""
+        return self._begin if self._own is None else self._own.meshes
+
+
+def _serves(made: MeshedDiscriminant, sigma: complex) -> bool:
+    """Whether a mesh serves σ; one whose far end knows no frame for σ does not."""
+    try:
+        return made.serves(sigma)
+    except ConvergenceError:
+        return False
