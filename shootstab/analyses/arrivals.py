@@ -11,6 +11,8 @@ import cmath
 import math
 from collections.abc import Callable, Iterator, Sequence
 
+from shootstab.core.allowance import Allowance
+
 VALUES_APART = 0.025  # chosen: the distance of values that are tried; where modes move by more, others come next to the claim
 PROMISING = 3.0  # chosen: how far from such a value a secant may lead, in VALUES_APART; with 2 half of the parameters are missed
 MORE_SECANTS = 8  # chosen: further secants from there
@@ -19,11 +21,16 @@ SHORT_STEP = 1e-6  # chosen: Newton's step in the claim, so short that the claim
 Steps = Callable[[complex], complex]  # Newton's step from a claim at some t, infinite where there is none
 
 
-def arrivals(at: Callable[[float], Steps], claims: Sequence[complex], widest: float) -> Iterator[float]:
-    """The t between −widest and widest at which one of the claims is a mode, as far as secants between neighbouring values lead there."""
+def arrivals(at: Callable[[float], Steps], claims: Sequence[complex], widest: float, allowance: Allowance) -> Iterator[float]:
+    """The t between −widest and widest at which one of the claims is a mode, as far as secants between neighbouring values lead there.
+
+    They come from 0 outwards, until the allowance is spent.
+    """
     values = round(widest / VALUES_APART)
     known: dict[int, list[complex]] = {}
     for k in sorted(range(-values, values), key=abs):
+        if allowance.spent:
+            return
         for i in (k, k + 1):
             if i not in known:
                 steps = at(i * VALUES_APART)

@@ -19,6 +19,7 @@ import numpy as np
 from shootstab.analyses import reference
 from shootstab.analyses.arrivals import Steps, arrivals
 from shootstab.analyses.verify import verify
+from shootstab.core.allowance import Allowance
 from shootstab.core.errors import ShootstabError
 from shootstab.core.records import CONFIRMED, INACCURATE, SPURIOUS, Report, digits_between
 from shootstab.discriminants.continuation import Continuation
@@ -57,8 +58,13 @@ class Hypothesis:
         return self.factor * (claim.conjugate() if self.conjugate else claim)
 
 
-def hypotheses(problem: Problem, report: Report, digits: int, factors: Sequence[complex] = UNITS) -> tuple[Hypothesis, ...]:
-    """The hypotheses that hold for the claims tried, if the report calls all claims spurious, else none. factors are tried first."""
+def hypotheses(
+    problem: Problem, report: Report, digits: int, factors: Sequence[complex] = UNITS, allowance: Allowance | None = None
+) -> tuple[Hypothesis, ...]:
+    """The hypotheses that hold for the claims tried, if the report calls all claims spurious, else none. factors are tried first.
+
+    The allowance is for the units that are tried where no reference lists modes.
+    """
     claims = [v.claimed for v in report.verdicts if v.claimed != 0.0]
     if len(claims) < LEAST or any(v.verdict != SPURIOUS for v in report.verdicts):
         return ()
@@ -68,23 +74,31 @@ def hypotheses(problem: Problem, report: Report, digits: int, factors: Sequence[
         found = _holding(problem, digits, claims[:TRIED], factors_of)
         if found:
             return tuple(found)
-    return _as_parts(modes, claims[:TRIED]) if len(modes) else _in_other_units(problem, claims[:TRIED], digits, factors)
+    return (
+        _as_parts(modes, claims[:TRIED])
+        if len(modes)
+        else _in_other_units(problem, claims[:TRIED], digits, factors, allowance or Allowance())
+    )
 
 
-def _in_other_units(problem: Problem, claims: Sequence[complex], digits: int, factors: Sequence[complex]) -> tuple[Hypothesis, ...]:
+def _in_other_units(
+    problem: Problem, claims: Sequence[complex], digits: int, factors: Sequence[complex], allowance: Allowance
+) -> tuple[Hypothesis, ...]:
     """The first unit found in which the claims are modes: a positive multiple of a factor that is 1 or a clockwise turn."""
     continuation = Continuation(problem, ROUGHLY)
-    for unit in dict.fromkeys(f for f in map(complex, factors) if f.real > 0.0 or f.imag < 0.0):
+    turns = tuple(dict.fromkeys(f for f in map(complex, factors) if f.real > 0.0 or f.imag < 0.0))
+    for i, unit in enumerate(turns):
 
         def steps(t: float, unit: complex = unit) -> Steps:
             factor = unit * math.exp(t)
             return lambda v: newton_step(continuation, factor * v) / factor
 
-        for t in arrivals(steps, claims[: len(claims) - enough(len(claims)) + 1], WIDEST_UNIT):
-            factor = unit * math.exp(t)
-            shared = agreed(problem, digits, [factor * claim for claim in claims])
-            if len(shared) >= enough(len(claims)):
-                return (Hypothesis(factor, False, len(claims), min(shared), len(shared)),)
+        with allowance.share(1.0 / (len(turns) - i)) as own:
+            for t in arrivals(steps, claims[: len(claims) - enough(len(claims)) + 1], WIDEST_UNIT, own):
+                factor = unit * math.exp(t)
+                shared = agreed(problem, digits, [factor * claim for claim in claims])
+                if len(shared) >= enough(len(claims)):
+                    return (Hypothesis(factor, False, len(claims), min(shared), len(shared)),)
     return ()
 
 

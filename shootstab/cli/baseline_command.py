@@ -39,7 +39,7 @@ def record(options: Namespace) -> int:
     guesses = [*(options.guess or []), *([] if options.source is None else readers.read(options.source))]
     if not guesses:
         raise InputError("no modes: needed is --guess or --from")
-    scene = scene_files.load(options.scene)
+    scene = commands.loaded(options.scene)
     modes = _modes(scene, guesses, options.digits)
     for mode in modes:
         if not mode.converged:
@@ -58,7 +58,7 @@ def check(options: Namespace) -> int:
     baseline = baselines.load(options.file)
     scene = None
     if options.eigenvalues is None:
-        scene = scene_files.load(baseline.scene)
+        scene = commands.loaded(baseline.scene)
         modes = _modes(scene, [sigma for sigma, _ in baseline.modes], baseline.digits)
         found = [complex(mode.sigma) for mode in modes if mode.converged]
     else:

@@ -32,7 +32,7 @@ def refine(options: Namespace) -> int:
     convention = _convention(options)
     if convention.conjugate:
         raise InputError("--conjugate: allowed with verify; here give the conjugate guess")
-    scene = scene_files.load(options.scene).seen(convention)
+    scene = loaded(options.scene).seen(convention)
     from shootstab.analyses.refine import refine as question
     from shootstab.cli.terminal import progress
 
@@ -52,6 +52,14 @@ def refine(options: Namespace) -> int:
     return DONE if found.converged else BAD_NEWS
 
 
+def loaded(name: str) -> scene_files.Scene:
+    """The scene, with its base flow, which may take seconds on a busy machine. Raises InputError where there is none."""
+    from shootstab.cli.terminal import progress
+
+    with progress(f"reading the scene {name}"):
+        return scene_files.load(name)
+
+
 def _look(options: Namespace) -> figures.Look:
     """The look of the picture. Raises InputError where one is asked for that cannot be drawn."""
     look = figures.Look.of(options)
@@ -66,7 +74,7 @@ def _convention(options: Namespace) -> Convention:
     if options.kind is None and (given or options.sign is not None):
         raise InputError("--alpha, --sign, --length and --velocity: allowed with --as growth, frequency or phase-speed")
     if options.kind == "phase-speed" and "alpha" not in given:
-        own = scene_files.load(options.scene).wavenumber
+        own = loaded(options.scene).wavenumber
         if own is not None:
             given["alpha"] = own[1] * given.get("length", 1.0)  # α in the user's units
     return Convention(options.kind or "growth", options.sign, conjugate=options.conjugate, **given)
@@ -80,7 +88,7 @@ def count(options: Namespace) -> int:
     if options.floor is not None and options.region != "half-plane":
         raise InputError("--floor: allowed only with --region half-plane")
     region, lemma = _region(options), ""
-    scene = scene_files.load(options.scene)
+    scene = loaded(options.scene)
     with progress(f"counting modes of {scene.name}"):
         if region is None:
             from shootstab.analyses.unstable import count_unstable
@@ -108,7 +116,7 @@ def find(options: Namespace) -> int:
 
     look, region = _look(options), _region(options)
     assert region is not None
-    scene = scene_files.load(options.scene)
+    scene = loaded(options.scene)
     from shootstab.analyses.find import find as question
     from shootstab.cli.terminal import progress
 
@@ -156,7 +164,7 @@ def spectrum(options: Namespace) -> int:
     from shootstab.io import documents
 
     look = _look(options)
-    scene = scene_files.load(options.scene)
+    scene = loaded(options.scene)
     from shootstab.analyses.reference import spectrum as question
     from shootstab.cli.terminal import progress
 
@@ -181,7 +189,7 @@ def scenes(options: Namespace) -> int:
     listed = scene_files.built_in()
     if options.json is not None:
         says = [{"name": name, "description": one.scene.description, **vars(one.details)} for name, one in listed.items()]
-        _write_json(options, {"scenes": says})
+        _write_json(options, {"scenes": says, "version": __version__, **clock_of(options).stop()})
     if options.json != "-" and not options.quiet:
         width = max(map(len, listed)) + 2
         column = " " * width

@@ -11,9 +11,8 @@ from argparse import Namespace
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from shootstab.cli.commands import DONE, answer
+from shootstab.cli.commands import DONE, answer, loaded
 from shootstab.core.errors import InputError
-from shootstab.io import scenes
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -31,7 +30,7 @@ def options(parser: argparse.ArgumentParser, guess: Callable[[str], complex]) ->
 
 def critical(options: Namespace) -> int:
     """The critical point of a scene in equations."""
-    scene = scenes.load(options.scene)
+    scene = loaded(options.scene)
     from shootstab.analyses.critical import critical as question
     from shootstab.cli.terminal import progress
     from shootstab.io.notation import as_strings, held

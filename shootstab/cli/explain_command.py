@@ -5,8 +5,7 @@ from __future__ import annotations
 from argparse import Namespace
 from typing import TYPE_CHECKING
 
-from shootstab.cli.commands import DONE, answer
-from shootstab.io import scenes
+from shootstab.cli.commands import DONE, answer, loaded
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -16,7 +15,7 @@ def explain(options: Namespace) -> int:
     """Order, states, the continuous spectrum inside, conditions on the states."""
     from shootstab.problems.capabilities import EXPLANATION
 
-    scene = scenes.load(options.scene)
+    scene = loaded(options.scene)
     lines = EXPLANATION.required(scene.problem)
 
     def tables() -> list[RenderableType]:

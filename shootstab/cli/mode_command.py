@@ -53,13 +53,14 @@ def mode(options: Namespace) -> int:
     convention = commands.convention(options)
     if convention.conjugate:
         raise InputError("--conjugate: allowed with verify; here give the conjugate guess")
-    scene = scene_files.load(options.scene).seen(convention)
-    from shootstab.analyses.eigenspace import eigenspace
-    from shootstab.analyses.refine import refine
-    from shootstab.analyses.sensitivity import sensitivities
+    scene = commands.loaded(options.scene).seen(convention)
     from shootstab.io.notation import as_strings
 
     with progress(f"solving {scene.name}") as told:
+        from shootstab.analyses.eigenspace import eigenspace
+        from shootstab.analyses.refine import refine
+        from shootstab.analyses.sensitivity import sensitivities
+
         refined = refine(scene.problem, options.guess, options.rtol)
         solved = eigenspace(scene.problem, refined, options.rtol, told) if refined.converged else None
     if solved is None:

@@ -29,13 +29,14 @@ def answer(options: Namespace) -> int:
     if options.export is not None and options.export.suffix.lower() != ".csv":
         raise InputError(f"{options.export}: allowed with --digits is a file name that ends in .csv")
     look = commands.look(options)
-    scene = scene_files.load(options.scene)
-    from shootstab.analyses.eigenfunction import eigenfunction
+    scene = commands.loaded(options.scene)
     from shootstab.cli.terminal import progress
     from shootstab.io import documents
     from shootstab.io.notation import as_strings
 
     with progress(f"solving {scene.name}") as told:
+        from shootstab.analyses.eigenfunction import eigenfunction
+
         found = eigenfunction(scene.problem, options.guess, progress=told, digits=options.digits)
         low, high = options.z or found.rough.extent
         count = options.points or HEIGHTS_IN_DIGITS

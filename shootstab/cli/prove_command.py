@@ -9,12 +9,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from shootstab.cli.commands import BAD_NEWS, DONE, answer
+from shootstab.cli.commands import BAD_NEWS, DONE, answer, loaded
 from shootstab.cli.values import counted
 from shootstab.core.allowed import MOST_PROOF_DIGITS, PROOF_DIGITS
 from shootstab.core.errors import InputError
 from shootstab.core.regions import Rectangle
-from shootstab.io import documents, scenes
+from shootstab.io import documents
 from shootstab.io.files import require_writable, write_whole
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def prove(options: Namespace) -> int:
             raise InputError("--certificate: allowed with --guess, --disc and --growing, for one value of the parameters")
         require_writable(options.certificate)
     parameter = None if options.over is None else _interval(options)
-    scene = scenes.load(options.scene)
+    scene = loaded(options.scene)
     if options.certificate is not None:
         from shootstab.analyses.certificate import certify, require_checker
 
@@ -64,7 +64,8 @@ def prove(options: Namespace) -> int:
         else:
             found = proofs.prove_growing(scene.problem, options.growing[0], told)
     if options.certificate is not None:
-        text = documents.text(certify(scene.problem, found))
+        with progress(f"writing {options.certificate.name}"):
+            text = documents.text(certify(scene.problem, found))
         write_whole(options.certificate, lambda path: path.write_text(text, encoding="utf-8"))
 
     def tables() -> list[RenderableType]:
@@ -104,8 +105,11 @@ def _interval(options: Namespace) -> tuple[str, float, float]:
 def check(options: Namespace) -> int:
     """Whether a certificate proves what it says, found by its checker alone."""
     from shootstab.analyses import certificate
+    from shootstab.cli.terminal import progress
 
-    reason = certificate.check(certificate.read(options.file))
+    read = certificate.read(options.file)
+    with progress(f"checking {options.file.name}"):
+        reason = certificate.check(read)
 
     def tables() -> list[RenderableType]:
         from shootstab.cli.tables import paragraph

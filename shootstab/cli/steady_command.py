@@ -39,7 +39,7 @@ def steady(options: Namespace) -> int:
     look = figures.Look.of(options)
     if options.plot is not None:
         figures.require(options.plot, look)
-    scene = scene_files.load(options.scene)
+    scene = commands.loaded(options.scene)
     flow = scene.flow
     if flow is None:
         raise InputError(f"{options.scene}: has no steady flow of grains: allowed is a scene with a [flow]")

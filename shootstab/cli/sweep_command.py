@@ -17,13 +17,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shootstab.cli import figures
-from shootstab.cli.commands import BAD_NEWS, DONE, answer
+from shootstab.cli.commands import BAD_NEWS, DONE, answer, loaded
 from shootstab.cli.lines import numbered
 from shootstab.cli.values import counted, shared_out
 from shootstab.core.allowed import COUNT_EVERY, GROWTH_FLOOR, LARGEST_FLOOR, MOST_EVERY, MOST_SWEEP_DIGITS, SWEEP_DIGITS
 from shootstab.core.errors import InputError
 from shootstab.core.numerus import number_of
-from shootstab.io import scenes as scene_files
 from shootstab.io.files import require_writable, write_whole
 from shootstab.models.chute.registry import SWEPT
 
@@ -80,7 +79,7 @@ def sweep(options: Namespace) -> int:
         from shootstab.cli import maps
 
         maps.require(options.plot, axes, figures.Look.of(options))
-    scene = scene_files.load(options.scene)
+    scene = loaded(options.scene)
     from shootstab.analyses.sweep import sweep as question
     from shootstab.cli.terminal import progress
 

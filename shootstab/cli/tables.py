@@ -137,11 +137,11 @@ def mode(found: Mode, scene: Scene, asked: int | None = None) -> Parts:
         "error": f"{_two_figures(found.error)} ({', '.join(parts[:2])},\n       {', '.join(parts[2:])})",
         "digits": f"{found.digits:.1f}",
         "status": found.status,
-        "method": f"{found.method}, {number_of(found.evaluations, 'evaluation')}, {found.seconds:.2g} s, {found.path} path in z",
+        "method": f"{found.method}, {number_of(found.evaluations, 'evaluation')}, {found.seconds:.2g} s, {_path(found.path)}",
     }
     if found.atol > 0.0 and found.error > 0.0 and abs(found.sigma) < found.scale:
         rows["absolute accuracy"] = f"{_two_figures(found.atol)} suffices here, where D is linear over {_two_figures(found.scale)}"
-    if math.isfinite(found.guess_distance):
+    if found.converged and math.isfinite(found.guess_distance):
         rows["from the guess"] = _two_figures(found.guess_distance) + (f": {found.nearer}" if found.nearer else "")
     if found.system:
         rows["system"] = found.system
@@ -150,6 +150,11 @@ def mode(found: Mode, scene: Scene, asked: int | None = None) -> Parts:
     if math.isfinite(found.continuum_distance):
         rows["continuous spectrum"] = f"at a distance of {_two_figures(found.continuum_distance)}"
     return [heading(scene), pairs((name, with_i(value)) for name, value in rows.items())]
+
+
+def _path(path: str) -> str:
+    """The path of integration in words: real, or through a complex point."""
+    return f"{path} path in z" if " " not in path else f"path in z {path}"
 
 
 def count(region: Region, found: RegionCount, scene: Scene, lemma: str = "") -> Parts:

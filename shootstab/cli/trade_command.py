@@ -12,9 +12,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from shootstab.cli import figures
-from shootstab.cli.commands import DONE, answer
+from shootstab.cli.commands import DONE, answer, loaded
 from shootstab.core.progress import MILLISECONDS
-from shootstab.io import scenes as scene_files
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -50,7 +49,7 @@ def trade(options: Namespace) -> int:
     look = figures.Look.of(options)
     if options.plot is not None:
         figures.require(options.plot, look)
-    scene = scene_files.load(options.scene)
+    scene = loaded(options.scene)
     from shootstab.analyses.work_precision import trade as question
     from shootstab.cli.terminal import progress
 

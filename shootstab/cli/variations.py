@@ -6,7 +6,9 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from shootstab.analyses.other_parameters import OtherValue, Variation
+from shootstab.analyses.hypotheses import LEAST
+from shootstab.analyses.other_parameters import OtherValue, Searched, Together, Variation
+from shootstab.core.records import SPURIOUS, Report
 from shootstab.io import scenes as scene_files
 from shootstab.io.conventions import Convention
 from shootstab.problems.capabilities import FAMILY
@@ -26,6 +28,25 @@ def variations(scene: scene_files.Scene, convention: Convention, own_wavenumber:
         turned = own_wavenumber and convention.kind == "phase-speed" and name == own
         found[name] = Variation(here, partial(_seen, member, convention, here if turned else None))
     return found
+
+
+def together(scene: scene_files.Scene, convention: Convention, own_wavenumber: bool) -> Together:
+    """The problem at values of several of those parameters, for the eigenvalue of a convention."""
+    turned = own_wavenumber and convention.kind == "phase-speed"
+    family_of = FAMILY.of(scene.problem)
+
+    def member(values: Mapping[str, float]) -> Problem:
+        if family_of is not None:
+            problem: Problem = family_of(tuple(values)).problem(values)
+        else:
+            tables = {**scene.parameters, "problem": {**scene.parameters["problem"], **values}}
+            problem = scene_files.from_tables(scene.name, scene.description, tables).problem
+        unit = convention.unit
+        if turned and scene.wavenumber and scene.wavenumber[0] in values:
+            unit *= values[scene.wavenumber[0]] / scene.wavenumber[1]
+        return problem if unit == 1.0 else Rescaled(problem, unit)
+
+    return member
 
 
 def _seen(member: Callable[[float], Problem], convention: Convention, here: float | None, value: float) -> Problem:
@@ -59,5 +80,19 @@ def _of_table(scene: scene_files.Scene, name: str, value: float) -> Problem:
 def sentence(found: OtherValue) -> str:
     """The proposal in words."""
     tried = f"All {found.tried}" if found.agreeing == found.tried else f"{found.agreeing} of {found.tried}"
-    value = f"{found.parameter} = {found.value:g}"
-    return f"{tried} claims tried are modes to {found.digits:.1f} digits at {value}; this scene has {found.parameter} = {found.here:g}."
+    there, here = f"{found.parameter} = {found.value:g}", f"{found.parameter} = {found.here:g}"
+    if found.second is not None:
+        name, own, other = found.second
+        there, here = f"{there} and {name} = {other:g}", f"{here} and {name} = {own:g}"
+    return f"{tried} claims tried are modes to {found.digits:.1f} digits at {there}; this scene has {here}."
+
+
+def without_success(searched: Searched, report: Report, seconds: float | None) -> list[str]:
+    """What was tried in vain, in a sentence, and the seconds of processor time that ended it, if they did; nothing if nothing was tried."""
+    every_one = len(report.verdicts) >= LEAST and all(v.verdict == SPURIOUS for v in report.verdicts)
+    tried = ["conjugates, signs, frequencies and units of the claims"] if every_one else []
+    tried += [f"{name} from {low:.3g} to {high:.3g}" for name, (low, high) in searched.ranges.items()]
+    if searched.pairs:
+        tried.append("two of these at once")
+    limit = "" if seconds is None else f" The search for it ends after {seconds:g} s of processor time."
+    return [f"What the claims may mean was not found; tried: {'; '.join(tried)}.{limit}"] if tried else []

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from shootstab.cli import commands, figures, values
 from shootstab.cli.selection import SORTS
+from shootstab.core.allowance import Allowance
 from shootstab.core.allowed import DOUBLE_DIGITS, VERDICT_DIGITS
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.records import CONFIRMED, VERDICTS, Report
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     from shootstab.cli.page import Page
     from shootstab.core.progress import Progress
 
+SEARCH_SECONDS = 10.0  # chosen: processor time for what claims that are no modes may mean; it is a proposal, and nobody asked for it
+UNITS_SHARE = 0.4  # chosen: the part of it that units may take, before parameters are tried
 SHAPES = 3  # chosen: eigenfunctions on a page, those that grow most; each takes about as long as its verdict
 
 
@@ -82,17 +85,17 @@ def verify(options: Namespace) -> int:
         source = examples.path_for(options.scene, source)
     spectrum = None if source is None else readers.read(source, options.dataset, options.row)
     given = None if spectrum is None else convention.read(spectrum)
-    own = scene_files.load(options.scene)
+    own = commands.loaded(options.scene)
     scene = own.seen(convention)
     if options.prove:
         from shootstab.analyses.prove import factors
 
         factors(own.problem)  # what has no enclosure is refused before anything is computed
-    from shootstab.analyses.missing import unstable_box
-    from shootstab.analyses.reference import claims
-    from shootstab.analyses.verify import verify as question
-
     with progress(f"verifying {scene.name}") as told:
+        from shootstab.analyses.missing import unstable_box
+        from shootstab.analyses.reference import claims
+        from shootstab.analyses.verify import verify as question
+
         if given is None:
             claimed = claims(own.problem, options.digits, options.truncation)
             # the reference claims that these are modes, not that there are no others
@@ -159,12 +162,18 @@ def _meant(options: Namespace, report: Report, own: scene_files.Scene, scene: sc
     from shootstab.cli.terminal import progress
 
     alpha = own.wavenumber and own.wavenumber[1]
+    allowance = Allowance(SEARCH_SECONDS)
     with progress(f"no claim confirmed for {scene.name}: looking for what the claims mean"):
-        found = hypotheses(scene.problem, report, options.digits, factors_tried(convention, alpha))
+        with allowance.share(UNITS_SHARE) as part:
+            found = hypotheses(scene.problem, report, options.digits, factors_tried(convention, alpha), part)
         if found:
             return [sentence(one, convention, alpha) for one in found]
-        varied = variations.variations(own, convention, options.alpha is None)
-        return [variations.sentence(one) for one in other_values(varied, report, options.digits)]
+        given = own, convention, options.alpha is None
+        varied, both = variations.variations(*given), variations.together(*given)
+        searched = other_values(varied, report, options.digits, allowance, both)
+        if not searched.found:
+            return variations.without_success(searched, report, SEARCH_SECONDS if allowance.stopped else None)
+        return [variations.sentence(one) for one in searched.found]
 
 
 def _write_tables(options: Namespace, report: Report, scene: scene_files.Scene) -> None:

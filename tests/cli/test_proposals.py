@@ -8,8 +8,12 @@ from pathlib import Path
 import pytest
 
 from shootstab.analyses.hypotheses import Hypothesis
+from shootstab.analyses.other_parameters import OtherValue, Searched
 from shootstab.cli import main as cli
+from shootstab.cli import variations
 from shootstab.cli.proposals import factors_tried, options, sentence
+from shootstab.cli.variations import without_success
+from shootstab.core.records import SPURIOUS, Report, Verdict
 from shootstab.io.conventions import Convention
 
 
@@ -35,6 +39,26 @@ def test_the_options_proposed_mean_the_factor(factor: complex, conjugate: bool, 
         )
         assert (convention.unit, convention.conjugate) == (factor, conjugate)
     assert (": try" in sentence(one)) == bool(said)
+
+
+def test_what_was_tried_in_vain_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "wrong.csv").write_text("7.3,0\n2.9,0\n0.77,0\n")
+    assert cli.main(["verify", "poeschl-teller", str(tmp_path / "wrong.csv"), "--missing", "none"]) == 1
+    said = " ".join(capsys.readouterr().out.split())
+    assert said.endswith("What the claims may mean was not found; tried: conjugates, signs, frequencies and units of the claims.")
+    report = Report(tuple(Verdict(c, SPURIOUS, "") for c in (1.0, 2.0)), (), 6)
+    searched = Searched((), {"alpha": (0.5, 2.0)}, (("alpha", "reynolds"),))
+    (said,) = without_success(searched, report, 10.0)
+    assert "tried: conjugates, signs, frequencies and units of the claims; alpha from 0.5 to 2; two of these at once." in said
+    assert said.endswith("The search for it ends after 10 s of processor time.")
+    assert without_success(Searched((), {}), Report((), (), 6), None) == []
+
+
+def test_two_parameters_are_proposed_together() -> None:
+    said = variations.sentence(OtherValue("alpha", 1.0, 0.95, 4, 4, 11.2, ("reynolds", 10000.0, 9000.0)))
+    assert said == (
+        "All 4 claims tried are modes to 11.2 digits at alpha = 0.95 and reynolds = 9000; this scene has alpha = 1 and reynolds = 10000."
+    )
 
 
 @pytest.mark.parametrize(("factor", "said"), [(-1j, "× -i,"), (1j, "× i,"), (2.0, "× 2,"), (0.5 - 2j, "× (0.5 - 2i),"), (-3j, "× -3i,")])
