@@ -70,6 +70,14 @@ class EigenfunctionInDigits:
         return self.budget.total
 
     @property
+    def extent(self) -> tuple[float, float]:
+        """The extent of the eigenfunction in doubles, as far as the solution in digits is known."""
+        low, high = self.rough.extent
+        first, last = self.solution.ends
+        beyond = self.solution.farther(abs(self.solution.z[0] - self.solution.z[-1])) is not None
+        return (low, high) if beyond else (max(low, first), min(high, last))
+
+    @property
     def normalization(self) -> str:
         """What the free factor is, in words."""
         return f"{self.peak[0]} = 1 at {self.rough.variable} = {self.peak[1]}, near where the largest of all values is"

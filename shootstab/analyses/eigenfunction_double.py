@@ -127,7 +127,7 @@ class Eigenfunction:
         """(lowest, highest) z, beyond which every unknown is below OUT_OF_SIGHT of its largest value, or the solution is not known."""
         low, high = self.line.ends
         if np.isfinite(self.line.allowed).all():
-            return low, high
+            return self.line.allowed
         upwards = bool(np.isinf(self.line.allowed[1]))
         largest = np.abs(self.values(self.line.nodes)).max(axis=0)
         length = high - low

@@ -13,11 +13,12 @@ from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.discriminants.back_substitution import Solution
 from shootstab.discriminants.subsystems import Subsystem
 from shootstab.problems.protocol import ComplexArray, Problem
-from shootstab.problems.unknowns import Placement, Unknowns, placements
+from shootstab.problems.unknowns import InnerSpace, Placement, Unknowns, placements
 
 # chosen: lengths of the integration beyond it at which a decaying space that is known all the way is asked for; at one of them a solution
 # of a wall may go on by chance, as sin πz does to z = −1
 FARTHER = (0.618, 1.0)
+INNER_SAMPLES = 24  # chosen: points between a singular end and where the integration begins at which the largest value is looked for
 OUTSIDE = 1e-9  # chosen: part of the domain by which a z given as a decimal may miss its ends
 
 
@@ -25,7 +26,8 @@ OUTSIDE = 1e-9  # chosen: part of the domain by which a z given as a decimal may
 class OnTheLine:
     """The solution of the problem, of which solution.problem is a subsystem or the whole.
 
-    Where two subdomains meet, values are those of the left one. Where the problem knows its decaying space farther out than the
+    Where two subdomains meet, values are those of the left one. Between a singular end and where the integration begins they are sums of
+    the series of the regular solutions. Where the problem knows its decaying space farther out than the
     integration begins, z may go on there.
     """
 
@@ -36,11 +38,20 @@ class OnTheLine:
     def right(self, z: NDArray[np.float64]) -> ComplexArray:
         """φ (m, n) at z (m,). Raises InputError for z outside the domain."""
 
-        def whole(part: Solution, t: ComplexArray) -> ComplexArray:
-            states = part.at(t)
-            return part.problem.of_whole(states) if isinstance(part.problem, Subsystem) else states
+        def along(placement: Placement, part: Solution, t: ComplexArray) -> ComplexArray:
+            return placement.right(_of_whole(part, part.at(t)), t)
 
-        return self._gathered(z, lambda placement, part, t: placement.right(whole(part, t), t))
+        z = self._inside(z, *self.allowed)
+        out = np.zeros((len(z), self.placements[0].size), dtype=np.complex128)
+        inside = np.zeros(len(z), dtype=bool)
+        for placement in self.placements:
+            if placement.inner is not None:
+                own = self._nearer_than_begun(placement, z)
+                if own.any():
+                    out[own] = self._inner(placement, placement.inner, z[own])
+                inside |= own
+        out[~inside] = self._gathered(z[~inside], along)
+        return out
 
     def left(self, z: NDArray[np.float64]) -> ComplexArray:
         """y (m, n), for integrals over rising z. Raises InputError for z outside the domain."""
@@ -53,14 +64,18 @@ class OnTheLine:
             turn = -1.0 if self.solution.falling == (placement.scale > 0.0) else 1.0
             return turn * placement.left(whole(part, t), t)
 
-        return self._gathered(z, along_z)
+        low, high = self.ends
+        beyond = -np.inf if self.allowed[0] == -np.inf else low, np.inf if self.allowed[1] == np.inf else high
+        return self._gathered(self._inside(z, *beyond), along_z)
 
     def at_nodes(self, every: int = 1) -> tuple[NDArray[np.float64], ComplexArray]:
-        """z (m,) and φ (m, n) at every so many nodes, subdomain after subdomain."""
-        own, states = self.solution.problem, self.solution.phi[::every]
-        whole = own.of_whole(states) if isinstance(own, Subsystem) else states
+        """z (m,) and φ (m, n) at every so many nodes, subdomain after subdomain, and at samples between them and singular ends."""
+        whole = _of_whole(self.solution, self.solution.phi[::every])
         z = [placement.z(self.solution.nodes[::every]).real for placement in self.placements]
-        return np.concatenate(z), np.concatenate([placement.right(whole, self.solution.nodes[::every]) for placement in self.placements])
+        states = [placement.right(whole, self.solution.nodes[::every]) for placement in self.placements]
+        if len(self._inner_samples):
+            z, states = [*z, self._inner_samples], [*states, self.right(self._inner_samples)]
+        return np.concatenate(z), np.concatenate(states)
 
     @cached_property
     def ends(self) -> tuple[float, float]:
@@ -70,8 +85,9 @@ class OnTheLine:
 
     @cached_property
     def nodes(self) -> NDArray[np.float64]:
-        """The z of the mesh (m,), rising."""
-        return np.unique(np.concatenate([placement.z(self.solution.nodes).real for placement in self.placements]))
+        """The z of the mesh, and of the samples between it and singular ends (m,), rising."""
+        z = [placement.z(self.solution.nodes).real for placement in self.placements]
+        return np.unique(np.concatenate([*z, self._inner_samples]))
 
     @cached_property
     def placements(self) -> tuple[Placement, ...]:
@@ -82,7 +98,11 @@ class OnTheLine:
     def allowed(self) -> tuple[float, float]:
         """The lowest and the highest z that may be asked for; infinite where the decaying space is known all the way."""
         low, high = self.ends
-        if len(self.placements) > 1:
+        for placement in self.placements:
+            if placement.inner is not None:
+                place = float(placement.inner.place)
+                low, high = min(low, place), max(high, place)
+        if len(self.placements) > 1 or (low, high) != self.ends:
             return low, high
         start, wall = self.solution.nodes[[0, -1]].real
         try:
@@ -100,17 +120,43 @@ class OnTheLine:
         return out
 
     def _by_placement(self, z: NDArray[np.float64]) -> Iterator[tuple[Placement, NDArray[np.bool_]]]:
-        """The subdomains, each with those of the points that lie in it. Raises InputError for a point in none."""
-        low, high = self.allowed
-        slack = OUTSIDE * (self.ends[1] - self.ends[0])
-        outside = (z < low - slack) | (z > high + slack)
-        if outside.any():
-            raise InputError(f"z = {z[outside][0]:g}: allowed is z from {low:.6g} to {high:.6g}")
+        """The subdomains, each with those of the points that lie in it."""
         bounds = [range_of(placement, self.solution)[1] for placement in self.placements[:-1]]
         place = np.searchsorted(bounds, z, side="left")
         for i, placement in enumerate(self.placements):
             if (inside := place == i).any():
                 yield placement, inside
+
+    def _inside(self, z: NDArray[np.float64], low: float, high: float) -> NDArray[np.float64]:
+        """The points z (m,), those that miss an end by rounding moved to it. Raises InputError for a point outside."""
+        slack = OUTSIDE * (self.ends[1] - self.ends[0])
+        outside = (z < low - slack) | (z > high + slack)
+        if outside.any():
+            raise InputError(f"z = {z[outside][0]:g}: allowed is z from {low:.6g} to {high:.6g}")
+        return np.clip(z, low, high)
+
+    @cached_property
+    def _inner_samples(self) -> NDArray[np.float64]:
+        """z (m,) between singular ends and where the integration begins."""
+        parts = (np.arange(INNER_SAMPLES) + 0.5) / INNER_SAMPLES
+        start = self.solution.nodes[0]
+        inner = [p for p in self.placements if p.inner is not None]
+        found = [p.inner.place + parts * (float(p.z(start).real) - p.inner.place) for p in inner if p.inner is not None]
+        return np.concatenate([np.empty(0), *found])
+
+    def _nearer_than_begun(self, placement: Placement, z: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """The points, of z (m,), that lie between a singular end and where the integration begins."""
+        assert placement.inner is not None
+        start, place = float(placement.z(self.solution.nodes[0]).real), placement.inner.place
+        return (z >= place) & (z < start) if place < start else (z <= place) & (z > start)
+
+    def _inner(self, placement: Placement, space: InnerSpace, z: NDArray[np.float64]) -> ComplexArray:
+        """φ (m, n) at points z (m,) there: the regular solutions with the coefficients that they have where the integration begins."""
+        start = self.solution.nodes[:1]
+        first = placement.right(_of_whole(self.solution, self.solution.phi[:1]), start)[0]
+        basis = space.nearer(placement.z(start).real, self.solution.sigma)[0]
+        coefficients = np.linalg.lstsq(basis, first, rcond=None)[0]
+        return np.asarray(space.nearer(z, self.solution.sigma) @ coefficients)
 
     def _reaching(self, t: NDArray[np.float64]) -> Solution:
         """The solution on a mesh as far out as these points."""
@@ -124,6 +170,11 @@ class OnTheLine:
         if known is None or turn * (farthest - known.nodes[0].real) > 0.0:
             known = self._farther[0] = self.solution.reaching(farthest)
         return known
+
+
+def _of_whole(part: Solution, states: ComplexArray) -> ComplexArray:
+    """States (m, N) of the whole problem, of those (m, size) of what is solved."""
+    return part.problem.of_whole(states) if isinstance(part.problem, Subsystem) else states
 
 
 def in_unknowns(named: Unknowns, sigma: complex, z: NDArray[np.float64], states: ComplexArray) -> ComplexArray:

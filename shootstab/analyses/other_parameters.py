@@ -27,8 +27,8 @@ WIDEST_CHANGE = 0.7  # chosen: the largest |ln p/here| that is tried: half and t
 FIGURES = range(2, 7)  # chosen: figures of the value that is proposed, the fewest that do as well; people take round ones
 AS_WELL = 0.5  # chosen: digits of claims that a rounder value may cost
 PAIR_STEPS = 10  # chosen: Newton's steps in two parameters; the last of them are quadratic
-PAIR_DIFFERENCE = 1e-4  # chosen: in ln p, of the differences that stand for derivatives there
-LONGEST_PAIR_STEP = 0.2  # chosen: in ln p; longer ones leave what a derivative tells
+PAIR_DIFFERENCE = 1e-4  # chosen: differences in ln p that stand for derivatives there
+LONGEST_PAIR_STEP = 0.2  # chosen: longer steps in ln p leave what a derivative tells
 SINGLE, PAIRS = 0.7, 0.9  # chosen: the parts of what is left that one parameter after the other may take, and two at once
 
 

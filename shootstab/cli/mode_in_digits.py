@@ -38,7 +38,7 @@ def answer(options: Namespace) -> int:
         from shootstab.analyses.eigenfunction import eigenfunction
 
         found = eigenfunction(scene.problem, options.guess, progress=told, digits=options.digits)
-        low, high = options.z or found.rough.extent
+        low, high = options.z or found.extent
         count = options.points or HEIGHTS_IN_DIGITS
         heights = [f"{low + (high - low) * i / (count - 1):.12g}" for i in range(count)]
         rows = [(z, found(z)) for z in sorted({*heights, *([] if options.points else [found.peak[1]])}, key=float)]

@@ -6,6 +6,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from shootstab.core import polynomial
 from shootstab.core.errors import ConvergenceError
@@ -20,16 +21,21 @@ AXIS_SIGMAS = (COMPLEX_GENERIC_SIGMA, -COMPLEX_GENERIC_SIGMA, 1j * COMPLEX_GENER
 WORST_START = 1e-11  # chosen: relative error of a frame beyond which nothing is begun; what is below counts in the budget
 LAST_TERM = 1e-19  # chosen: the series ends where its terms are so small against the first ones
 TERM_ROUNDING = 4e-16  # chosen: the relative rounding of one term of the series, two units
+AT_THE_END = 1e-60  # chosen: the hair, in x: powers of it are far below all rounding, and no double's range is left
 NEARER_START = 0.7  # chosen: the next place of the start, in the distance of the last
 
 
 @dataclass(frozen=True, eq=False)
 class RegularSpace:
-    """See problems.decaying_space.StartingSpace: the regular solutions at the distance x from the end, without a σ-dependent factor."""
+    """See problems.decaying_space.StartingSpace: the regular solutions at the distance x from the end, without a σ-dependent factor.
+
+    place is the z of the end.
+    """
 
     end: RegularSingularEnd
     x: float
     where: str
+    place: float
 
     @property
     def columns(self) -> int:
@@ -45,8 +51,44 @@ class RegularSpace:
             raise ConvergenceError(f"at {self.where} the regular solutions are known to {error:.1e} only for sigma = {sigma:.6g}")
         return FarFrame(frame, tangent, 0.0, error)
 
+    @property
+    def inner(self) -> RegularSpace:
+        """Itself: it is known all the way to the end (see problems.unknowns.InnerSpace)."""
+        return self
+
+    def nearer(self, z: NDArray[np.float64], sigma: complex) -> ComplexArray:
+        """The same solutions (m, n, k) at points z (m,) between the end and x, where their series holds better still.
+
+        At the end itself they are taken a hair from it, where unknowns that have a value there have it to all digits.
+        """
+        S = np.array(self.end.shifts, dtype=float)
+        x = np.maximum(np.abs(z - self.place), AT_THE_END * self.x) / self.x
+        parts = []
+        for family in self.end.families:
+            phi = self._series(family, sigma)[0]
+            m = np.arange(len(phi))
+            exponents = m[:, None] + S + (family.exponent - self.lowest)
+            sizes = phi * (self.x / self.end.length) ** m[:, None, None] * self.x ** (exponents - m[:, None])[:, :, None]
+            with np.errstate(over="ignore", invalid="ignore"):  # what is infinite there is no unknown
+                powers = np.exp((exponents + self.lowest) * np.log(x)[:, None, None])
+                terms = powers[..., None] * sizes
+            parts.append(np.where(sizes == 0.0, 0.0, terms).sum(axis=1))
+        return np.concatenate(parts, axis=2)
+
     def _family(self, family: SolutionFamily, sigma: complex) -> tuple[ComplexArray, ComplexArray, float]:
         """ψ, dψ/dσ (n, k) and the relative error of the largest column."""
+        rho, S, ratio = family.exponent, np.array(self.end.shifts, dtype=float), self.x / self.end.length
+        phi, slope = self._series(family, sigma)
+        powers = ratio ** np.arange(len(phi))
+        values, slopes = (part * powers[:, None, None] for part in (phi, slope))
+        total = values.sum(axis=0)
+        scale = self.x ** (S + (rho - self.lowest))[:, None]
+        sizes = np.abs(total).max(axis=0)
+        lost = np.abs(values).max(axis=(0, 1)) * TERM_ROUNDING + np.abs(values[-4:]).max(axis=(0, 1))
+        return scale * total, scale * slopes.sum(axis=0), float((lost / sizes).max())
+
+    def _series(self, family: SolutionFamily, sigma: complex) -> tuple[ComplexArray, ComplexArray]:
+        """The coefficients of ψ x^−(ρ + s) and their σ-derivatives, (terms, n, k), as many as count at x."""
         n, k, rho = len(self.end.shifts), len(family.free), family.exponent
         C, D = (polynomial.value(part, sigma) for part in self.end.arrays)
         C_slope, D_slope = (polynomial.slope(part, sigma) for part in self.end.arrays)
@@ -74,14 +116,7 @@ class RegularSpace:
             if m > family.count + 4 and last.max() < LAST_TERM * largest:
                 terms = m + 1
                 break
-        phi, slope = phi[:terms], slope[:terms]
-        powers = ratio ** np.arange(terms)
-        values, slopes = (part * powers[:, None, None] for part in (phi, slope))
-        total = values.sum(axis=0)
-        scale = self.x ** (S + (rho - self.lowest))[:, None]
-        sizes = np.abs(total).max(axis=0)
-        lost = np.abs(values).max(axis=(0, 1)) * TERM_ROUNDING + np.abs(values[-4:]).max(axis=(0, 1))
-        return scale * total, scale * slopes.sum(axis=0), float((lost / sizes).max())
+        return phi[:terms], slope[:terms]
 
     def _first(self, family: SolutionFamily, sigma: complex) -> tuple[ComplexArray, ComplexArray]:
         """The coefficients for m < count and their σ-derivatives, (count n, k)."""
@@ -117,7 +152,7 @@ def starting_distance(end: RegularSingularEnd, length: float, where: str) -> flo
     x = FARTHEST_START * length
     while x > NEAREST_START * length:
         with suppress(ConvergenceError):  # too far for the series: nearer is tried
-            if all(RegularSpace(end, x, where).frame(sigma).error <= START_ROUNDING for sigma in AXIS_SIGMAS):
+            if all(RegularSpace(end, x, where, 0.0).frame(sigma).error <= START_ROUNDING for sigma in AXIS_SIGMAS):
                 return x
         x *= NEARER_START
     raise ConvergenceError(f"at {where} the series of the regular solutions holds nowhere")

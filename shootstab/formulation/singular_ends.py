@@ -52,7 +52,7 @@ def singular_end(system: StatePencil, at: float, direction: int, bounded: list[i
     end = regular_singular_end(system, Fraction(Gaussian.of(at).re), direction, bounded, where)
     length = domain.right - domain.left
     x = starting_distance(end, length if np.isfinite(length) else SERIES_LENGTHS * end.length, where)
-    return SingularEnd(RegularSpace(end, x, where), at + direction * x, direction, where)
+    return SingularEnd(RegularSpace(end, x, where, at), at + direction * x, direction, where)
 
 
 def between_singular_ends(matrices: PencilFunction, left: Any, right: Any, reference: complex | None) -> TwoPointReduction:

@@ -23,6 +23,7 @@ from shootstab.problems.crossed import Crossed
 from shootstab.problems.decaying_space import StartingSpace
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil
+from shootstab.problems.unknowns import InnerSpace
 
 # chosen: how far inside a subdomain its coefficients at an interface are taken, some roundings of z
 INSIDE_INTERFACE = 4 * np.finfo(float).eps
@@ -38,6 +39,12 @@ class Subdomain:
     augmented: bool = False
     ends: tuple[float, ...] = ()
     crossed: Crossed | None = None
+
+    @property
+    def inner(self) -> InnerSpace | None:
+        """The space with which it begins, where that is known all the way to its end."""
+        space: InnerSpace | None = getattr(self.far, "inner", None)
+        return space
 
     def on(self, shift: float, stretch: float) -> Subdomain:
         """The same subdomain over a new variable, with t = shift + stretch·(new t)."""

@@ -65,7 +65,7 @@ class TwoPointReduction:
         first, out = 0, []
         for subdomain in self.subdomains:
             first += size * subdomain.augmented
-            out.append(Placement(subdomain.offset, subdomain.scale, first, size, subdomain.crossed))
+            out.append(Placement(subdomain.offset, subdomain.scale, first, size, subdomain.crossed, subdomain.inner))
             first += size
         return tuple(out)
 

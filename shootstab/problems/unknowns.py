@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from shootstab.core.errors import InputError
 from shootstab.problems.capabilities import PLACEMENTS, UNKNOWNS
@@ -61,15 +62,32 @@ class Unknowns:
         return Unknowns(self.names, lambda z, v: self.matrix(z, unit * v), self.variable)
 
 
+class InnerSpace(Protocol):
+    """Solutions that are regular at an end, known between it and where the integration begins."""
+
+    @property
+    def place(self) -> float:
+        """The z of the end."""
+        ...
+
+    def nearer(self, z: NDArray[np.float64], sigma: complex) -> ComplexArray:
+        """A basis (m, n, k) at points z (m,) between the end and the beginning."""
+        ...
+
+
 @dataclass(frozen=True)
 class Placement:
-    """ψ on z = offset + scale·t, as the components first … first + size of what is integrated over t; T of it across interfaces."""
+    """ψ on z = offset + scale·t, as the components first … first + size of what is integrated over t; T of it across interfaces.
+
+    inner is the space of solutions that are known from a singular end to where the integration begins; None where there is no such end.
+    """
 
     offset: float
     scale: float
     first: int
     size: int
     crossed: Crossed | None = None
+    inner: InnerSpace | None = None
 
     def z(self, t: ComplexArray) -> ComplexArray:
         """Points (m,) of the user's line, of t (m,)."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.polynomial import hermite, legendre
+from scipy.special import jv
 
 import shootstab as st
 from shootstab.analyses.eigenfunction import eigenfunction
@@ -24,17 +25,53 @@ from shootstab.models.gallery.benard import free_growth_rate
 from shootstab.models.gallery.poiseuille import PlanePoiseuille, plane_poiseuille
 
 MODES = {"high": 0.0039705046389, "mid": 0.0010229, "low": 0.00727558 - 0.01186505j, "fig2": 0.00169243 - 0.00156624j}
+BESSEL_ZEROS = {0.0: 2.404825557695773, 1.0 / 3.0: 2.9025862484169527, 1.0: 3.8317059702075125, 7.0: 11.086370019245083}  # DLMF 10.21
 ORSZAG = 0.0037396706229794099 - 0.2375264888204701j
 
 
-def against(found: Eigenfunction, name: str, exact: Callable[[Any], Any], points: int = 41) -> float:
+def against(
+    found: Eigenfunction, name: str, exact: Callable[[Any], Any], points: int = 41, over: tuple[float, float] | None = None
+) -> float:
     """The largest difference from an exact function, over that one's largest value, and in the scaling of the eigenfunction."""
-    z = np.linspace(*found.line.ends, points)
+    z = np.linspace(*(over or found.line.ends), points)
     at, place = found.peak
     return float(np.abs(found(z)[name] / found(place)[at] - exact(z) / exact(place)).max())
 
 
 # exact eigenfunctions
+
+
+@pytest.mark.parametrize("order", [0.0, 1.0 / 3.0, 1.0, 7.0])
+def test_from_the_axis_to_a_wall(order: float) -> None:
+    """J_ν(j r): a regular solution at r = 0, known between it and where the integration begins, at the axis itself too."""
+    square = order**2
+    axis, wall = st.Axis(0), st.Conditions(1, ["y"])
+    bessel = st.equations(["y"], [f"d(y,2) + d(y)/r - {square!r}*y/r**2 + s*y = 0"], axis, wall, eigenvalue="s", variable="r")
+    first = BESSEL_ZEROS[order]
+    found = eigenfunction(bessel, first**2)
+    assert found.extent == (0.0, 1.0)
+    assert against(found, "y", lambda r: jv(order, first * np.asarray(r)), over=found.extent) <= max(found.error, 2e-15) < 1e-9
+    with pytest.raises(InputError, match="allowed is z from 0 to 1"):
+        found(-1e-3)
+
+
+def test_between_two_singular_ends() -> None:
+    """P_2² ~ 1 − x² and P_5² on the whole of −1 < x < 1, both ends included."""
+    x = np.polynomial.Polynomial([0.0, 1.0])
+    for degree, exact in ((2, 1.0 - x**2), (5, (1.0 - x**2) * (3.0 * x**3 - x))):
+        found = eigenfunction(st.scene("legendre").problem, degree * (degree + 1.0))
+        assert found.extent == (-1.0, 1.0)
+        assert against(found, "y", exact, over=(-1.0, 1.0)) <= found.error < 1e-11
+
+
+def test_what_swirls_through_the_axis_is_one_velocity_there() -> None:
+    """Azimuthal order 1: on the axis v = i u, and w and p vanish."""
+    found = eigenfunction(st.scene("pipe").problem, -0.0616190180049 - 0.3709350926968j)
+    at = found(np.array([0.0]))
+    assert abs(at["v"] - 1j * at["u"])[0] <= 2.0 * found.error
+    assert max(abs(at["w"]), abs(at["p"]))[0] <= found.error
+    near, far = (found(r)["w"] for r in (0.1224999, 0.1225001))  # on both sides of where the integration begins
+    assert abs(far - near) < 1e-6
 
 
 @pytest.mark.parametrize("n", [1, 2])
