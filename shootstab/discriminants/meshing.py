@@ -22,6 +22,7 @@ from shootstab.problems.protocol import ComplexArray, Problem
 
 # the bytes of a sampled system: with the halved mesh (2), its other cuts (2), another base flow (1) and changed entries (2) 1 GiB in all
 MOST_BYTES = 2**30 // 8  # derived
+MOST_GROWTH = 1.9  # chosen: times the steps of a mesh to which it may be cut for the other end of its cell: nearly every step is halved
 MESH_ATTEMPTS = 30  # chosen: attempts at a mesh
 REDISTRIBUTIONS = 3  # chosen: the attempts among them, at most, that move every node
 SAME_PLACE = 1e-9  # chosen: nodes nearer to each other than this part of the path are one
@@ -151,7 +152,10 @@ def _start(problem: Problem, propagator: Propagator, sigma: complex, smallest: c
 
 
 def _cut_once(shooting: Shooting, sigma: complex) -> Shooting:
-    """The same, cut once where the local errors miss at another σ what it may serve with; itself where no value there tells."""
+    """The same, cut once where the local errors miss at another σ what it may serve with; itself where no value there tells.
+
+    Itself too where the mesh would grow by more than MOST_GROWTH: every σ of the cell would pay for that one, which has a smaller cell.
+    """
     try:
         propagation = shooting.propagated(sigma, False)
     except ConvergenceError:
@@ -163,7 +167,8 @@ def _cut_once(shooting: Shooting, sigma: complex) -> Shooting:
         sampled = _regridded(shooting, errors, subdivide, sigma)
     except ConvergenceError:
         return shooting
-    return Shooting(shooting.problem, shooting.propagator, sampled, noise=shooting.noise)
+    grown = len(sampled.nodes) - 1 > MOST_GROWTH * shooting.steps
+    return shooting if grown else Shooting(shooting.problem, shooting.propagator, sampled, noise=shooting.noise)
 
 
 def _fixed_at(shooting: Shooting, sigma: complex) -> Shooting:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
+from scipy.linalg.lapack import zggev
 
 from shootstab.core import polynomial
-from shootstab.core.scaled import TINY
+from shootstab.core.scaled import EPSILON, TINY
 from shootstab.essential_spectrum.curves import Curve
+from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.splitting import AsymptoticPencil
 
 PER_DECADE = 40  # chosen: neighbouring σ ~ ℓ^p differ by p·6 %
@@ -19,6 +20,7 @@ TRUE = 1e-6  # chosen: relative residual in ℓ; an infinite σ comes out as a l
 # the largest distance, in their size, of σ of neighbouring ℓ on one curve; 5 times what σ ~ ℓ^p makes of it, p ≤ 4
 NEIGHBOURS_APART = 0.3  # chosen
 INFINITE_SIGMA = 1e-14  # chosen: an eigenvalue α/β of the pencil with a smaller |β/α| is infinite but for rounding
+BESIDE_RATE = 0.1  # chosen: how far from iℓ the trace is taken, in what a rate may be off
 LEAST_RATE = 1e-3  # chosen: a smaller rate, in the largest of its σ, is known to rounding of so large a one
 
 
@@ -55,13 +57,36 @@ def _paired(here: list[complex], there: list[complex]) -> list[tuple[complex, co
 def on_curve(limit: AsymptoticPencil, ells: NDArray[np.float64], smallest: float) -> list[list[complex]]:
     """All σ with a rate iℓ, for each ℓ of ells (m,): det(D − iℓ C) = 0, without those of no rate, as large ones in place of ∞."""
     pairs = polynomial.companion([D - 1j * ells[:, None, None] * C for C, D in zip(limit.pencil.C, limit.pencil.D, strict=True)])
-    found = [scipy.linalg.eig(a, b, right=False, homogeneous_eigvals=True) for a, b in zip(*pairs, strict=True)]
+    found = [zggev(a, b, compute_vl=0, compute_vr=0)[:2] for a, b in zip(*pairs, strict=True)]
     alpha, beta = (np.array([pair[i] for pair in found]) for i in (0, 1))
     finite = np.abs(beta) > INFINITE_SIGMA * np.abs(alpha)
     sigma = alpha[finite] / beta[finite]
-    rates = limit.direction * limit.rates_at(sigma)
     wanted = np.broadcast_to(ells[:, None], finite.shape)[finite]
-    allowed = TRUE * np.maximum(np.maximum(np.abs(wanted), smallest), LEAST_RATE * np.abs(rates).max(axis=1))
-    kept = np.abs(rates - 1j * wanted[:, None]).min(axis=1) <= allowed
+    size = np.maximum(np.abs(wanted), smallest)
+    kept = _has_rate(limit, sigma, wanted, size)
+    rest = np.flatnonzero(~kept)
+    rates = limit.direction * limit.rates_at(sigma[rest])
+    allowed = TRUE * np.maximum(size[rest], LEAST_RATE * np.abs(rates).max(axis=1, initial=0.0))
+    kept[rest] = np.abs(rates - 1j * wanted[rest, None]).min(axis=1, initial=np.inf) <= allowed
     owners = np.nonzero(finite)[0][kept]
-    return [sigma[kept][owners == i].tolist() for i in range(len(ells))]
+    first = np.searchsorted(owners, np.arange(len(ells) + 1)).tolist()
+    values = sigma[kept].tolist()
+    return [values[a:b] for a, b in pairwise(first)]
+
+
+def _has_rate(limit: AsymptoticPencil, sigmas: ComplexArray, ells: NDArray[np.float64], size: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether σ (m,) are seen at once to have a rate iℓ to TRUE of a size, (m,) each; those that are not may have one.
+
+    The rate nearest to a number μ is no farther from it than n/|tr (C⁻¹D − μ)⁻¹|, the sum of n terms being no larger than the largest. μ is
+    beside iℓ, where the matrix is not singular.
+    """
+    C, D = (np.asarray(polynomial.value(part, sigmas[:, None, None])) for part in (limit.pencil.C, limit.pencil.D))
+    beside = BESIDE_RATE * TRUE * size
+    try:
+        inverse = np.linalg.solve(D - (1j * ells + beside)[:, None, None] * C, C)
+    except np.linalg.LinAlgError:
+        return np.zeros(len(sigmas), dtype=np.bool_)
+    trace = np.abs(np.trace(inverse, axis1=1, axis2=2))
+    near = len(limit.pencil.D0) <= trace * (TRUE * size - beside)
+    near[near] = np.linalg.cond(C[near]) < 1.0 / EPSILON
+    return np.asarray(near)

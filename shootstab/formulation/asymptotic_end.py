@@ -16,7 +16,7 @@ from fractions import Fraction
 
 from shootstab.core.errors import InputError
 from shootstab.formulation.expression import VARIABLE, Expression, Z
-from shootstab.formulation.far_coefficients import in_inverse, kept_far_out
+from shootstab.formulation.far_coefficients import Text, in_inverse, kept_far_out
 from shootstab.formulation.first_order import ExpressionEntries
 from shootstab.formulation.state_pencil import Powers, StatePencil
 from shootstab.problems.ends import INFINITIES
@@ -48,13 +48,12 @@ class AsymptoticEnd:
         return self.rank == 0 and not any(VARIABLE in entry.atoms() for part in (*self.C, *self.D) for entry in part.values())
 
 
-def asymptotic_end(system: StatePencil, direction: int) -> AsymptoticEnd:
-    """Raises InputError where a coefficient does not go as a power, beside what is exponentially small."""
+def asymptotic_end(system: StatePencil, direction: int, text: Text = str) -> AsymptoticEnd:
+    """Raises InputError where a coefficient, shown by text, does not go as a power, beside what is exponentially small."""
     where = f"at {INFINITIES[direction]}"
-    kept = [[{at: kept_far_out(e, direction, where) for at, e in part.items()} for part in powers] for powers in (system.C, system.D)]
-    dropped = any(
-        a[at] != b[at] for own, powers in zip(kept, (system.C, system.D), strict=True) for a, b in zip(own, powers, strict=True) for at in a
-    )
+    both = system.C, system.D
+    kept = [[{at: kept_far_out(e, direction, where, text) for at, e in part.items()} for part in powers] for powers in both]
+    dropped = any(a[at] != b[at] for own, powers in zip(kept, both, strict=True) for a, b in zip(own, powers, strict=True) for at in a)
     kept = [[{at: e for at, e in part.items() if e.terms} for part in powers] for powers in kept]
     found = []
     for root in ROOTS:

@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from functools import cache
+from functools import cache, cached_property
 from typing import Any
 
 import mpmath
@@ -119,7 +119,11 @@ class FlowFunction:
     factor: float = 0.0
 
     def __call__(self, z: Any, order: int) -> Any:
-        return table_of(self.flow, self.factor).derivative(self.name, z, order)
+        return self._table.derivative(self.name, z, order)
+
+    @cached_property
+    def _table(self) -> FlowTable:
+        return table_of(self.flow, self.factor)
 
 
 def functions(flow: BaseFlow | None, factor: float = 0.0) -> Mapping[str, FlowFunction]:

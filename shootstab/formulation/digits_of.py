@@ -6,14 +6,18 @@ import itertools
 from collections.abc import Sequence
 from fractions import Fraction
 
+import mpmath
+
 from shootstab.core.errors import InputError
 from shootstab.formulation.asymptotic_end import asymptotic_end
 from shootstab.formulation.axis import RegularSpace
 from shootstab.formulation.base_digits import FlowDigits
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
 from shootstab.formulation.equation_digits import EquationDigits
+from shootstab.formulation.evaluation import on_mpmath
 from shootstab.formulation.exponentials import exponential_end
 from shootstab.formulation.expression import number
+from shootstab.formulation.far_coefficients import Text
 from shootstab.formulation.gaussian import Gaussian
 from shootstab.formulation.joint_conditions import on_side, rows_over_states
 from shootstab.formulation.joints import INTERFACE_SIDES, Joint
@@ -32,6 +36,7 @@ from shootstab.formulation.subdomain_digits import (
     DigitSubdomain,
     SubdomainDigits,
 )
+from shootstab.formulation.vanishing import AGREEING, EVALUATED
 from shootstab.multiprecision.integration import MultiprecisionProblem
 from shootstab.problems.decaying_space import StartingSpace
 from shootstab.problems.ends import Infinity
@@ -45,8 +50,8 @@ def digits_of(
     try:
         if statement.doubles_only:
             raise InputError(f"{', '.join(statement.doubles_only)} are given to doubles only: allowed are formulas")
-        if isinstance(statement.left, Periodic):
-            raise InputError("that is not offered between periodic ends: allowed are ends with conditions, singular ones, or at infinity")
+        if isinstance(statement.left, Periodic) and isinstance(statement.right, Periodic):
+            return _between_periodic_ends(statement, system, statement.left.at, statement.right.at)
         if statement.joints:
             return _in_layers(statement, system, layers, reduction)
         flow = None if statement.base is None else FlowDigits(statement.base)
@@ -63,6 +68,22 @@ def digits_of(
         raise InputError(f"more than 12 digits: {error}") from None
 
 
+def _between_periodic_ends(statement: Statement, system: StatePencil, left: float, right: float) -> MultiprecisionProblem:
+    """(a, ψ) from the left end, a = ψ at the right one. Raises InputError for a period in doubles only, as 3.14159… of cos(2z)."""
+    n, one, (begin, target) = system.size, number(1), (Fraction(Gaussian.of(at).re) for at in (left, right))
+    if statement.base is not None:
+        raise InputError("a base flow between periodic ends is known to doubles only: allowed are formulas")
+    with mpmath.workdps(EVALUATED):
+        first, last = (on_mpmath(mpmath.mpf(at.numerator) / at.denominator, {}) for at in (begin, target))
+        for entry in (entry for part in (*system.C, *system.D) for entry in part.values()):
+            a, b = mpmath.mpmathify(first(entry)), mpmath.mpmathify(last(entry))
+            if abs(a - b) > mpmath.mpf(10) ** -AGREEING * max(abs(a), abs(b)):
+                told = f"{statement.names.text(entry)} has the period {float(target - begin)!r} to the digits of a double only"
+                raise InputError(f"{told}: allowed is one that is exact in decimals, as 1 is that of cos(2*pi*{statement.names.variable})")
+    same = {(i, i): one for i in range(n)} | {(i, n + i): -one for i in range(n)}
+    return SubdomainDigits([DigitSubdomain(system, AugmentedBeginning(begin), target)], [ArrivalConditions((same,), n, target)])
+
+
 def _towards_one_place(
     statement: Statement, system: StatePencil, reduction: TwoPointReduction, flow: FlowDigits | None
 ) -> MultiprecisionProblem:
@@ -74,11 +95,13 @@ def _towards_one_place(
         (side,) = ends
         rows, count = (system.left, system.left_rows) if side > 0 else (system.right, system.right_rows)
         target = _place(statement.left if side > 0 else statement.right)
-        begin = _at_end(ends[side], side, system, spaces[side])
+        begin = _at_end(ends[side], side, system, spaces[side], statement.names.text)
         return SubdomainDigits([DigitSubdomain(system, begin, target)], [ArrivalConditions(rows, count, target)], flow)
     first = reduction.subdomains[0]
     meeting = Fraction(first.offset + first.scale * reduction.end)
-    subdomains = [DigitSubdomain(system, _at_end(end, side, system, spaces[side]), meeting) for side, end in ends.items()]
+    subdomains = [
+        DigitSubdomain(system, _at_end(end, side, system, spaces[side], statement.names.text), meeting) for side, end in ends.items()
+    ]
     same = {(i, i): one for i in range(n)} | {(i, n + i): -one for i in range(n)}
     return SubdomainDigits(subdomains, [ArrivalConditions((same,), n, meeting)], flow)
 
@@ -106,7 +129,7 @@ def _in_layers(
             elif isinstance(end, Conditions):
                 begin = AtWall(_place(end), rows[0], count)
             else:
-                begin = _at_end(end, side, layer, reduction.subdomains[0 if j == 0 else -1].far)
+                begin = _at_end(end, side, layer, reduction.subdomains[0 if j == 0 else -1].far, statement.names.text)
         subdomains.append(DigitSubdomain(layer, begin, target))
         last = first + subdomains[-1].size - n
         own.append((last, last) if outer else (first, last))
@@ -130,20 +153,20 @@ def _shifted(rows: Powers, by: int) -> Powers:
     return tuple({(i, j + by): entry for (i, j), entry in part.items()} for part in rows)
 
 
-def _at_end(end: object, side: int, system: StatePencil, space: StartingSpace) -> Begin:
+def _at_end(end: object, side: int, system: StatePencil, space: StartingSpace, text: Text) -> Begin:
     if isinstance(end, Infinity):
-        return _at_infinity(system, side, space.columns)
+        return _at_infinity(system, side, space.columns, text)
     return AtSingularEnd(_place(end), -side, _regular(space))
 
 
-def _at_infinity(system: StatePencil, side: int, columns: int) -> AtInfinity:
+def _at_infinity(system: StatePencil, side: int, columns: int, text: Text) -> AtInfinity:
     """The series that the coefficients allow: in an exponential, in inverse powers beside what is exponentially small, or both."""
     try:
-        exponential, refused = exponential_end(system, side), None
+        exponential, refused = exponential_end(system, side, text), None
     except InputError as error:
         exponential, refused = None, error
     try:
-        powers = asymptotic_end(system, side)
+        powers = asymptotic_end(system, side, text)
     except InputError as error:
         if refused is not None:
             raise InputError(f"{refused}, and {error}") from error

@@ -18,7 +18,8 @@ import numpy as np
 from shootstab.core.errors import InputError
 from shootstab.formulation.atoms import Atom
 from shootstab.formulation.evaluation import on_arrays
-from shootstab.formulation.expression import VARIABLE, Expression, Z, function, held_kinds, number
+from shootstab.formulation.expression import VARIABLE, Expression, Z, function, held_kinds, number, of_atom
+from shootstab.formulation.far_coefficients import Text
 from shootstab.formulation.first_order import ExpressionEntries
 from shootstab.formulation.state_pencil import Powers, StatePencil
 from shootstab.formulation.substitution import substituted
@@ -42,22 +43,26 @@ class ExponentialEnd:
         return not any(VARIABLE in entry.atoms() for part in (*self.C, *self.D) for entry in part.values())
 
 
-def exponential_end(system: StatePencil, direction: int) -> ExponentialEnd:
-    """Raises InputError where a coefficient is no series in one exponential that decays towards the end."""
+def exponential_end(system: StatePencil, direction: int, text: Text = str) -> ExponentialEnd:
+    """Raises InputError where a coefficient, shown by text, is no series in one exponential that decays towards the end."""
     where = f"at {INFINITIES[direction]}"
     entries = [entry for part in (*system.C, *system.D) for entry in part.values()]
     for entry in entries:
         if _bare(entry):
-            raise InputError(f"{where} the coefficient {entry} holds the coordinate itself: allowed are {', '.join(EXPONENTIALS)} of it")
+            raise InputError(
+                f"{where} the coefficient {text(entry)} holds the coordinate itself: allowed are {', '.join(EXPONENTIALS)} of it"
+            )
     atoms = sorted({atom for entry in entries for atom in entry.atoms() if atom.kind == "function" and _varies(atom)})
     if not atoms:
         return ExponentialEnd(number(1), direction, system.C, system.D)
     if any("given" in held_kinds(entry) for entry in entries):
-        raise InputError(f"{where} the coefficients hold the base flow and {atoms[0]}: allowed is one of them in the coefficients")
-    slopes = [_slope(atom, where) for atom in atoms]
+        raise InputError(
+            f"{where} the coefficients hold the base flow and {text(of_atom(atoms[0]))}: allowed is one of them in the coefficients"
+        )
+    slopes = [_slope(atom, where, text) for atom in atoms]
     unit = slopes[0]
     sign = _sign(unit, where)
-    ratios = [_ratio(slope, unit, where) for slope in slopes]
+    ratios = [_ratio(slope, unit, where, text) for slope in slopes]
     step = _common(abs(r) * (2 if atom.name == "tanh" else 1) for atom, r in zip(atoms, ratios, strict=True))
     rate = unit * number(step * sign)
     values = {atom: _in_x(atom, slope, -direction * ratio * sign / step) for atom, slope, ratio in zip(atoms, slopes, ratios, strict=True)}
@@ -68,7 +73,7 @@ def exponential_end(system: StatePencil, direction: int) -> ExponentialEnd:
             for atom, value in values.items():
                 entry = substituted(entry, atom, value)
             if any(dict(monomial).get(VARIABLE, 0) < 0 for monomial in entry.terms):
-                raise InputError(f"{where} the coefficient {part[at]} grows: allowed are coefficients that come to a limit")
+                raise InputError(f"{where} the coefficient {text(part[at])} grows: allowed are coefficients that come to a limit")
             out[at] = entry
         return out
 
@@ -86,11 +91,11 @@ def _varies(atom: Atom) -> bool:
     return VARIABLE in atom.argument.atoms()
 
 
-def _slope(atom: Atom, where: str) -> Expression:
+def _slope(atom: Atom, where: str, text: Text) -> Expression:
     slope: Expression = atom.argument.derivative()
     if atom.name not in EXPONENTIALS or VARIABLE in slope.atoms():
         allowed = f"allowed are {', '.join(EXPONENTIALS)} of what is linear in the coordinate"
-        raise InputError(f"{where} {atom} is not rational in an exponential: {allowed}")
+        raise InputError(f"{where} {text(of_atom(atom))} is not rational in an exponential: {allowed}")
     return slope
 
 
@@ -101,10 +106,12 @@ def _sign(unit: Expression, where: str) -> int:
     return 1 if value.real > 0 else -1
 
 
-def _ratio(slope: Expression, unit: Expression, where: str) -> Fraction:
+def _ratio(slope: Expression, unit: Expression, where: str, text: Text) -> Fraction:
     ratio = (slope / unit).constant
     if ratio is None or ratio.im:
-        raise InputError(f"{where} the exponential rates {slope} and {unit} have no common measure: allowed are multiples of one")
+        raise InputError(
+            f"{where} the exponential rates {text(slope)} and {text(unit)} have no common measure: allowed are multiples of one"
+        )
     return Fraction(ratio.re)
 
 

@@ -11,6 +11,7 @@ from shootstab.core.scaled import TINY
 from shootstab.formulation.asymptotic_end import asymptotic_end
 from shootstab.formulation.asymptotic_space import AsymptoticExpansion
 from shootstab.formulation.evaluation import Given
+from shootstab.formulation.far_coefficients import Text
 from shootstab.formulation.state_pencil import StatePencil
 from shootstab.problems.ends import INFINITIES, Infinity
 from shootstab.problems.pencil_function import PencilFunction
@@ -20,8 +21,10 @@ LIMIT_PLACES = (1e8, 2e8)  # chosen: e^{−z/L} is zero in doubles for every L b
 AT_LIMIT = 1e-15  # chosen: relative change of coefficients between these places that is rounding
 
 
-def with_limit(end: Infinity, matrices: PencilFunction, side: int, system: StatePencil, given: Given) -> Infinity:
+def with_limit(end: Infinity, matrices: PencilFunction, side: int, system: StatePencil, given: Given, text: Text) -> Infinity:
     """The end with its limit, or with the asymptotic series of its decaying space; as it is where it is to be frozen at a start.
+
+    text shows a coefficient in the user's names.
 
     Raises InputError where the coefficients have neither.
     """
@@ -36,7 +39,7 @@ def with_limit(end: Infinity, matrices: PencilFunction, side: int, system: State
     try:
         if given:
             raise InputError(f"{', '.join(given)} have no formulas")
-        expansion = AsymptoticExpansion(asymptotic_end(system, side), system.size, matrices)
+        expansion = AsymptoticExpansion(asymptotic_end(system, side, text), system.size, matrices)
         expansion.require_one_power()
         return replace(end, expansion=expansion)
     except InputError as error:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -221,8 +222,9 @@ def assembled(
     posed: Mapping[str, Any] | None = None,
     reduced: tuple[ReducedLayer, ...] | None = None,
     knots: Sequence[float] = (),
+    starts: Mapping[int, float] = MappingProxyType({}),
 ) -> EquationProblem:
-    """The reduction of a statement, or that which is known already, and the problem that it makes."""
+    """The reduction of a statement, or that which is known, and the problem that it makes; starts are of ends at infinity, by side."""
     domain = statement.domain
     layers = reduced_layers(statement.layers) if reduced is None else reduced
     first, spectrum = layers[0].first_order, layers[0].spectrum_inside
@@ -248,7 +250,8 @@ def assembled(
             bounded = [i for i, (name, order) in enumerate(first.states) if order == 0 and name in statement.names.unknowns]
             made.append(singular_end(system, end.at, -side, bounded, f"{statement.names.variable} = {end.at:g}", domain))
         elif isinstance(end, Infinity):
-            made.append(with_limit(end, matrices, side, systems[0 if side < 0 else -1], domain.given))
+            limited = with_limit(end, matrices, side, systems[0 if side < 0 else -1], domain.given, statement.names.text)
+            made.append(replace(limited, start=starts.get(side, limited.start)))
     if isinstance(ends[0], Periodic) and isinstance(ends[1], Periodic):
         reduction = between_periodic_ends(matrices, ends[0].at, ends[1].at)
     elif any(isinstance(end, Axis) for end in ends):
@@ -258,16 +261,15 @@ def assembled(
     else:
         interfaces = between(statement.joints, [layer.first_order for layer in layers], domain.given)
         reduction = reduce_to_two_points(matrices, made[0], made[1], interfaces, fold, reference)
-    made_coarser: Callable[[float], LinearProblem] | None = None
-    if statement.base is not None and reduced is None:
-        made_coarser = partial(_on_another_flow, statement, fold, reference, layers, knots, reduction)
+    has_own_flow = statement.base is not None and reduced is None
+    coarser = partial(_on_another_flow, statement, fold, reference, layers, knots, reduction) if has_own_flow else None
     # layers find unknowns that were removed each in its own way, so only those that are states are shown across layers
     shown_unknowns = [name for name in statement.names.unknowns if not statement.joints or (name, 0) in first.states]
     return EquationProblem(
         matrices,
         reduction,
         curve,
-        coarser=made_coarser,
+        coarser=coarser,
         unknowns=unknowns_of(shown_unknowns, first, system.size, domain.given, statement.names.variable),
         statement=statement,
         layers=layers,
@@ -287,14 +289,11 @@ def _on_another_flow(
     own: TwoPointReduction,
     factor: float,
 ) -> LinearProblem:
-    """The problem on a base flow that is off by so many roundings.
-
-    An end at infinity keeps the place where it begins: elsewhere the decaying solutions have other sizes, and D another factor.
-    """
+    """The problem on a base flow that is off by so many roundings; its ends at infinity begin where they did: D has its factor."""
     given: Given = {**statement.domain.given, **functions(statement.base, factor)}
     other = replace(statement, domain=replace(statement.domain, given=given))
     changed = tuple(replace(x, domain=replace(x.domain, given=given)) for x in layers)
-    made = assembled(other, fold, reference, reduced=changed, knots=knots)
+    made = assembled(other, fold, own.reference or reference, reduced=changed, knots=knots, starts=own.starts)
     if all(map(math.isfinite, (statement.domain.left, statement.domain.right))):
         return made
     return replace(made, reduction=replace(made.reduction, subdomains=own.subdomains, start=own.start, end=own.end))

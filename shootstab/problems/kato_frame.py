@@ -7,7 +7,7 @@ X′ = P′X from one reference σ0, has no such zeros; and of it the determinan
     det[W X(σ)] = det[W P(σ) R] · c exp(−∫_a^σ f ds),   f = tr[(ℓR)⁻¹ ℓ P′ R],
 
 because L′ = ℓ P′ for the dual rows of X, and det ℓR does not depend on which rows ℓ are. f is analytic: its integral is a power series
-in a cell around each anchor, a square of such a size that the series converges, and c follows from cell to cell along a path to σ0. The
+in a cell around each anchor, a square of such a size that the series converges, and c follows along a line to σ0 (kato_transport.py). The
 result does not depend on the path, as transport by an analytic equation does not, as long as two paths do not enclose a part of the
 continuous spectrum.
 
@@ -20,26 +20,25 @@ The factor is exact to 1e-9 or so. It has no zeros, so that those of D are not t
 from __future__ import annotations
 
 import cmath
-import heapq
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from shootstab.core.errors import Undecidable
+from shootstab.problems.kato_transport import slopes, transported
 from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.splitting import AsymptoticPencil, SpectralSplitting
 
 CIRCLE_SAMPLES = 32  # chosen: samples of f on the circle, from which the series is found
 KEPT_TERMS = 24  # chosen: kept of the series; a cell's corner is 2.8 times nearer than the circle, and 2.8^-24 is 2e-11
 SAMPLE_RADIUS = 2.0  # chosen: radius of the circle of samples, in sides of the cell
-WALK = 1.05  # chosen: the way from an anchor to a place in a neighbouring cell, in the same unit
 SERIES_TAIL = 1e-7  # chosen: the last terms of the series of f on the circle; in the cell they are smaller by 2.8^24
 MOST_HALVINGS = 60  # chosen: halvings of the side, more than a double has bits
-MOST_CELLS = 600  # chosen: cells looked at for one path, some seconds
-MOST_STRAIGHT = 48  # chosen: cells on a straight line, more than lie on one that keeps off the continuous spectrum
-PER_DOUBLING = 3.0  # chosen: steps that a change of the cell's size counts for in the search of a path
-EIGHT_DIRECTIONS = np.exp(0.25j * np.pi * np.arange(8)).tolist()  # chosen: directions of a path around a branch point
+NEIGHBOURHOOD = 4.0  # chosen: the distance of anchors, in the larger side, up to which a cell is joined to another one first
+EIGHT_DIRECTIONS = np.exp(0.25j * np.pi * np.arange(8))  # chosen: directions of a path around a branch point
+DETOURS = (0.5, 0.125, 2.0)  # chosen: how far it leads away, in the distance of σ0
 
 CellKey = tuple[int, int, int]  # ln2 of the side, and the place of the anchor from σ0 in sides
 
@@ -120,7 +119,7 @@ class KatoFrame:
         circle = SAMPLE_RADIUS * side * np.exp(2j * np.pi * np.arange(CIRCLE_SAMPLES) / CIRCLE_SAMPLES)
         try:
             R = self.limit.splitting(anchor, self.k).X
-            f = self._slopes(anchor + circle, R)
+            f, _ = slopes(self.limit, anchor + circle, R)
         except Undecidable:
             return None
         if not np.isfinite(f).all():
@@ -132,94 +131,70 @@ class KatoFrame:
         return SeriesCell(anchor, side, R, np.concatenate(([0j], series[:KEPT_TERMS] / ((m + 1) * SAMPLE_RADIUS ** (m + 1.0)))))
 
     def _join(self, key: CellKey, sigma: complex) -> None:
-        """Find c of a cell along the straight line to σ0, or else along neighbours that lead to σ0 or to a cell whose c is known.
+        """Find c of a cell by transport to σ0, or to a cell on the way whose c is known: on a straight line, or around what is in its way.
 
-        Those come first that seem nearest to σ0: so a path leads away from a cut first, to where cells are large. Raises Undecidable where
-        none is found.
+        Raises Undecidable where none of the lines is passable.
         """
-        straight = self._straight(key)
-        if straight is not None:
-            self._walk_back(*straight)
+        cell = self._cell_at(key)
+        if key[1:] == (0, 0):
+            self._joined[key] = cell
             return
-        queue: list[tuple[float, int, CellKey]] = [(0.0, 0, key)]
-        came: dict[CellKey, tuple[CellKey, complex] | None] = {key: None}
-        while queue and len(came) < MOST_CELLS:
-            _, _, here = heapq.heappop(queue)
-            if here in self._joined or here[1:] == (0, 0):
-                self._joined.setdefault(here, self._cell_at(here))
-                self._walk_back(here, came)
+        at_reference = self._key(self.reference)
+        first = self._joined.setdefault(at_reference, self._cell_at(at_reference))
+        for place, known in self._ways(cell, first):
+            log_c = self._along(cell, place, known)
+            if log_c is not None:
+                self._joined[key] = replace(cell, log_c=log_c)
                 return
-            cell = self._cell_at(here)
-            for direction in EIGHT_DIRECTIONS:
-                place = cell.anchor + WALK * cell.side * direction
-                try:
-                    there = self._key(place)
-                except Undecidable:
-                    continue
-                if there not in came:
-                    came[there] = here, place
-                    heapq.heappush(queue, (self._steps_left(self._cell_at(there)), len(came), there))
         raise Undecidable(f"no path from {self.reference:.3g} to sigma = {sigma:.6g} was found around the continuous spectrum at infinity")
 
-    def _straight(self, key: CellKey) -> tuple[CellKey, dict[CellKey, tuple[CellKey, complex] | None]] | None:
-        """The cells on the line from one to σ0 or to the first whose c is known, each with that it came from; None if a cut is near it."""
-        came: dict[CellKey, tuple[CellKey, complex] | None] = {key: None}
-        here = key
-        while here not in self._joined and here[1:] != (0, 0):
-            cell = self._cell_at(here)
-            way = self.reference - cell.anchor
-            place = cell.anchor + min(WALK * cell.side, abs(way)) * way / abs(way)
-            try:
-                there = self._key(place)
-            except Undecidable:
-                return None
-            if there in came or len(came) == MOST_STRAIGHT:
-                return None
-            came[there] = here, place
-            here = there
-        self._joined.setdefault(here, self._cell_at(here))
-        return here, came
+    def _ways(self, cell: SeriesCell, first: SeriesCell) -> Iterator[tuple[complex | None, SeriesCell]]:
+        """Cells whose c is known, to which lines lead: a neighbour, and the one of σ0, straight and over other places.
 
-    def _steps_left(self, cell: SeriesCell) -> float:
-        """The estimated number of cells between one and σ0: as many as the way has sides, and some for every doubling of the side on it."""
-        at_reference = self._cell_at(self._key(self.reference)).side
-        return abs(cell.anchor - self.reference) / cell.side + PER_DOUBLING * abs(math.log2(cell.side / at_reference))
+        Those directions come first in which the gap between the rates grows most: away from the essential spectrum that is next to it.
+        """
+        a = cell.anchor
+        near = min(self._joined.values(), key=lambda other: abs(other.anchor - a))
+        if abs(near.anchor - a) <= NEIGHBOURHOOD * max(near.side, cell.side):
+            yield None, near
+        yield None, first
+        rates = np.sort(self.limit.rates_at(a + SAMPLE_RADIUS * cell.side * EIGHT_DIRECTIONS).real, axis=1)
+        for i in np.argsort(rates[:, self.k - 1] - rates[:, self.k]).tolist():
+            for part in DETOURS:
+                yield a + part * abs(self.reference - a) * complex(EIGHT_DIRECTIONS[i]), first
 
-    def _walk_back(self, here: CellKey, came: dict[CellKey, tuple[CellKey, complex] | None]) -> None:
-        """c of every cell on the path: at the place where two meet, their determinants are the same."""
-        step = came[here]
-        while step is not None:
-            key, place = step
-            before, cell = self._joined[here], self._cell_at(key)
-            left = self.limit.splitting(place, self.k).left
-            ratio = complex(np.linalg.det(left @ before.R) / np.linalg.det(left @ cell.R))
-            self._joined[key] = replace(cell, log_c=cmath.log(ratio) + before.logarithm(place) - cell.logarithm(place))
-            here, step = key, came[key]
+    def _along(self, cell: SeriesCell, place: complex | None, known: SeriesCell) -> complex | None:
+        """ln c of a cell by transport along a line, over a place if one is given, to where c is known; None where it is not passable.
+
+        A straight line is walked from the smaller of the two cells, since panels grow.
+        """
+        here, R, logarithm = cell.anchor, cell.R, 0j
+        if place is None and known.side < cell.side:
+            back = transported(self.limit, known.anchor, here, known.R, known.side)
+            return None if back is None else known.log_c + back[1] + _log_ratio(self.limit.splitting(here, self.k).left, back[2], R)
+        for goal in (known.anchor,) if place is None else (place, known.anchor):
+            length = cell.side if here == cell.anchor else abs(goal - here)
+            moved = transported(self.limit, here, goal, R, length, lambda at: self._holding(at) is not None)
+            if moved is None:
+                return None
+            here, more, R = moved
+            logarithm += more
+            met = self._holding(here)
+            if met is not None:
+                return met.logarithm(here) + _log_ratio(self.limit.splitting(here, self.k).left, met.R, R) - logarithm
+        return None
+
+    def _holding(self, place: complex) -> SeriesCell | None:
+        """The smallest cell whose c is known that holds a place."""
+        held = [c for c in self._joined.values() if max(abs((place - c.anchor).real), abs((place - c.anchor).imag)) <= 0.5 * c.side]
+        return min(held, key=lambda c: c.side, default=None)
 
     def _cell_at(self, key: CellKey) -> SeriesCell:
         cell = self._plain[key]
         assert cell is not None
         return cell
 
-    def _slopes(self, sigmas: ComplexArray, R: ComplexArray) -> ComplexArray:
-        """f at many σ, from eigenvectors; from Schur forms where the eigenvectors are no basis."""
-        k = self.k
-        A, slope = self.limit.matrices(sigmas)
-        rates, V = np.linalg.eig(A)
-        order = np.argsort(rates.real, axis=1)
-        rates = np.take_along_axis(rates, order, axis=1)
-        V = np.take_along_axis(V, order[:, None, :], axis=2)
-        try:
-            dual = np.linalg.inv(V)
-        except np.linalg.LinAlgError:
-            return np.array([self.limit.splitting(s, k).slope(R) for s in sigmas.tolist()])
-        B = dual[:, :k] @ slope @ V[:, :, k:]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            G = B / (rates[:, :k, None] - rates[:, None, k:])
-        if not np.isfinite(G).all():
-            raise Undecidable("on the circle two rates that are to be told apart are one")
-        try:
-            inner = np.linalg.solve(dual[:, :k] @ R, G @ (dual[:, k:] @ R))
-        except np.linalg.LinAlgError:
-            raise Undecidable("the spaces on the circle do not project onto that of its centre") from None
-        return np.asarray(np.trace(inner, axis1=1, axis2=2))
+
+def _log_ratio(left: ComplexArray, R: ComplexArray, S: ComplexArray) -> complex:
+    """ln (det ℓR / det ℓS) of two bases (n, k) by rows ℓ (k, n)."""
+    return cmath.log(complex(np.linalg.det(left @ R) / np.linalg.det(left @ S)))

@@ -19,7 +19,7 @@ from shootstab.core.errors import InputError
 from shootstab.problems.beginnings import InfiniteBeginning, WallBeginning, infinite_beginning
 from shootstab.problems.consistent_splitting import ConsistentSplitting, EndConditions, consistent_splitting
 from shootstab.problems.crossed import Crossed, can_be_crossed
-from shootstab.problems.decaying_space import ConstantSpace
+from shootstab.problems.decaying_space import ConstantSpace, DecayingSpace
 from shootstab.problems.ends import INFINITIES, WALLS, Infinity, Interface, Wall
 from shootstab.problems.knots import hair, pair
 from shootstab.problems.pencil_function import PencilFunction
@@ -59,6 +59,20 @@ class TwoPointReduction:
         """The z that each subdomain covers, rising."""
         ends = [sorted(subdomain.offset + subdomain.scale * t for t in (self.start, self.end)) for subdomain in self.subdomains]
         return tuple((low, high) for low, high in ends)
+
+    @property
+    def starts(self) -> dict[int, float]:
+        """The |z| at which ends at infinity begin, by side, of those that lie on that side of z = 0."""
+        return {far.kato_frame.limit.direction: abs(far.z) for far in self._at_infinity if far.kato_frame.limit.direction * far.z > 0.0}
+
+    @property
+    def reference(self) -> complex | None:
+        """The σ at which decaying solutions are counted; None without an end at infinity."""
+        return next((far.kato_frame.reference for far in self._at_infinity), None)
+
+    @property
+    def _at_infinity(self) -> list[DecayingSpace]:
+        return [subdomain.far for subdomain in self.subdomains if isinstance(subdomain.far, DecayingSpace)]
 
     def placements(self, size: int) -> tuple[Placement, ...]:
         """Where the components of each subdomain, so many in the user's pencil, live; of an augmented one those of ψ, behind those of a."""

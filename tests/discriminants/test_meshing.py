@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 
 import shootstab as st
 from shootstab.discriminants import meshing
+from shootstab.discriminants.cells import Cell
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.mesh import fits
 
@@ -171,3 +172,13 @@ def test_a_mesh_fits_where_its_errors_hold_and_fewer_steps_would_not_do() -> Non
     for bad in (1.1e-8, np.nan, np.inf):
         assert not fits(np.append(even, bad), 1e-8)
     assert fits(np.append(even, 0.0), 1e-8)  # a step over a knot
+
+
+def test_mesh_is_cut_for_the_other_end_of_its_cell_unless_it_grows_too_much(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A cell of plane Poiseuille flow: its smallest σ asks for a third more steps, which all others of the cell then take too."""
+    problem, propagator, cell = st.gallery.PlanePoiseuille(), Frame(rtol=1e-11), Cell.of(0.0037 - 0.2375j, 0)
+    alone = meshing.made_for(problem, propagator, None, cell.anchor)
+    cut = meshing.made_for(problem, propagator, None, cell.anchor, smallest=cell.smallest)
+    assert 1.2 * alone.steps < cut.steps <= meshing.MOST_GROWTH * alone.steps
+    monkeypatch.setattr(meshing, "MOST_GROWTH", 1.1)
+    assert meshing.made_for(problem, propagator, None, cell.anchor, smallest=cell.smallest).steps == alone.steps

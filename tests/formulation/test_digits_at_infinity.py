@@ -14,6 +14,7 @@ from shootstab.core.errors import InputError
 from shootstab.formulation.evaluation import on_mpmath
 from shootstab.formulation.exponentials import exponential_end
 from shootstab.formulation.expression import number
+from shootstab.formulation.far_coefficients import kept_far_out
 from shootstab.formulation.names import Names
 from shootstab.formulation.state_pencil import StatePencil
 
@@ -129,13 +130,51 @@ def test_solutions_with_logarithms() -> None:
         assert abs(mode.sigma - exact) <= mode.error < 1e-20
 
 
+def test_coefficients_that_oscillate_while_they_decay() -> None:
+    """w sech(x) with w = 2 + sin(x) sech(x) solves u″ = (1 + V) u exactly: σ = 1."""
+    slope, second = "(cos(x)*sech(x) - sin(x)*sech(x)*tanh(x))", "(2*cos(x)*sech(x)*tanh(x) + 2*sin(x)*sech(x)**3)"
+    V = f"2*sech(x)**2 + (2*tanh(x)*{slope} + {second})/(2 + sin(x)*sech(x))"
+    problem = st.equations(["u"], ["d(u,2) + V*u = sigma*u"], *LINE, where={"V": V}, variable="x")
+    mode = st.refine(problem, 0.9999, digits=30)
+    with mpmath.workdps(40):
+        assert abs(mode.sigma - 1) <= mode.error < 1e-30
+
+
+@pytest.mark.parametrize("V", ["sech(x)**2*(2 + exp(i*x))", "exp(-x**2)*(2 + cos(x**2))", "sech(x)**2*(2 + cos((1 + i/4)*x))"])
+def test_oscillations_beside_what_decays_have_the_digits_that_doubles_have(V: str) -> None:
+    problem = st.equations(["u"], ["d(u,2) + V*u = sigma*u"], *LINE, where={"V": V}, variable="x")
+    double = st.refine(problem, 1.5)
+    mode = st.refine(problem, double.sigma, digits=16)
+    assert mode.converged
+    assert abs(complex(mode.sigma) - double.sigma) <= double.error
+
+
 @pytest.mark.parametrize(
     ("V", "told"),
     [
-        ("exp(i*x)*sech(x)**2 + sin(x)*sech(x)", "has no limit"),
-        ("sin(x)*sech(x)**2", "sin.z. has no limit"),
+        ("1e-20*sin(x)", r"sin\(x\) has no limit"),
+        ("1e-20*exp(i*x)", r"exp\(i\*x\) has no limit"),
+        ("1e-20*sech(x)*cos(2*i*x)", r"the coefficient .*cos\(2\*i\*x\)\*sech\(x\) grows exponentially"),
     ],
 )
-def test_what_has_no_series_at_infinity_is_refused(V: str, told: str) -> None:
-    with pytest.raises(InputError, match=f"more than 12 digits: at -infinity .*({told})"):
-        st.refine(well("1", where={"V": V}), 0.5, digits=20)
+def test_what_has_no_series_at_infinity_is_refused_in_the_users_names(V: str, told: str) -> None:
+    entry = Names(("u",), {}, {}, variable="x")
+    formula = entry.expression(V, "a test")
+    with pytest.raises(InputError, match=f"at .infinity {told}"):
+        kept_far_out(formula, 1, "at +infinity", entry.text)
+
+
+def test_a_logarithm_at_infinity_is_refused_by_its_name() -> None:
+    with pytest.raises(
+        InputError, match=r"at -infinity log\(2 \+ x\*\*2\) grows as a logarithm: allowed are coefficients that go as powers"
+    ):
+        st.equations(["u"], ["-d(u,2) + log(2 + x**2)*u = sigma*u"], *LINE, variable="x")
+
+
+def test_what_has_no_series_in_the_exponential_is_told_in_the_users_names() -> None:
+    """Both ways are refused: 1/(1 + x²) beside the exponential, and a sine that does not decay to many digits."""
+    problem = st.equations(["u"], ["d(u,2) + (2*sech(x)**2 + 1e-25*sin(x))*u = sigma*u"], *LINE, variable="x", reference=1.0)
+    with pytest.raises(
+        InputError, match=r"more than 12 digits: at -infinity sin\(x\) is not rational .*, and at -infinity sin\(x\) has no limit"
+    ):
+        st.refine(problem, 1.0, digits=20)

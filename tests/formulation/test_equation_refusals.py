@@ -242,10 +242,11 @@ def test_families() -> None:
         problem.pseudospectral.spectrum(5)
 
 
-def test_many_digits_between_periodic_ends() -> None:
-    problem = st.equations(**{**WALLS, "left": st.Periodic(0), "right": st.Periodic(1)})
-    assert problem.multiprecision is not None
-    with pytest.raises(InputError, match=r"between periodic ends: allowed are ends with conditions, singular ones, or at infinity"):
+def test_many_digits_between_periodic_ends_of_a_base_flow() -> None:
+    base = {"unknowns": ["U"], "equations": ["d(U) = 0"], "left": {"at": 0, "conditions": ["U - 1"]}, "right": {"at": 1, "conditions": []}}
+    posed = {**WALLS, "left": st.Periodic(0), "right": st.Periodic(1), "equations": ["d(y,2) - U*y = sigma*y"]}
+    problem = st.equations(**posed, base=base)
+    with pytest.raises(InputError, match=r"a base flow between periodic ends is known to doubles only: allowed are formulas"):
         problem.multiprecision()
 
 

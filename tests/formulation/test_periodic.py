@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mpmath
 import numpy as np
 import pytest
 from scipy.special import mathieu_a, mathieu_b
@@ -36,6 +37,20 @@ def test_a_square_of_the_eigenvalue_gives_both_roots() -> None:
 def test_double_eigenvalues_are_counted_twice() -> None:
     """Without the potential σ = (2n)²: 0 once, 4 and 16 twice."""
     assert st.count(mathieu(0.0), st.Rectangle(-1 - 1j, 5 + 1j)) == 3
+
+
+def test_thirty_digits_of_a_characteristic_value() -> None:
+    """a_0 for q = 1 in a period of 1, against the eigenvalue of its Fourier series' matrix; one known to doubles is not taken for exact."""
+    equation = ["d(y,2) + (sigma - 2*pi**2*cos(2*pi*x))*y"]
+    mode = st.refine(st.equations(["y"], equation, st.Periodic(0), st.Periodic(1), variable="x"), guess=-4.49, digits=30)
+    with mpmath.workdps(45):
+        fourier = mpmath.diag([(2 * k) ** 2 for k in range(30)])
+        for k in range(29):
+            fourier[k, k + 1] = fourier[k + 1, k] = mpmath.sqrt(2) if k == 0 else 1
+        known = mpmath.eigsy(fourier, eigvals_only=True)[0] * mpmath.pi**2
+        assert abs(mode.sigma - known) <= mode.error < 1e-29
+    with pytest.raises(InputError, match=r"more than 12 digits: .*cos\(2\*z\) has the period 3.14159\d+ to the digits of a double only"):
+        st.refine(mathieu(1.0), guess=-0.455, digits=20)
 
 
 def test_what_users_are_told() -> None:
