@@ -8,7 +8,7 @@ part of that: a mode inside the hull that no claim means is missing, one outside
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
@@ -16,7 +16,7 @@ from typing import NamedTuple
 from shootstab.analyses.cut_region import RegionCount
 from shootstab.analyses.find import find_modes, modes_of, without_repetition
 from shootstab.analyses.verdicts import NEAR_DIGITS, radius_of
-from shootstab.core.allowed import RTOL
+from shootstab.core.allowed import RTOL, VERDICT_DIGITS
 from shootstab.core.division import distance_outside, divided, divisions
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.numerus import number_of
@@ -40,6 +40,7 @@ FEWER = 0.7  # chosen: the part of the claims that stays where the contour aroun
 HULL_POINTS = 6  # chosen: points on the length of the hull at which D is asked what a contour costs
 DEEPEST_CUT = 4  # chosen: cuts of a region that cannot be counted as a whole
 MOST_PARTS = 16  # chosen: parts of it that are tried
+MANY_UNSTABLE = 10  # chosen: more unstable claims than these, where they are most, are no list of instabilities
 ABOVE_EDGE = 1e-3  # chosen: where the box around the growing modes begins, in the largest growth rate
 
 
@@ -278,10 +279,13 @@ def modes_with_bounds(continuation: Continuation, zeros: list[Zero]) -> tuple[Mo
     return without_repetition(zeros, (modes_of(continuation, zero, RTOL) for zero in zeros))
 
 
-def unstable_box(problem: Problem, claims: Iterable[complex]) -> Rectangle | None:
-    """The box of the unstable claims, half as large again, right of the continuous spectrum; None if no claim is unstable."""
-    unstable = [c for c in claims if c.real > 0.0]
-    if not unstable:
+def unstable_box(problem: Problem, claims: Sequence[complex], digits: int = VERDICT_DIGITS) -> Rectangle | None:
+    """The box of the unstable claims, half as large again, right of the continuous spectrum; None if no claim is unstable to its digits.
+
+    None too where most of many claims are: then the spectrum has no end towards growth, and the list ends where the reference does.
+    """
+    unstable = [c for c in claims if c.real > 10.0**-digits * abs(c)]
+    if not unstable or (len(unstable) > MANY_UNSTABLE and 2 * len(unstable) > len(claims)):
         return None
     curve = continuum_of(problem)
     edge = 0.0 if curve is None else max(float(curve.sigma.real.max()), 0.0)

@@ -28,9 +28,9 @@ def spectrum(problem: Problem, M: int | None = None, filtered: bool = True) -> S
 
 
 def claims(problem: Problem, digits: int, M: int | None = None) -> ComplexArray:
-    """The eigenvalues (m,) that the reference itself holds to be right to so many digits, by a drift below DRIFT of the last one."""
+    """The eigenvalues (m,) that the reference itself holds to be 0, or right to so many digits, by a drift below DRIFT of the last one."""
     found = spectrum(problem, M)
-    return np.asarray(found.eigenvalues[found.drift <= DRIFT * 10.0**-digits * np.abs(found.eigenvalues)])
+    return np.asarray(found.eigenvalues[found.drift <= np.maximum(DRIFT * 10.0**-digits * np.abs(found.eigenvalues), found.rounding)])
 
 
 def eigenvalues(problem: Problem, digits: int) -> ComplexArray:

@@ -100,7 +100,7 @@ def verify(options: Namespace) -> int:
             claimed = claims(own.problem, options.digits, options.truncation)
             # the reference claims that these are modes, not that there are no others
             if options.missing is None:
-                region = region or (unstable_box(own.problem, claimed) if convention.plain else None)
+                region = region or (unstable_box(own.problem, claimed.tolist(), options.digits) if convention.plain else None)
             given = (claimed / convention.unit).tolist()
         wishes: Any = {
             "digits": options.digits,

@@ -1,65 +1,68 @@
-"""The candidate spectrum of a problem in equations: Chebyshev collocation of the equations as they stand, and QZ.
+"""The candidate spectrum of a problem in equations: collocation of the equations as they stand, and QZ.
 
 It shares the formulas with the way by the reduction and nothing else: no equation is differentiated, combined or brought to first order.
-Unknown u_j is a polynomial with N + d_j coefficients, and equation i holds at N + c_i points, the zeros of a Chebyshev polynomial inside
-the interval; the conditions make up the difference. With S_ij the highest derivative of u_j in equation i, the integers are the smallest
-with
+Unknowns are Chebyshev polynomials between finite ends, rational Chebyshev functions that vanish at infinity (spectral/bases.py), and
+Fourier's series over a period; equations hold at the zeros of the first function that is left out. Every layer has a basis of its own, and
+conditions at ends and at interfaces are rows, with a column for each amplitude. How many coefficients and points there are is told in
+collocation_counts.py. On an unbounded domain the basis has a length, which is that with which most eigenvalues stay where they are.
 
-    d_j − c_i ≥ S_ij, and equality on n entries, one in each row and column, whose sum is largest,
-
-so that Σ d_j − Σ c_i is the number of conditions: in the Navier–Stokes equations the pressure has one coefficient fewer than the
-velocities, and continuity holds at one point more than momentum.
-
-Source: T. A. Driscoll & N. Hale, IMA J. Numer. Anal. 36 (2016) 108 (rectangular collocation); J. D. Pryce, BIT 41 (2001) 364 (c and d).
+Source: T. A. Driscoll & N. Hale, IMA J. Numer. Anal. 36 (2016) 108 (rectangular collocation).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
-from numpy.polynomial import chebyshev as polynomials
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
 from shootstab.core.errors import InputError
+from shootstab.formulation.collocation_blocks import LayerBlock, UnknownColumns, highest_power, sampled
+from shootstab.formulation.collocation_counts import ADVICE, Counts, conditions_needed, counts, without
+from shootstab.formulation.collocation_length import DRIFT_COUNTED, PROBE, TAIL_COUNTED, best_length, centre, digits_held, largest_step
 from shootstab.formulation.conditions import Conditions, Periodic
-from shootstab.formulation.evaluation import on_arrays
+from shootstab.formulation.joints import INTERFACE_SIDES
 from shootstab.formulation.statement import Statement
-from shootstab.formulation.system import EquationRow, coefficients, degree
-from shootstab.spectral import chebyshev, qz
+from shootstab.formulation.system import EquationRow
+from shootstab.spectral import qz
+from shootstab.spectral.bases import Basis, BasisExtent, HalfLine, Interval, Line, Period
 from shootstab.spectral.qz import DenseMatrix, Spectrum
 
 SMALLEST_TRUNCATION = 6  # chosen: the least order; below it the tail of a series is the whole series
-MINUS_INFINITY = -1000.0  # chosen: stands for −∞ in S
 BALANCES = 2  # chosen: rounds in which rows and columns are scaled to size one
 
 
 @dataclass(frozen=True, eq=False)
 class EquationCollocation:
-    """See problems.capabilities.Pseudospectral: a statement between two finite ends. d and c belong to unknowns and equations."""
+    """See problems.capabilities.Pseudospectral. counts are those of each layer, from left to right."""
 
     statement: Statement
-    d: tuple[int, ...]
-    c: tuple[int, ...]
+    counts: tuple[Counts, ...]
+    length: float | None = None
 
     def spectrum(self, M: int, filtered: bool = True) -> Spectrum:
         """The spectrum at N = M. Raises InputError below the smallest truncation."""
         if M < SMALLEST_TRUNCATION:
             raise InputError(f"M = {M!r}: allowed is an integer of at least {SMALLEST_TRUNCATION}")
+        return self._spectrum(M, filtered)
+
+    def _spectrum(self, M: int, filtered: bool, drift: float = qz.DRIFT_TOLERANCE, tail: float = qz.TAIL_TOLERANCE) -> Spectrum:
 
         def unfold(vectors: DenseMatrix) -> DenseMatrix:
-            """Values of the unknowns at the extrema, of the degree of the longest; N is what is left of a companion matrix's vectors."""
-            lengths = self._lengths(M)
-            total, most = sum(lengths), max(lengths)
-            fields = np.zeros((vectors.shape[1], len(lengths), most), dtype=np.complex128)
-            scaled = self.assembled(M)[2][:, None] * vectors[:total]
-            for j, (first, length) in enumerate(zip(np.cumsum([0, *lengths[:-1]]), lengths, strict=True)):
-                fields[:, j, :length] = scaled[first : first + length].T
-            return chebyshev.values(fields)
+            """Coefficients of the unknowns of all layers, each as many as of the longest."""
+            expanded = [(block.basis, shape) for block in self._blocks(M) for shape in block.shapes]
+            scale = self.assembled(M)[2]
+            scaled = scale[:, None] * vectors[: len(scale)]  # what is left is of a companion matrix's vectors
+            fields = np.zeros((vectors.shape[1], len(expanded), max(shape.width for _, shape in expanded)), dtype=np.complex128)
+            first = 0
+            for j, (basis, shape) in enumerate(expanded):
+                fields[:, j, : shape.width] = (basis.series(shape) @ scaled[first : first + shape.width]).T
+                first += shape.width
+            return fields
 
-        return qz.spectrum(lambda N: self.assembled(N)[:2], M, unfold, filtered)
+        return qz.spectrum(lambda N: self.assembled(N)[:2], M, unfold, filtered, drift, tail)
 
     @property
     def ways(self) -> Mapping[str, Callable[[int, complex], tuple[complex, int]]]:
@@ -67,7 +70,7 @@ class EquationCollocation:
         return {"qz": lambda M, guess: (qz.nearest(self.spectrum(M, filtered=False), guess), 1)}
 
     def assembled(self, N: int) -> tuple[DenseMatrix, DenseMatrix, NDArray[np.float64]]:
-        """A, B (N′, N′) with A x = σ B x, and scales (N′,): Chebyshev coefficients = scale · x.
+        """A, B (N′, N′) with A x = σ B x, and scales (N′,): coefficients, and amplitudes behind them, = scale · x.
 
         Where σ occurs to higher powers, x goes on with σ x, …
         """
@@ -91,69 +94,95 @@ class EquationCollocation:
             return left.real, right.real, scale
         return left, right, scale
 
-    def _lengths(self, N: int) -> list[int]:
-        return [N + d for d in self.d]
+    @cached_property
+    def _length(self) -> float:
+        """The length of the basis on an unbounded domain."""
+        if self.length is not None or all(self.statement.finite):
+            return self.length or 1.0
+
+        def held(length: float) -> float:
+            return digits_held(replace(self, length=length)._spectrum(PROBE, True, DRIFT_COUNTED, TAIL_COUNTED))
+
+        def step(length: float) -> float:
+            blocks = replace(self, length=length)._blocks(PROBE)
+            return max(largest_step(block.layer, block.basis.points(PROBE).z) for block in blocks if not isinstance(block.basis, Interval))
+
+        return best_length(held, step)
+
+    @cached_property
+    def _centre(self) -> float:
+        return centre(self.statement.layers[0])
+
+    def _blocks(self, N: int) -> list[LayerBlock]:
+        out, first = [], 0
+        for layer, found in zip(self.statement.layers, self.counts, strict=True):
+            block = LayerBlock(layer, found, self._basis(layer.domain.left, layer.domain.right), N, first)
+            out.append(block)
+            first += sum(block.lengths)
+        return out
+
+    def _basis(self, low: float, high: float) -> Basis:
+        if isinstance(self.statement.left, Periodic):
+            return Period(low, high)
+        if np.isfinite(low) and np.isfinite(high):
+            return Interval(low, high)
+        if np.isfinite(low):
+            return HalfLine(low, 1, self._length)
+        return HalfLine(high, -1, self._length) if np.isfinite(high) else Line(self._centre, self._length)
 
     def _powers(self, N: int) -> NDArray[np.complex128]:
         """The matrices before σ⁰, σ¹, …"""
-        statement, lengths = self.statement, self._lengths(N)
-        rows = [(row, self._points(N + c)) for row, c in zip(statement.system.rows, self.c, strict=True)]
-        for end, conditions in ((statement.left, statement.left_rows), (statement.right, statement.right_rows)):
+        statement, blocks = self.statement, self._blocks(N)
+        given = statement.domain.given
+        width = blocks[-1].first + sum(blocks[-1].lengths)
+        amplitudes = sum(len(joint.amplitudes) for joint in statement.joints)
+        shape = highest_power(self._all_rows) + 1, width + amplitudes
+        parts = [rows for block in blocks for rows in block.equations(shape)]
+        ends = (statement.left, statement.left_rows, blocks[0], -1), (statement.right, statement.right_rows, blocks[-1], 1)
+        for end, conditions, block, side in ends:
             if isinstance(end, Conditions):
-                rows += [(row, np.array([float(end.at)])) for _, row in conditions]
-        highest = max(degree(coefficient) for row, _ in rows for coefficient in row.values())
-        parts = [self._sampled(row, z, lengths, highest) for row, z in rows]
+                at = block.basis.end(side)
+                parts += [sampled(row, at.z, block.columns(at), shape, given) for _, row in conditions]
+        for joint, before, behind in zip(statement.joints, blocks[:-1], blocks[1:], strict=True):
+            columns: dict[str, UnknownColumns] = {}
+            for word, block, side in zip(INTERFACE_SIDES, (before, behind), (1, -1), strict=True):
+                columns |= {f"{word}({name})": found for name, found in block.columns(block.basis.end(side)).items()}
+            for name in joint.amplitudes:
+                columns[name] = UnknownColumns(width, BasisExtent(1))
+                width += 1
+            parts += [sampled(row, np.array([joint.at]), columns, shape, given) for _, row in joint.rows]
         return np.concatenate(parts, axis=1)
 
-    def _points(self, count: int) -> NDArray[np.float64]:
-        low, high = self.statement.domain.left, self.statement.domain.right
-        return np.asarray(0.5 * (low + high) + 0.5 * (high - low) * chebyshev.roots(count - 1))
-
-    def _sampled(self, row: EquationRow, z: NDArray[np.float64], lengths: list[int], highest: int) -> NDArray[np.complex128]:
-        """An equation at the points z, over the Chebyshev coefficients of the unknowns, (highest + 1, points, Σ lengths)."""
-        low, high = self.statement.domain.left, self.statement.domain.right
-        y, stretch = (2 * z - low - high) / (high - low), 2 / (high - low)
-        at = on_arrays(z, self.statement.domain.given)
-        starts = dict(zip(self.statement.names.unknowns, np.cumsum([0, *lengths[:-1]]).tolist(), strict=True))
-        widths = dict(zip(self.statement.names.unknowns, lengths, strict=True))
-        out = np.zeros((highest + 1, len(z), sum(lengths)), dtype=np.complex128)
-        for (name, order), coefficient in row.items():
-            width, first = widths[name], starts[name]
-            derivative = polynomials.chebder(np.eye(width), order) * stretch**order if order else np.eye(width)
-            basis = polynomials.chebvander(y, len(derivative) - 1) @ derivative
-            with np.errstate(all="ignore"):  # what is not finite is refused
-                for power, value in coefficients(coefficient).items():
-                    out[power, :, first : first + width] += np.reshape(at(value) * np.ones(len(z)), (-1, 1)) * basis
-        if not np.isfinite(out).all():
-            raise InputError("a coefficient of the equations is not finite inside the domain, or one of the conditions at an end")
-        return out
+    @cached_property
+    def _all_rows(self) -> list[EquationRow]:
+        statement = self.statement
+        of_places = [row for _, row in (*statement.left_rows, *statement.right_rows)]
+        of_joints = [row for joint in statement.joints for _, row in joint.rows]
+        return [*(row for layer in statement.layers for row in layer.system.rows), *of_places, *of_joints]
 
 
-def collocation(statement: Statement) -> EquationCollocation | None:
-    """The discretization of a statement; None in layers, with ends at infinity or periodic, and where conditions do not fit."""
-    if not all(statement.finite) or isinstance(statement.left, Periodic) or statement.joints:
-        return None
-    unknowns = statement.names.unknowns
-    S = np.full((len(unknowns), len(unknowns)), MINUS_INFINITY)
-    for i, row in enumerate(statement.system.rows):
-        for name, order in row:
-            S[i, unknowns.index(name)] = max(S[i, unknowns.index(name)], order)
-    _, chosen = linear_sum_assignment(-S)
-    if S[np.arange(len(S)), chosen].min() < 0:
-        return None
-    c = np.zeros(len(S))
-    for _ in range(int(S.max() + 2) * len(S) + 1):
-        d = (S + c[:, None]).max(axis=0)
-        following = d[chosen] - S[np.arange(len(S)), chosen]
-        if (following == c).all():
-            break
-        c = following
-    lacking = int(d.sum() - c.sum()) - len(statement.left_rows) - len(statement.right_rows)
-    if lacking and not all(statement.holding):
-        # a polynomial is regular at a singular end by itself: as many coefficients fewer as conditions, one for each of the highest orders
-        for j in np.argsort(-d, kind="stable")[:lacking]:
-            d[j] -= 1
-        lacking -= min(max(lacking, 0), len(d)) if lacking <= len(d) else 0
-    if lacking:
-        return None
-    return EquationCollocation(statement, tuple(int(x) for x in d), tuple(int(x) for x in c))
+def offered(statement: Statement) -> tuple[EquationCollocation | None, Mapping[str, str]]:
+    """The discretization, or None and why not, as problems.capabilities asks for it."""
+    try:
+        return collocation(statement), {}
+    except InputError as error:
+        return None, {"pseudospectral": str(error)}
+
+
+def collocation(statement: Statement) -> EquationCollocation:
+    """The discretization of a statement. Raises InputError where conditions do not fit the derivatives in its equations."""
+    found = [counts(layer.system) for layer in statement.layers]
+    needed = [conditions_needed(one) for one in found]
+    if isinstance(statement.left, Periodic):
+        return EquationCollocation(statement, tuple(without(one, n) for one, n in zip(found, needed, strict=True)))
+    joints = sum(len(joint.rows) - len(joint.amplitudes) for joint in statement.joints)
+    held = len(statement.left_rows) + len(statement.right_rows) + joints
+    # the basis does what conditions would at ends that have none; two such ends, in two layers, take as many each
+    open_layers = sorted({j for j, holds in zip((0, len(found) - 1), statement.holding, strict=True) if not holds})
+    fewer = sum(needed) - held
+    share = fewer // max(len(open_layers), 1)
+    if fewer < 0 or share * len(open_layers) != fewer:
+        most = " at most" if open_layers else ""
+        told = f"by the derivatives that they hold they ask for {sum(needed)} conditions{most}, and have {held}"
+        raise InputError(f"no collocation of the equations as they stand: {told}: {ADVICE}")
+    return EquationCollocation(statement, tuple(without(one, share if j in open_layers else 0) for j, one in enumerate(found)))

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import partial
+from typing import Any
 
 from shootstab.formulation.base_flow import highest_derivatives
 from shootstab.formulation.base_solution import found_values, limit_of
@@ -98,6 +99,18 @@ def explanation(
             limit = None if statement.base is None else partial(limit_of, statement.base, direction)
             lines += _essential(layer.states, direction, limit, names, text)
     return lines
+
+
+def rates_at(ends: Iterable[Any], eigenvalue: str, sigma: complex) -> Lines:
+    """What solutions do at ends at infinity at one value of the eigenvalue."""
+    return [
+        (
+            f"at {at.where}",
+            f"{at.decaying} of {len(at.rates)} solutions decay at {eigenvalue} = {sigma:.4g}, "
+            f"the rates are {', '.join(f'{rate:.4g}' for rate in at.rates)}",
+        )
+        for at in ends
+    ]
 
 
 def _essential(states: StatePencil, direction: int, limit: FlowLimit | None, names: Names, text: Callable[[Expression], str]) -> Lines:

@@ -20,10 +20,10 @@ from shootstab.formulation.conditions import Axis, Conditions, Periodic
 from shootstab.formulation.continuous_spectrum import InteriorSpectrum
 from shootstab.formulation.digits_of import digits_of
 from shootstab.formulation.enclosed_problems import enclosed, varied
-from shootstab.formulation.equation_collocation import EquationCollocation, collocation
+from shootstab.formulation.equation_collocation import EquationCollocation, offered
 from shootstab.formulation.equation_family import EquationFamily, family_around
 from shootstab.formulation.evaluation import Given
-from shootstab.formulation.explanation import Lines, explanation
+from shootstab.formulation.explanation import Lines, explanation, rates_at
 from shootstab.formulation.first_order import FirstOrder
 from shootstab.formulation.joint_conditions import between
 from shootstab.formulation.limits import with_limit
@@ -91,20 +91,17 @@ class EquationProblem(LinearProblem):
     def explanation(self) -> Lines:
         """What the reduction found, in words."""
         told = explanation(self.statement, self.layers, self.conditions, self.states)
-        at_ends = [
-            (
-                f"at {at.where}",
-                f"{at.decaying} of {len(at.rates)} solutions decay at {self.statement.names.eigenvalue} = {self.generic_sigma:.4g}, "
-                f"the rates are {', '.join(f'{rate:.4g}' for rate in at.rates)}",
-            )
-            for at in self.ends(self.generic_sigma)
-        ]
-        return [*told, *at_ends]
+        return [*told, *rates_at(self.ends(self.generic_sigma), self.statement.names.eigenvalue, self.generic_sigma)]
 
     @cached_property
     def pseudospectral(self) -> EquationCollocation | None:
-        """The equations as they stand, by collocation. None with an end at infinity, or in layers."""
-        return collocation(self.statement)
+        """The equations as they stand, by collocation. None where it is refused: see why_not."""
+        return offered(self.statement)[0]
+
+    @property
+    def why_not(self) -> Mapping[str, str]:
+        """Why capabilities are not offered, by their names."""
+        return offered(self.statement)[1]
 
     @cached_property
     def knots(self) -> NDArray[np.float64]:

@@ -30,8 +30,10 @@ class Capability:
         return getattr(problem, self.name, self.default)
 
     def required(self, problem: object) -> Any:
-        """What the problem offers. Raises InputError where it offers nothing."""
+        """What the problem offers. Raises InputError where it offers nothing, with the problem's own reason if it has one in `why_not`."""
         offered = self.of(problem)
+        if offered is None and self.name in getattr(problem, "why_not", {}):
+            raise InputError(problem.why_not[self.name])  # type: ignore[attr-defined]
         if offered is None:
             raise InputError(f"{self.refusal} ({type(problem).__name__} has no `{self.name}`)")
         return offered

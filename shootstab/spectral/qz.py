@@ -20,6 +20,8 @@ SECOND_TRUNCATION = 1.2  # chosen: the second truncation over the first
 TAIL_PART = 0.1  # chosen: the part of the coefficients that counts as the tail
 FAINT = 1e-3  # chosen: a field smaller than this part of the largest is measured by the largest
 DRIFT_TOLERANCE = 1e-5  # chosen: relative change of an eigenvalue between the two truncations with which it is kept
+ROUNDING = 1e-12  # chosen: what QZ of matrices of some hundred rows leaves of an eigenvalue 0, in the median of all
+MOST_ZERO = 4  # chosen: the multiplicity of an eigenvalue 0; that of a soliton with its symmetries is 4
 TAIL_TOLERANCE = 3e-4  # chosen: the tail of its eigenvector with which an eigenvalue is kept
 
 
@@ -39,6 +41,17 @@ class Spectrum:
     tail: NDArray[np.float64]
     larger_truncation: int = 0
 
+    @property
+    def rounding(self) -> float:
+        """The drift of an eigenvalue that is 0 but for rounding."""
+        return rounding(self.raw)
+
+
+def rounding(raw: NDArray[np.complex128]) -> float:
+    """A part of the median of the eigenvalues raw (n,); 0 where there are so many below it that they are a continuous spectrum."""
+    size = ROUNDING * float(np.median(np.abs(raw))) if len(raw) else 0.0
+    return size if np.count_nonzero(np.abs(raw) <= size) <= MOST_ZERO else 0.0
+
 
 def spectrum(
     assemble: Assemble,
@@ -50,8 +63,9 @@ def spectrum(
 ) -> Spectrum:
     """The spectrum of A x = σ B x, (A, B) = assemble(M), by LAPACK's QZ; infinite eigenvalues are dropped.
 
-    unfold takes eigenvectors (n, k) to nodal values (k, fields, N + 1) on Chebyshev extrema. Kept is an eigenvalue whose drift
-    from M to ⌈1.2 M⌉ is at most drift_tolerance·|σ| and whose tail is at most tail_tolerance. Unfiltered: one QZ, no eigenvectors.
+    unfold takes eigenvectors (n, k) to coefficients (k, fields, modes), from low to high. Kept is an eigenvalue whose drift
+    from M to ⌈1.2 M⌉ is at most drift_tolerance·|σ|, or rounding, and whose tail is at most tail_tolerance. Unfiltered: one QZ, and no
+    eigenvectors.
     """
     if not filtered:
         raw = _by_growth(_finite(*assemble(M))[0])
@@ -63,8 +77,8 @@ def spectrum(
     others = _finite(*assemble(larger))[0]
     raw, vectors = _finite(*assemble(M), vectors=True)
     drift = _nearest(raw, others)
-    kept = np.flatnonzero(drift <= drift_tolerance * np.abs(raw))
-    tail = tails(unfold(vectors[:, kept])) if kept.size else np.empty(0)
+    kept = np.flatnonzero(drift <= np.maximum(drift_tolerance * np.abs(raw), rounding(raw)))
+    tail = tails_of(unfold(vectors[:, kept])) if kept.size else np.empty(0)
     kept, tail = kept[tail <= tail_tolerance], tail[tail <= tail_tolerance]
     order = np.argsort(-raw[kept].real, kind="stable")
     kept = kept[order]
@@ -85,10 +99,16 @@ def union(parts: list[Spectrum]) -> Spectrum:
 
 
 def tails(nodal: DenseMatrix) -> NDArray[np.float64]:
-    """(k,) from nodal values (k, fields, N + 1): the largest of the last tenth of the Chebyshev coefficients over the largest of all,
-    in the worst field. Fields below FAINT of the largest field are noise as likely as not, and are measured against FAINT of it.
+    """tails_of the Chebyshev coefficients of nodal values (k, fields, N + 1) on the extrema."""
+    return tails_of(chebyshev.coefficients(nodal))
+
+
+def tails_of(coefficients: DenseMatrix) -> NDArray[np.float64]:
+    """(k,) from coefficients (k, fields, modes): the largest of the last tenth of them over the largest of all, in the worst field.
+
+    Fields below FAINT of the largest field are noise as likely as not, and are measured against FAINT of it.
     """
-    sizes = np.abs(chebyshev.coefficients(nodal))
+    sizes = np.abs(coefficients)
     count = max(3, round(TAIL_PART * sizes.shape[-1]))
     largest = sizes.max(axis=-1)
     floor = FAINT * largest.max(axis=-1, keepdims=True)

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from equations_written import WRITTEN
 from test_floors import reachable
 
 import shootstab as st
+from shootstab.analyses import reference
+from shootstab.core.errors import InputError
 from shootstab.formulation.problem import EquationProblem
 
 
@@ -28,7 +32,7 @@ def test_plane_poiseuille_flow_as_it_stands() -> None:
     """Orszag 1971, in u, v and p: one coefficient fewer for the pressure, one point more for continuity."""
     twin = posed("plane Poiseuille flow", ["u", "v"], ["u", "v"]).pseudospectral
     assert twin is not None
-    assert (twin.d, twin.c) == ((2, 2, 1), (0, 0, 1))
+    assert twin.counts == (((2, 2, 1), (0, 0, 1)),)
     assert abs(twin.spectrum(80).eigenvalues[0] - (0.0037396706229794 - 0.2375264888204701j)) < 1e-11
 
 
@@ -61,7 +65,94 @@ def test_two_derivations_agree_on_taylor_couette_flow() -> None:
     assert [v.verdict for v in report.verdicts] == ["confirmed"] * 3
 
 
-def test_none_where_an_end_is_at_infinity() -> None:
-    written = {k: v for k, v in WRITTEN["Rayleigh, in primitive variables"].items() if k != "order"}
-    problem = st.equations(**written, left=st.Infinity(), right=st.Infinity())
-    assert problem.pseudospectral is None
+def kept(problem: EquationProblem, M: int) -> np.ndarray:
+    return np.asarray(problem.pseudospectral.spectrum(M).eigenvalues)  # type: ignore[union-attr]
+
+
+def confirmed(problem: EquationProblem, M: int) -> bool:
+    """Whether every value that the collocation keeps is a mode of the reduction."""
+    report = st.verify(problem, kept(problem, M).tolist(), missing="none")
+    return {v.verdict for v in report.verdicts} == {"confirmed"}
+
+
+def test_the_line_by_rational_functions() -> None:
+    """Bound states of ν (ν + 1) sech²(x − c), (ν − n)²: the place of the well, and its width, are found."""
+    for place, width in ((0, 1), (12, 1), (-3, 0.05)):
+        shape = {"parameters": {"nu": 2.3, "c": place, "w": width}, "variable": "x"}
+        well = ["d(y,2) + nu*(nu + 1)/w**2*sech((x - c)/w)**2*y = sigma*y"]
+        problem = st.equations(["y"], well, st.Infinity(), st.Infinity(), **shape)
+        assert kept(problem, 80) * width**2 == pytest.approx([2.3**2, 1.3**2, 0.3**2], rel=1e-6)
+    assert confirmed(st.equations(["y"], well, st.Infinity(), st.Infinity(), **{**shape, "parameters": {"nu": 2.3, "c": 1, "w": 1}}), 60)
+
+
+def test_convergence_on_the_half_line() -> None:
+    """Morse's well on x > 0 with a wall in it, against a collocation on a long interval; and a potential that grows, 4n + 3."""
+    well = ["d(y,2) - 9*(exp(-2*(x - 2)) - 2*exp(-(x - 2)))*y = sigma*y"]
+    ends = st.Conditions(0, ["y"]), st.Infinity()
+    half = st.equations(["y"], well, *ends, variable="x")
+    long = st.equations(["y"], well, ends[0], st.Conditions(30, ["y"]), variable="x")
+    assert half.pseudospectral is not None
+    errors = [np.abs(half.pseudospectral.spectrum(M, filtered=False).raw - kept(long, 120)[0]).min() for M in (24, 48, 96)]
+    assert errors[2] < 1e-9 < 1e-3 * errors[0]
+    assert confirmed(half, 60)
+    oscillator = st.equations(["y"], ["x**2*y - d(y,2) = sigma*y"], *ends, variable="x")
+    assert kept(oscillator, 60)[-3:] == pytest.approx([11, 7, 3], rel=1e-6)
+    mirrored = st.equations(["y"], ["x**2*y - d(y,2) = sigma*y"], st.Infinity(), st.Conditions(0, ["y"]), variable="x")
+    assert kept(mirrored, 60)[-3:] == pytest.approx([11, 7, 3], rel=1e-6)
+
+
+def test_an_axis_and_infinity() -> None:
+    """Hydrogen, 1/n²."""
+    orbital = ["d(f,2) + 2*d(f)/r + (2/r - l*(l + 1)/r**2)*f = sigma*f"]
+    problem = st.equations(["f"], orbital, st.Axis(0), st.Infinity(), parameters={"l": 1}, variable="r")
+    assert kept(problem, 60)[:4] == pytest.approx([1 / n**2 for n in (2, 3, 4, 5)], rel=1e-9)
+
+
+def test_periodic_ends_by_fourier_series() -> None:
+    """Mathieu's a_0, a_2 and b_2 for q = 1 (Abramowitz & Stegun 20), and a system of two equations."""
+    ends = st.Periodic(0), st.Periodic(math.pi)
+    mathieu = st.equations(["y"], ["d(y,2) + (sigma - 2*q*cos(2*z))*y = 0"], *ends, parameters={"q": 1})
+    assert kept(mathieu, 20)[-3:] == pytest.approx([4.3713009827, 3.9170247729, -0.4551386041], abs=1e-9)
+    split = st.equations(["y", "w"], ["d(y) = w", "d(w) + (sigma - 2*cos(2*z))*y = 0"], *ends)
+    assert kept(split, 40)[-3:] == pytest.approx([4.3713009827, 3.9170247729, -0.4551386041], abs=1e-9)
+    assert confirmed(mathieu, 16)
+
+
+def test_layers_and_amplitudes() -> None:
+    """Kelvin and Helmholtz with surface tension: ρ1 (σ + ikU1)² + ρ2 (σ + ikU2)² + gk (ρ1 − ρ2) + S k³ = 0 (Chandrasekhar, ch. XI)."""
+    k, g, S, rho, U = 2.0, 1.0, 0.1, (1.0, 0.5), (0.0, 2.0)
+    stated = ["rho*(sigma + i*k*U)*u + i*k*p", "rho*(sigma + i*k*U)*w + d(p)", "i*k*u + d(w)"]
+    rows = ["before(sigma + i*k*U)*h = before(w)", "behind(sigma + i*k*U)*h = behind(w)", "jump(p) = (g*jump(rho) - S*k**2)*h"]
+    parameters = {"k": k, "g": g, "S": S, "rho": list(rho), "U": list(U)}
+    joint = st.InterfaceConditions(0, rows, ["h"])
+    problem = st.equations(["u", "w", "p"], stated, st.Infinity(), st.Infinity(), interfaces=[joint], parameters=parameters)
+    of_powers = [
+        sum(rho),
+        2j * k * np.dot(rho, U),
+        -(k**2) * np.dot(rho, np.square(U)) + g * k * (rho[0] - rho[1]) + S * k**3,
+    ]
+    assert np.sort_complex(kept(problem, 60)) == pytest.approx(np.sort_complex(np.roots(of_powers)), abs=1e-8)
+    assert confirmed(problem, 32)
+
+
+def test_low_modes_of_high_derivatives_keep_their_digits() -> None:
+    """A clamped and free beam, w⁗ = β⁴ w with cos β cosh β = −1: no digit is lost to N⁸."""
+    ends = st.Conditions(0, ["w", "d(w)"]), st.Conditions(1, ["d(w,2)", "d(w,3)"])
+    problem = st.equations(["w"], ["d(w,4) - sigma*w"], *ends)
+    assert kept(problem, 90)[-1] == pytest.approx(1.8751040687119611664**4, rel=1e-12)
+
+
+def test_an_eigenvalue_that_is_zero() -> None:
+    """The front tanh of u_t = u″ + u − u³, scaled: 0 by translation, and −3/2."""
+    front = ["sigma*w = d(w,2) + (1 - 3*tanh(x/sqrt(2))**2)*w"]
+    problem = st.equations(["w"], front, st.Infinity(), st.Infinity(), variable="x")
+    assert kept(problem, 60) == pytest.approx([0, -1.5], abs=1e-9)
+    assert [round(x.real, 6) for x in reference.claims(problem, 6)] == [0, -1.5]
+
+
+def test_what_cannot_be_collocated_says_why() -> None:
+    """Derivatives that cancel: by the derivatives in them these equations would be of order 4, and they are of order 2."""
+    ends = st.Conditions(0, ["u"]), st.Conditions(1, ["u"])
+    problem = st.equations(["u", "v"], ["d(u,2) + d(v,2) - sigma*u", "d(u,2) + d(v,2) - v"], *ends)
+    with pytest.raises(InputError, match=r"no collocation .* they ask for 4 conditions, and have 2: allowed is a file of eigenvalues"):
+        reference.spectrum(problem)

@@ -150,7 +150,7 @@ def spectrum(
             keep = np.concatenate([np.arange(degree + 1) + f * (degree + 1) for f in fields])
             return A[np.ix_(keep, keep)], B[np.ix_(keep, keep)]
 
-        return qz.spectrum(part, M, lambda vectors: vectors.T.reshape(-1, len(fields), M + 1), filtered)
+        return qz.spectrum(part, M, lambda vectors: chebyshev.coefficients(vectors.T.reshape(-1, len(fields), M + 1)), filtered)
 
     return qz.union([block(fields) for fields in blocks])
 

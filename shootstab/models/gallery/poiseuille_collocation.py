@@ -58,7 +58,7 @@ def spectrum(reynolds: float, alpha: float, M: int, even: bool = False, filtered
 
     def unfold(vectors: DenseMatrix) -> DenseMatrix:
         fields = vectors.T.reshape(vectors.shape[1], 2, -1)
-        return np.concatenate([fields, fields[..., : (M + 1) // 2][..., ::-1]], axis=-1) if even else fields
+        return chebyshev.coefficients(np.concatenate([fields, fields[..., : (M + 1) // 2][..., ::-1]], axis=-1) if even else fields)
 
     return qz.spectrum(lambda degree: assemble(reynolds, alpha, degree, even), M, unfold, filtered)
 
