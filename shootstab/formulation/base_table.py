@@ -132,7 +132,7 @@ def _require_places(left: BaseEnd, middle: BaseEnd | None, right: BaseEnd, domai
             f"base lies between {variable} = {low:g} and {high:g}: allowed is a left end below the right one, and a middle between"
         )
     if low > domain[0] or high < domain[1]:
-        told = f"base lies between {variable} = {low:g} and {high:g}, and the equations between {domain[0]:g} and {domain[1]:g}"
+        told = f"base lies between {variable} = {low:g} and {high:g}, and what holds it between {domain[0]:g} and {domain[1]:g}"
         raise InputError(f"{told}: allowed is a base flow that is known wherever they are")
     if middle is None and left.at is None and right.at is None:
         raise InputError("base has both ends at infinity: needed is middle = { at = ..., conditions = [...] }, from which it is integrated")

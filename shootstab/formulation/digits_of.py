@@ -52,9 +52,9 @@ def digits_of(
             raise InputError(f"{', '.join(statement.doubles_only)} are given to doubles only: allowed are formulas")
         if isinstance(statement.left, Periodic) and isinstance(statement.right, Periodic):
             return _between_periodic_ends(statement, system, statement.left.at, statement.right.at)
-        if statement.joints:
-            return _in_layers(statement, system, layers, reduction)
         flow = None if statement.base is None else FlowDigits(statement.base)
+        if statement.joints:
+            return _in_layers(statement, system, layers, reduction, flow)
         places = [_place(end) for end in (statement.left, statement.right) if not isinstance(end, Infinity)]
         if all(statement.holding):
             shown = shown_in_states(statement.names.unknowns, layers[0].first_order)
@@ -107,7 +107,7 @@ def _towards_one_place(
 
 
 def _in_layers(
-    statement: Statement, system: StatePencil, layers: Sequence[ReducedLayer], reduction: TwoPointReduction
+    statement: Statement, system: StatePencil, layers: Sequence[ReducedLayer], reduction: TwoPointReduction, flow: FlowDigits | None
 ) -> MultiprecisionProblem:
     """A subdomain a layer, to the interface next to it. Where all arrive the conditions at interfaces hold, and those with σ in them."""
     n, places = system.size, [Fraction(Gaussian.of(joint.at).re) for joint in statement.joints]
@@ -138,7 +138,7 @@ def _in_layers(
         statement.joints, places, itertools.pairwise(own), itertools.pairwise(layers), strict=True
     ):
         arrivals.append(ArrivalConditions(_joint_rows(joint, pair, before[1], behind[0]), n, place))
-    return SubdomainDigits(subdomains, arrivals)
+    return SubdomainDigits(subdomains, arrivals, flow)
 
 
 def _joint_rows(joint: Joint, layers: tuple[ReducedLayer, ReducedLayer], before: int, behind: int) -> Powers:

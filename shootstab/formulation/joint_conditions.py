@@ -38,8 +38,9 @@ def rows_over_states(joint: Joint, layers: tuple[FirstOrder, FirstOrder]) -> lis
         for side, layer in zip(INTERFACE_SIDES, layers, strict=True)
         for name, (at, rule) in layer.rules.items()
     }
-    vanishing = layers[0].vanishing
-    rows = [{at: _here(joint, where, c) for at, c in reduced_to(row, states, rules, vanishing).items()} for where, row in joint.rows]
+    vanishing = Vanishing(joint.at, joint.at, layers[0].vanishing.given)
+    reduced = [(where, reduced_to(row, states, rules, layers[0].vanishing)) for where, row in joint.rows]
+    rows = [{at: _here(joint, where, c) for at, c in row.items()} for where, row in reduced]
     rows = [{at: c for at, c in row.items() if not vanishing(c)} for row in rows]
     for (where, _), row in zip(joint.rows, rows, strict=True):
         if not row:

@@ -98,21 +98,22 @@ def stated(
         if joints:
             told = f"ends and interfaces lie at {variable} = {', '.join(f'{place:g}' for place in places)}"
         raise InputError(f"{told}: allowed is a left end below the right one{', and interfaces between' if joints else ''}")
-    count, layers = len(places) - 1, []
+    count = len(places) - 1
+    layered = [name for table in (parameters, where) for name, value in table.items() if isinstance(value, list | tuple)]
     named = (*given, *(() if base is None else base_unknowns(base)))
-    flow: BaseFlow | None = None
-    functions_of_z = dict(given)
-    for j, (begin, end) in enumerate(itertools.pairwise(places)):
+    systems = []
+    for j in range(count):
         own_parameters = own_definitions(parameters, j, count, "the parameter")
         names = Names(tuple(unknowns), own_parameters, own_definitions(where, j, count, "where"), eigenvalue, variable, named)
-        if base is not None and flow is None:
-            if joints:
-                raise InputError("base beside interfaces: that is not offered; allowed is a base flow in one layer")
-            flow = base_flow(base, names, (low, high))
-            functions_of_z |= functions(flow)
         read = {f"equation {i}": names.expression(e, f"equation {i}") for i, e in enumerate(equations, 1)}
-        layers.append(Layer(names, System.of(names.unknowns, read, names.text), Domain(begin, end, functions_of_z)))
-    layered = [name for table in (parameters, where) for name, value in table.items() if isinstance(value, list | tuple)]
+        systems.append((names, System.of(names.unknowns, read, names.text)))
+    flow: BaseFlow | None = None
+    if base is not None:
+        alike, formulas = ({name: value for name, value in table.items() if name not in layered} for table in (parameters, where))
+        names = Names(tuple(unknowns), alike, formulas, eigenvalue, variable, named)
+        flow = base_flow(base, names, _reach(systems, places, base_unknowns(base)))
+    functions_of_z: dict[str, Any] = {**given, **functions(flow)}
+    layers = [Layer(*pair, Domain(*at, functions_of_z)) for pair, at in zip(systems, itertools.pairwise(places), strict=True)]
     read_joints = [read_joint(joint, (a.names, b.names), layered) for joint, (a, b) in zip(joints, itertools.pairwise(layers), strict=True)]
     rows = [rows_of(end, side, layers[j].names) for end, side, j in zip(ends, ("left", "right"), (0, -1), strict=True)]
     held = [layer.system.denominators for layer in layers] + [joint.denominators for joint in read_joints] + [found for _, found in rows]
@@ -127,6 +128,16 @@ def stated(
         return stated(unknowns, equations, left, right, interfaces, others, left_open, eigenvalue, variable, given, base)
 
     return Statement(*ends, rows[0][0], rows[1][0], whole, tuple(layers), tuple(read_joints), tuple(denominators), varied, flow)
+
+
+def _reach(systems: Sequence[tuple[Names, System]], places: Sequence[float], names: Sequence[str]) -> tuple[float, float]:
+    """Where a base flow has to be known: from the first of the layers whose equations hold it to the last; everywhere, if none does."""
+    holding = [
+        j
+        for j, (_, system) in enumerate(systems)
+        if any(atom.kind == "given" and atom.name in names for row in system.rows for c in row.values() for atom in c.atoms())
+    ]
+    return (places[holding[0]], places[holding[-1] + 1]) if holding else (places[0], places[-1])
 
 
 def _interfaces(given: Sequence[Any], ends: tuple[End, End]) -> list[InterfaceConditions]:

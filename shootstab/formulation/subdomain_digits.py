@@ -181,6 +181,10 @@ class ArrivalConditions:
     at: Fraction
 
 
+def _holds_functions(parts: Powers) -> bool:
+    return any(atom.kind == "given" for part in parts for entry in part.values() for atom in entry.atoms())
+
+
 class SubdomainDigits:
     """See multiprecision.integration.MultiprecisionProblem."""
 
@@ -211,7 +215,8 @@ class SubdomainIntegration:
     ) -> None:
         self._arithmetic, self._settings, self._subdomains, self._arrivals = arithmetic, settings, subdomains, arrivals
         self._flow = flow
-        self._beginnings = [s.begin.beginning(arithmetic, settings, s.system, s.target, flow) for s in subdomains]
+        self._over = [(s, flow if _holds_functions((*s.system.C, *s.system.D)) else None) for s in subdomains]  # known where it is held
+        self._beginnings = [s.begin.beginning(arithmetic, settings, s.system, s.target, flow) for s, flow in self._over]
         self._t = arithmetic.number(0)
         self._step = arithmetic.number(1) / settings.order  # a first trial; steps double from there
 
@@ -240,12 +245,12 @@ class SubdomainIntegration:
         C: list[dict[tuple[int, int], Taylor]] = [{} for _ in range(powers)]
         D: list[dict[tuple[int, int], Taylor]] = [{} for _ in range(powers)]
         shift = 0
-        for subdomain, beginning in zip(self._subdomains, self._beginnings, strict=True):
+        for (subdomain, flow), beginning in zip(self._over, self._beginnings, strict=True):
             system = subdomain.system
             way = arithmetic.number(subdomain.target - beginning.place)
             here = arithmetic.number(beginning.place) + way * self._t
             z = real_series(arithmetic, [here, way * h] + [arithmetic.number(0)] * (self._settings.order - 2))
-            at = on_series(arithmetic, z, fields=None if self._flow is None else self._flow.along(z))
+            at = on_series(arithmetic, z, fields=None if flow is None else flow.along(z))
             for still in range(subdomain.size - system.size):
                 C[0][shift + still, shift + still] = 0 * z + 1
             shift += subdomain.size - system.size
@@ -277,7 +282,8 @@ class SubdomainIntegration:
         out: list[Matrix] = [[] for _ in range(powers)]
         for arrival in self._arrivals:
             place = arithmetic.number(arrival.at)
-            at = on_numbers(arithmetic, place, None if self._flow is None else self._flow.at(place))
+            flow = self._flow if _holds_functions(arrival.rows) else None
+            at = on_numbers(arithmetic, place, None if flow is None else flow.at(place))
             for power, whole in enumerate(out):
                 part = arrival.rows[power] if power < len(arrival.rows) else {}
                 values = {entry: arithmetic.number(1) * at(part[entry]) for entry in part}

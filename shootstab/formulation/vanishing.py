@@ -25,38 +25,43 @@ SIMPLE = ("variable", "eigenvalue", "constant", "parameter", "jet")
 
 
 class Vanishing:
-    """The test on a domain from left to right, ends at infinity replaced by finite ones."""
+    """The test on a domain from left to right, ends at infinity replaced by finite ones; or at a place, where both are the same."""
 
     def __init__(self, left: float, right: float, given: Given) -> None:
-        self._left, self._right, self._given = left, right, given
+        self._left, self._right, self.given = left, right, given
         self._known: dict[Expression, bool] = {}
 
     def __call__(self, expression: Expression) -> bool:
         """Whether it is zero for every z and eigenvalue. Functions that are given to doubles only are tested as such."""
         if not expression.terms:
             return True
-        if len(expression.terms) == 1 or all(atom.kind in SIMPLE for monomial in expression.terms for atom, _ in monomial):
+        alone = len(expression.terms) == 1 and not (self._left == self._right and self._held(expression))
+        if alone or all(atom.kind in SIMPLE for monomial in expression.terms for atom, _ in monomial):
             return False
         if expression not in self._known:
             self._known[expression] = all(self._at(expression, *point) for point in zip(PLACES, SIGMAS, strict=True))
         return self._known[expression]
 
     def _at(self, expression: Expression, place: complex, sigma: complex) -> bool:
-        if any(atom.kind == "given" for atom in expression.atoms()):
+        if self._held(expression):
             return self._in_doubles(expression, place, sigma)
         import mpmath
 
         with mpmath.workdps(EVALUATED):
             z = mpmath.mpf(self._left) + mpmath.mpc(place) * (mpmath.mpf(self._right) - mpmath.mpf(self._left))
             opened = {atom: mpmath.mpc(sigma) * (2 + i) for i, atom in enumerate(a for a in expression.atoms() if a.kind == "parameter")}
-            at = on_mpmath(z, self._given, mpmath.mpc(sigma), opened)
+            at = on_mpmath(z, self.given, mpmath.mpc(sigma), opened)
             terms = [at(Expression({monomial: c})) for monomial, c in expression.terms.items()]
             size = mpmath.fsum(abs(x) for x in terms)
             return bool(abs(mpmath.fsum(terms)) <= mpmath.mpf(10) ** -AGREEING * size)
 
+    def _held(self, expression: Expression) -> bool:
+        """Whether functions that are given are in it."""
+        return any(atom.kind == "given" for atom in expression.atoms())
+
     def _in_doubles(self, expression: Expression, place: complex, sigma: complex) -> bool:
         """The test at real points, for functions that are given for real arrays only."""
         z = np.array([self._left + place.real * (self._right - self._left)])
-        at = on_arrays(z, self._given, np.array([sigma]))
+        at = on_arrays(z, self.given, np.array([sigma]))
         terms = [complex(np.ravel(at(Expression({monomial: c})))[0]) for monomial, c in expression.terms.items()]
         return bool(abs(sum(terms)) <= CLOSE_IN_DOUBLES * sum(map(abs, terms)))

@@ -88,7 +88,6 @@ def rotated(**changed: Any) -> dict[str, Any]:
             rotated(unknowns=["U", "V"], equations=["d(U) + d(V) = 0", "d(U) + d(V) = U"]),
             "base: base equation 1, base equation 2 do not determine d(V): allowed is one equation for the highest derivative of each",
         ),
-        ({**rotated(), "interfaces": [JOINT]}, "base beside interfaces: that is not offered; allowed is a base flow in one layer"),
     ],
 )
 def test_a_base_flow(changed: dict[str, Any], told: str) -> None:
