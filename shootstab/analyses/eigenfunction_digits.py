@@ -27,12 +27,14 @@ from shootstab.kernels.step_control import FLOOR
 from shootstab.multiprecision.arithmetic import Arithmetic, exact
 from shootstab.multiprecision.backends import choose
 from shootstab.multiprecision.integration import BaseFlowNumbers, MultiprecisionProblem
+from shootstab.multiprecision.placed_solution import PlacedSolution
 from shootstab.multiprecision.settings import Settings
 from shootstab.multiprecision.taylor_shooting import TaylorShooting
 from shootstab.multiprecision.taylor_solution import TaylorSolution, solved
 from shootstab.problems.capabilities import UNSCALED
 from shootstab.problems.protocol import Problem
 
+SolutionInDigits = TaylorSolution | PlacedSolution
 PEAK_DIGITS = 6  # chosen: digits of the z at which the largest value is made 1; it is flat there
 COMPARED = 25  # chosen: heights at which values are compared with those of an integration done otherwise
 SHAPE_DIGITS = 4  # chosen: digits of the mode beyond those of its eigenfunction, which is as much more sensitive
@@ -51,7 +53,7 @@ class EigenfunctionInDigits:
     mode: Mode
     peak: tuple[str, str]
     budget: Budget
-    solution: TaylorSolution
+    solution: SolutionInDigits
     rough: Eigenfunction
     digits: int
     working_digits: int
@@ -72,10 +74,8 @@ class EigenfunctionInDigits:
     @property
     def extent(self) -> tuple[float, float]:
         """The extent of the eigenfunction in doubles, as far as the solution in digits is known."""
-        low, high = self.rough.extent
-        first, last = self.solution.ends
-        beyond = self.solution.farther(abs(self.solution.z[0] - self.solution.z[-1])) is not None
-        return (low, high) if beyond else (max(low, first), min(high, last))
+        (low, high), (first, last) = self.rough.extent, self.solution.extent
+        return max(low, first), min(high, last)
 
     @property
     def normalization(self) -> str:
@@ -131,7 +131,7 @@ class Variations:
         self._problem, self._arithmetic, self._mode, self._peak, self._progress = problem, arithmetic, mode, peak, progress
         self._done = 0
 
-    def with_budget(self, settings: Settings) -> tuple[TaylorSolution, tuple[str, str], Budget]:
+    def with_budget(self, settings: Settings) -> tuple[SolutionInDigits, tuple[str, str], Budget]:
         """The solution, where which unknown is 1, and the error of its values in parts."""
         with _precision(self._arithmetic, settings.digits):
             base = self._problem.base(self._arithmetic, settings, lambda: None)
@@ -156,7 +156,7 @@ class Variations:
         integration, far, rounding, moved = changes[:4]
         return own, peak, Budget(integration, far, changes[4] if flow is not None else 0.0, moved, rounding + 10.0**-settings.digits)
 
-    def _solved(self, settings: Settings, base: BaseFlowNumbers, moved: Any = 0) -> tuple[TaylorSolution, BaseFlowNumbers]:
+    def _solved(self, settings: Settings, base: BaseFlowNumbers, moved: Any = 0) -> tuple[SolutionInDigits, BaseFlowNumbers]:
         """The solution at the mode, or moved by so much, and the base flow that the integration asks for."""
         arithmetic = self._arithmetic
         with _precision(arithmetic, settings.digits):
@@ -164,31 +164,31 @@ class Variations:
             real = self._problem.real and sigma.imag == 0
             integration = self._problem.integration(arithmetic, settings, base)
             shooting = TaylorShooting(arithmetic, self._problem.size, settings, integration, lambda: None)
-            found = solved(shooting, arithmetic.number(sigma.real) if real else arithmetic.complex(sigma))
+            along, c = solved(shooting, arithmetic.number(sigma.real) if real else arithmetic.complex(sigma))
+            parts = getattr(integration, "parts", ())
+            found: SolutionInDigits = PlacedSolution(along, parts, c) if parts else along
             self._done += 1
             self._progress(round(TOTAL * (SHARE_OF_MODE + (1.0 - SHARE_OF_MODE) * self._done / SOLUTIONS)), TOTAL)
             return found, shooting.corrected_base()
 
-    def _place(self, own: TaylorSolution) -> tuple[str, str]:
+    def _place(self, own: SolutionInDigits) -> tuple[str, str]:
         """The unknown with the largest value, and its place as a decimal inside the domain."""
         unknown, z = self._peak
-        low, high = own.ends
+        low, high = own.extent
         text = f"{z:.{PEAK_DIGITS}g}"
         return unknown, text if low <= float(text) <= high else repr(min(max(z, low), high))
 
 
-def _common_heights(solutions: Sequence[TaylorSolution], peak: Any) -> list[Any]:
-    """Places of the first solution that all of them reach, and the middles between them, at most so many, the peak, and two beyond."""
+def _common_heights(solutions: Sequence[SolutionInDigits], peak: Any) -> list[Any]:
+    """Places of the first solution that all of them reach, and the middles between them, at most so many, the peak, and some beyond."""
     low, high = max(s.ends[0] for s in solutions), min(s.ends[1] for s in solutions)
     arithmetic = solutions[0].arithmetic
-    nodes = [z for z in solutions[0].z if low <= float(arithmetic.to_mpmath(z)) <= high]
+    nodes = [z for z in solutions[0].nodes if low <= float(arithmetic.to_mpmath(z)) <= high]
     places = [z for a, b in pairwise(nodes) for z in (a, (a + b) / 2)]
-    first, length = solutions[0].z[0], solutions[0].z[0] - solutions[0].z[-1]
-    beyond = [first + length, first + 10 * length] if solutions[0].farther(abs(length)) is not None else []
-    return [*beyond, *places[:: max(1, math.ceil(len(places) / COMPARED))], peak]
+    return [*solutions[0].outer, *places[:: max(1, math.ceil(len(places) / COMPARED))], peak]
 
 
-def _table(solution: TaylorSolution, heights: Sequence[Any], peak: tuple[str, str]) -> list[list[Any]]:
+def _table(solution: SolutionInDigits, heights: Sequence[Any], peak: tuple[str, str]) -> list[list[Any]]:
     """The unknowns, each at all heights, scaled."""
     factor = _values(solution, _number(solution.arithmetic, peak[1]))[peak[0]]
     rows = [_values(solution, z) for z in heights]
@@ -204,7 +204,7 @@ def _change(one: Sequence[Sequence[Any]], two: Sequence[Sequence[Any]]) -> float
     )
 
 
-def _values(solution: TaylorSolution, z: Any) -> Mapping[str, Any]:
+def _values(solution: SolutionInDigits, z: Any) -> Mapping[str, Any]:
     """The unknowns at one place as mpmath numbers, unscaled."""
     return {name: mpmath.mpc(solution.arithmetic.to_mpmath(value)) for name, value in solution(z).items()}
 

@@ -125,20 +125,24 @@ class Eigenfunction:
     @cached_property
     def extent(self) -> tuple[float, float]:
         """(lowest, highest) z, beyond which every unknown is below OUT_OF_SIGHT of its largest value, or the solution is not known."""
-        low, high = self.line.ends
-        if np.isfinite(self.line.allowed).all():
-            return self.line.allowed
-        upwards = bool(np.isinf(self.line.allowed[1]))
+        (low, high), (first, last) = self.line.ends, self.line.allowed
+        if np.isfinite((first, last)).all():
+            return first, last
         largest = np.abs(self.values(self.line.nodes)).max(axis=0)
-        length = high - low
+        origin = 0.5 * (low + high) if np.isinf((first, last)).all() else low if np.isinf(last) else high
+        sides = ((first, -1.0, origin - low), (last, 1.0, high - origin))
+        bottom, top = (self._faded(origin, side, length, largest) if np.isinf(end) else end for end, side, length in sides)
+        return bottom, top
+
+    def _faded(self, origin: float, side: float, length: float, largest: NDArray[np.float64]) -> float:
+        """Where, on this side of an origin, every unknown has fallen to OUT_OF_SIGHT of its largest value (q,)."""
         for _ in range(DOUBLINGS):
-            z = low + np.linspace(0.0, length, MODE_HEIGHTS) if upwards else high - np.linspace(0.0, length, MODE_HEIGHTS)
+            z = origin + side * np.linspace(0.0, length, MODE_HEIGHTS)
             seen = np.flatnonzero((np.abs(self.values(z)) > OUT_OF_SIGHT * largest).any(axis=1))
-            if seen[-1] + 1 < MODE_HEIGHTS:
-                length = abs(z[seen[-1] + 1] - z[0])
-                break
+            if not len(seen) or seen[-1] + 1 < MODE_HEIGHTS:
+                return float(z[seen[-1] + 1 if len(seen) else 1])
             length *= 2.0
-        return (low, low + length) if upwards else (high - length, high)
+        return float(origin + side * length)
 
     def sampled(self, points: int = MODE_HEIGHTS) -> tuple[NDArray[np.float64], Mapping[str, ComplexArray]]:
         """(z, the unknowns by name), each (points,), at heights that rise over the extent."""

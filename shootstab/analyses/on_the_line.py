@@ -26,8 +26,8 @@ OUTSIDE = 1e-9  # chosen: part of the domain by which a z given as a decimal may
 class OnTheLine:
     """The solution of the problem, of which solution.problem is a subsystem or the whole.
 
-    Where two subdomains meet, values are those of the left one. Between a singular end and where the integration begins they are sums of
-    the series of the regular solutions. Where the problem knows its decaying space farther out than the
+    Where two subdomains meet, values are those of the left one. Between an end and where the integration begins they are the solutions that
+    the end's space knows there, with the coefficients of the beginning. Where the problem knows its decaying space farther out than the
     integration begins, z may go on there.
     """
 
@@ -44,12 +44,11 @@ class OnTheLine:
         z = self._inside(z, *self.allowed)
         out = np.zeros((len(z), self.placements[0].size), dtype=np.complex128)
         inside = np.zeros(len(z), dtype=bool)
-        for placement in self.placements:
-            if placement.inner is not None:
-                own = self._nearer_than_begun(placement, z)
-                if own.any():
-                    out[own] = self._inner(placement, placement.inner, z[own])
-                inside |= own
+        for placement, space in self._inner_spaces:
+            own = self._nearer_than_begun(placement, space, z)
+            if own.any():
+                out[own] = self._inner(placement, space, z[own])
+            inside |= own
         out[~inside] = self._gathered(z[~inside], along)
         return out
 
@@ -98,10 +97,8 @@ class OnTheLine:
     def allowed(self) -> tuple[float, float]:
         """The lowest and the highest z that may be asked for; infinite where the decaying space is known all the way."""
         low, high = self.ends
-        for placement in self.placements:
-            if placement.inner is not None:
-                place = float(placement.inner.place)
-                low, high = min(low, place), max(high, place)
+        for _, space in self._inner_spaces:
+            low, high = min(low, float(space.place)), max(high, float(space.place))
         if len(self.placements) > 1 or (low, high) != self.ends:
             return low, high
         start, wall = self.solution.nodes[[0, -1]].real
@@ -140,18 +137,29 @@ class OnTheLine:
         """z (m,) between singular ends and where the integration begins."""
         parts = (np.arange(INNER_SAMPLES) + 0.5) / INNER_SAMPLES
         start = self.solution.nodes[0]
-        inner = [p for p in self.placements if p.inner is not None]
-        found = [p.inner.place + parts * (float(p.z(start).real) - p.inner.place) for p in inner if p.inner is not None]
+        found = [
+            space.place + parts * (float(placement.z(start).real) - space.place)
+            for placement, space in self._inner_spaces
+            if np.isfinite(space.place)
+        ]
         return np.concatenate([np.empty(0), *found])
 
-    def _nearer_than_begun(self, placement: Placement, z: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """The points, of z (m,), that lie between a singular end and where the integration begins."""
-        assert placement.inner is not None
-        start, place = float(placement.z(self.solution.nodes[0]).real), placement.inner.place
+    @cached_property
+    def _inner_spaces(self) -> list[tuple[Placement, InnerSpace]]:
+        """The subdomains with what they know of their solutions beyond their beginning.
+
+        Along one that reaches to infinity by itself the integration itself goes on: see `_reaching`.
+        """
+        known = [(placement, placement.inner) for placement in self.placements if placement.inner is not None]
+        return [(placement, space) for placement, space in known if len(self.placements) > 1 or np.isfinite(space.place)]
+
+    def _nearer_than_begun(self, placement: Placement, space: InnerSpace, z: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """The points, of z (m,), that lie between an end and where the integration begins."""
+        start, place = float(placement.z(self.solution.nodes[0]).real), space.place
         return (z >= place) & (z < start) if place < start else (z <= place) & (z > start)
 
     def _inner(self, placement: Placement, space: InnerSpace, z: NDArray[np.float64]) -> ComplexArray:
-        """φ (m, n) at points z (m,) there: the regular solutions with the coefficients that they have where the integration begins."""
+        """φ (m, n) at points z (m,) there: the solutions of the space with the coefficients that they have where the integration begins."""
         start = self.solution.nodes[:1]
         first = placement.right(_of_whole(self.solution, self.solution.phi[:1]), start)[0]
         basis = space.nearer(placement.z(start).real, self.solution.sigma)[0]

@@ -111,6 +111,12 @@ class AsymptoticSpaceInDigits:
             mpmath.exp(logarithm)
         )
 
+    farthest = 0.0
+
+    def beyond(self, sigma: Any, c: Matrix, distance: Any) -> Matrix:
+        """Nothing is asked for: the place is as far out as the solution is shown."""
+        return []
+
     @property
     def _others(self) -> list[int]:
         return [i for i in range(self._n) if i not in self._rows]

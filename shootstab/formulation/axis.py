@@ -21,6 +21,7 @@ AXIS_SIGMAS = (COMPLEX_GENERIC_SIGMA, -COMPLEX_GENERIC_SIGMA, 1j * COMPLEX_GENER
 WORST_START = 1e-11  # chosen: relative error of a frame beyond which nothing is begun; what is below counts in the budget
 LAST_TERM = 1e-19  # chosen: the series ends where its terms are so small against the first ones
 TERM_ROUNDING = 4e-16  # chosen: the relative rounding of one term of the series, two units
+FIRST_ROUNDING = 2e-15  # chosen, some ten units: first coefficients below this part of the largest are zeros that rounding has left
 AT_THE_END = 1e-60  # chosen: the hair, in x: powers of it are far below all rounding, and no double's range is left
 NEARER_START = 0.7  # chosen: the next place of the start, in the distance of the last
 
@@ -66,6 +67,8 @@ class RegularSpace:
         parts = []
         for family in self.end.families:
             phi = self._series(family, sigma)[0]
+            first = phi[: family.count]
+            first[np.abs(first) < FIRST_ROUNDING * np.abs(first).max()] = 0.0
             m = np.arange(len(phi))
             exponents = m[:, None] + S + (family.exponent - self.lowest)
             sizes = phi * (self.x / self.end.length) ** m[:, None, None] * self.x ** (exponents - m[:, None])[:, :, None]

@@ -106,6 +106,28 @@ class DecayingSpaceInDigits:
         return matrices.product(arithmetic, total, found.back), arithmetic.complex(mpmath.exp(log * trace))
 
     @property
+    def farthest(self) -> float:
+        """The solutions are known up to infinity, except on a base flow, which is known as far as its own series."""
+        return math.inf if self._flow is None else 0.0
+
+    def beyond(self, sigma: Any, c: Matrix, distance: Any) -> Matrix:
+        """ψ (n, 1) of a combination c (k, 1) of the frame, so far beyond the place: Σ P_m x^m (x/x_0)^T V⁻¹ c, x_0 being x there."""
+        found = self._known[1] if self._known is not None and self._known[0] == sigma else self._solutions(sigma)
+        arithmetic, d, rate = self._arithmetic, self._end.direction, self._arithmetic.to_mpmath(self._rate)
+        way = arithmetic.to_mpmath(distance)
+        at_place = -d * rate * mpmath.mpf(self.place.numerator) / self.place.denominator
+        T = mpmath.matrix([[arithmetic.to_mpmath(t) for t in row] for row in found.T])
+        decayed = mpmath.expm(T * (-rate * way))
+        turned = [[arithmetic.complex(decayed[i, j]) for j in range(self._k)] for i in range(self._k)]
+        x, power = arithmetic.number(mpmath.exp(at_place - rate * way)), arithmetic.number(1)
+        total = [list(row) for row in found.P[0]]
+        for part in found.P[1:]:
+            power = arithmetic.rounded(power * x)
+            total = [[a + power * b for a, b in zip(s, t, strict=True)] for s, t in zip(total, part, strict=True)]
+        combined = matrices.product(arithmetic, turned, matrices.product(arithmetic, found.back, c))
+        return matrices.product(arithmetic, total, combined)
+
+    @property
     def _nothing(self) -> Any:
         return self._arithmetic.number(0)
 

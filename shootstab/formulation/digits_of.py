@@ -13,6 +13,7 @@ from shootstab.formulation.asymptotic_end import asymptotic_end
 from shootstab.formulation.axis import RegularSpace
 from shootstab.formulation.base_digits import FlowDigits
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
+from shootstab.formulation.digit_beginnings import AtInfinity, AtSingularEnd, AtWall, AugmentedBeginning, Begin
 from shootstab.formulation.equation_digits import EquationDigits
 from shootstab.formulation.evaluation import on_mpmath
 from shootstab.formulation.exponentials import exponential_end
@@ -23,19 +24,11 @@ from shootstab.formulation.joint_conditions import on_side, rows_over_states
 from shootstab.formulation.joints import INTERFACE_SIDES, Joint
 from shootstab.formulation.reduced_layers import ReducedLayer
 from shootstab.formulation.regular_digits import RegularStart
+from shootstab.formulation.shown_in_digits import Shown
 from shootstab.formulation.state_pencil import Powers, StatePencil, by_powers
 from shootstab.formulation.stated_unknowns import shown_in_states
 from shootstab.formulation.statement import Statement
-from shootstab.formulation.subdomain_digits import (
-    ArrivalConditions,
-    AtInfinity,
-    AtSingularEnd,
-    AtWall,
-    AugmentedBeginning,
-    Begin,
-    DigitSubdomain,
-    SubdomainDigits,
-)
+from shootstab.formulation.subdomain_digits import ArrivalConditions, DigitSubdomain, SubdomainDigits
 from shootstab.formulation.vanishing import AGREEING, EVALUATED
 from shootstab.multiprecision.integration import MultiprecisionProblem
 from shootstab.problems.decaying_space import StartingSpace
@@ -51,7 +44,8 @@ def digits_of(
         if statement.doubles_only:
             raise InputError(f"{', '.join(statement.doubles_only)} are given to doubles only: allowed are formulas")
         if isinstance(statement.left, Periodic) and isinstance(statement.right, Periodic):
-            return _between_periodic_ends(statement, system, statement.left.at, statement.right.at)
+            shown = shown_in_states(statement.names.unknowns, layers[0].first_order)
+            return _between_periodic_ends(statement, system, shown, (statement.left.at, statement.right.at))
         flow = None if statement.base is None else FlowDigits(statement.base)
         if statement.joints:
             return _in_layers(statement, system, layers, reduction, flow)
@@ -63,14 +57,15 @@ def digits_of(
             space = reduction.subdomains[0].far
             shown = shown_in_states(statement.names.unknowns, layers[0].first_order)
             return EquationDigits(system, (places[0], places[1]), shown, _regular(space), backwards=statement.holding[0])
-        return _towards_one_place(statement, system, reduction, flow)
+        shown = shown_in_states(statement.names.unknowns, layers[0].first_order)
+        return _towards_one_place(statement, system, reduction, shown, flow)
     except InputError as error:
         raise InputError(f"more than 12 digits: {error}") from None
 
 
-def _between_periodic_ends(statement: Statement, system: StatePencil, left: float, right: float) -> MultiprecisionProblem:
+def _between_periodic_ends(statement: Statement, system: StatePencil, shown: Shown, ends: tuple[float, float]) -> MultiprecisionProblem:
     """(a, ψ) from the left end, a = ψ at the right one. Raises InputError for a period in doubles only, as 3.14159… of cos(2z)."""
-    n, one, (begin, target) = system.size, number(1), (Fraction(Gaussian.of(at).re) for at in (left, right))
+    n, one, (begin, target) = system.size, number(1), (Fraction(Gaussian.of(at).re) for at in ends)
     if statement.base is not None:
         raise InputError("a base flow between periodic ends is known to doubles only: allowed are formulas")
     with mpmath.workdps(EVALUATED):
@@ -81,11 +76,11 @@ def _between_periodic_ends(statement: Statement, system: StatePencil, left: floa
                 told = f"{statement.names.text(entry)} has the period {float(target - begin)!r} to the digits of a double only"
                 raise InputError(f"{told}: allowed is one that is exact in decimals, as 1 is that of cos(2*pi*{statement.names.variable})")
     same = {(i, i): one for i in range(n)} | {(i, n + i): -one for i in range(n)}
-    return SubdomainDigits([DigitSubdomain(system, AugmentedBeginning(begin), target)], [ArrivalConditions((same,), n, target)])
+    return SubdomainDigits([DigitSubdomain(system, AugmentedBeginning(begin), target, shown)], [ArrivalConditions((same,), n, target)])
 
 
 def _towards_one_place(
-    statement: Statement, system: StatePencil, reduction: TwoPointReduction, flow: FlowDigits | None
+    statement: Statement, system: StatePencil, reduction: TwoPointReduction, shown: Shown, flow: FlowDigits | None
 ) -> MultiprecisionProblem:
     """The way from an end at infinity to the conditions at the other, or from two ends, infinite or singular, to where the sides meet."""
     n, one = system.size, number(1)
@@ -96,11 +91,11 @@ def _towards_one_place(
         rows, count = (system.left, system.left_rows) if side > 0 else (system.right, system.right_rows)
         target = _place(statement.left if side > 0 else statement.right)
         begin = _at_end(ends[side], side, system, spaces[side], statement.names.text)
-        return SubdomainDigits([DigitSubdomain(system, begin, target)], [ArrivalConditions(rows, count, target)], flow)
+        return SubdomainDigits([DigitSubdomain(system, begin, target, shown)], [ArrivalConditions(rows, count, target)], flow)
     first = reduction.subdomains[0]
     meeting = Fraction(first.offset + first.scale * reduction.end)
     subdomains = [
-        DigitSubdomain(system, _at_end(end, side, system, spaces[side], statement.names.text), meeting) for side, end in ends.items()
+        DigitSubdomain(system, _at_end(end, side, system, spaces[side], statement.names.text), meeting, shown) for side, end in ends.items()
     ]
     same = {(i, i): one for i in range(n)} | {(i, n + i): -one for i in range(n)}
     return SubdomainDigits(subdomains, [ArrivalConditions((same,), n, meeting)], flow)
@@ -130,7 +125,7 @@ def _in_layers(
                 begin = AtWall(_place(end), rows[0], count)
             else:
                 begin = _at_end(end, side, layer, reduction.subdomains[0 if j == 0 else -1].far, statement.names.text)
-        subdomains.append(DigitSubdomain(layer, begin, target))
+        subdomains.append(DigitSubdomain(layer, begin, target, shown_in_states(statement.names.unknowns, layers[j].first_order)))
         last = first + subdomains[-1].size - n
         own.append((last, last) if outer else (first, last))
         first += subdomains[-1].size

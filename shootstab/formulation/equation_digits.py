@@ -20,14 +20,15 @@ from shootstab.formulation.expression import Expression
 from shootstab.formulation.null_space import null_space
 from shootstab.formulation.regular_digits import RegularStart
 from shootstab.formulation.series_digits import BaseFields, on_numbers, on_series
+from shootstab.formulation.shown_in_digits import Shown, rows_of, shown_at
 from shootstab.formulation.state_pencil import Powers, StatePencil
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
 from shootstab.multiprecision.integration import BaseFlowNumbers, Expansion, UnknownRows
 from shootstab.multiprecision.linear_step import TaylorEntries
 from shootstab.multiprecision.settings import Settings
+from shootstab.multiprecision.small_matrices import product
 from shootstab.multiprecision.taylor import Taylor, real_series
-
-Shown = Mapping[str, tuple[Mapping[int, Expression], Expression]]  # r_j and −p of each unknown by name, see stated_unknowns.py
+from shootstab.multiprecision.taylor_solution import OUTSIDE_DIGITS
 
 
 class EquationDigits:
@@ -81,9 +82,9 @@ class EquationIntegration:
         self._arithmetic, self._settings, self._system, self._augmented = arithmetic, settings, system, augmented
         self._shown = shown
         self._regular = start
+        self._singular, self._direction = ends[0], 1 if ends[1] > ends[0] else -1
         if start is not None:
-            reach = start.x / Fraction(2) ** round(settings.far_shift)
-            ends = (ends[0] + (reach if ends[1] > ends[0] else -reach), ends[1])
+            ends = (ends[0] + self._direction * start.reach(settings), ends[1])
         self._z, self.wall = (arithmetic.number(end) for end in ends)
         self._step = (self.wall - self._z) / settings.order  # a first trial; steps double from there
         sides = [(system.left, system.left_rows), (system.right, system.right_rows)]
@@ -127,19 +128,24 @@ class EquationIntegration:
         """Each unknown as Σ r_j ψ_j / p."""
         shift = self._system.size if self._augmented else 0
         z = self._along()
-        at = on_series(self._arithmetic, z, sigma, self._fields(z))
-        return {
-            name: {j + shift: -at(factor) / at(divisor) for j, factor in factors.items()}
-            for name, (factors, divisor) in self._shown.items()
-        }
+        return rows_of(self._shown, on_series(self._arithmetic, z, sigma, self._fields(z)), shift)
 
     def _along(self) -> Taylor:
         """z along the last step."""
         arithmetic = self._arithmetic
         return real_series(arithmetic, [self._z, self._h] + [arithmetic.number(0)] * (self._settings.order - 2))
 
-    def farther(self, sigma: Any, c: Matrix, distance: Any) -> None:
-        """The start is an end of the domain."""
+    @property
+    def farthest(self) -> float:
+        """The start is an end of the domain, or lies so far from a singular one."""
+        return 0.0 if self._regular is None else float(self._regular.reach(self._settings))
+
+    def farther(self, sigma: Any, c: Matrix, distance: Any) -> Mapping[str, Any] | None:
+        if self._regular is None or self._arithmetic.to_mpmath(distance) > self.farthest * (1.0 + OUTSIDE_DIGITS):
+            return None
+        frame, x = self._regular.nearer(self._arithmetic, self._settings, sigma, distance)
+        place = self._arithmetic.number(self._singular) + self._direction * x
+        return shown_at(self._arithmetic, self._shown, place, sigma, product(self._arithmetic, frame, c))
 
     def wall_rows(self) -> list[Matrix]:
         if not self._augmented:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -31,15 +32,37 @@ class RegularStart:
 
     def frame(self, arithmetic: Arithmetic, settings: Settings, sigma: Any) -> Matrix:
         """ψ (n, k) at the distance x, or nearer with a far_shift. Raises ConvergenceError where the series does not hold there."""
-        x = arithmetic.number(self.x / Fraction(2) ** round(settings.far_shift))
-        columns = [self._family(arithmetic, settings, sigma, family, x) for family in self.end.families]
+        return self.at(arithmetic, settings, sigma, arithmetic.number(self.reach(settings)))
+
+    def reach(self, settings: Settings) -> Fraction:
+        """The distance at which the integration begins."""
+        return self.x / Fraction(2) ** round(settings.far_shift)
+
+    def nearer(self, arithmetic: Arithmetic, settings: Settings, sigma: Any, distance: Any) -> tuple[Matrix, Any]:
+        """ψ (n, k) so far from where the integration begins towards the end, and the distance from the end.
+
+        At the end itself they are taken a hair from it, which is no more than rounding.
+        """
+        reach, hair = arithmetic.number(self.reach(settings)), arithmetic.number(Fraction(1, 10**settings.digits))
+        x = arithmetic.rounded(reach - distance)
+        if arithmetic.log2(x) < arithmetic.log2(hair):
+            x = arithmetic.rounded(hair * reach)
+        return self.at(arithmetic, settings, sigma, x, settled=True), x
+
+    def at(self, arithmetic: Arithmetic, settings: Settings, sigma: Any, x: Any, settled: bool = False) -> Matrix:
+        """ψ (n, k) at a distance x from the end; settled: first coefficients that are rounding are 0, as a small x is to divide by."""
+        columns = [self._family(arithmetic, settings, sigma, family, x, settled) for family in self.end.families]
         return [[value for part in columns for value in part[i]] for i in range(len(self.end.shifts))]
 
-    def _family(self, arithmetic: Arithmetic, settings: Settings, sigma: Any, family: SolutionFamily, x: Any) -> Matrix:
+    def _family(self, arithmetic: Arithmetic, settings: Settings, sigma: Any, family: SolutionFamily, x: Any, settled: bool) -> Matrix:
         rho, shifts = round(family.exponent.real), self.end.shifts
         terms = max(2 * settings.far_terms, 4 * family.count)
         C, D = self._series(arithmetic, sigma, terms)
         phi = self._first(arithmetic, family, C, D)
+        if settled:
+            least = max(arithmetic.log2(value) for part in phi for row in part for value in row) - settings.digits * math.log2(10)
+            nothing = arithmetic.number(0)
+            phi = [[[value if arithmetic.log2(value) > least else nothing for value in row] for row in part] for part in phi]
         total = [list(row) for row in phi[0]]
         power, powers = arithmetic.number(1), []
         largest = 0.0

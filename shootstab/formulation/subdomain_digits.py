@@ -11,151 +11,19 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, Protocol
+from typing import Any
 
-from shootstab.core.errors import InputError
 from shootstab.core.progress import StepDone
-from shootstab.formulation.asymptotic_digits import AsymptoticSpaceInDigits
-from shootstab.formulation.asymptotic_end import AsymptoticEnd
 from shootstab.formulation.base_digits import FlowDigits, FlowSeries
-from shootstab.formulation.decaying_digits import DecayingSpaceInDigits, LogarithmsError
-from shootstab.formulation.exponentials import ExponentialEnd
+from shootstab.formulation.digit_beginnings import AugmentedBeginning, Begin, Beginning
 from shootstab.formulation.expression import Expression
-from shootstab.formulation.null_space import null_space
-from shootstab.formulation.regular_digits import RegularStart
 from shootstab.formulation.series_digits import on_numbers, on_series
+from shootstab.formulation.shown_in_digits import Shown, rows_of, shown_at
 from shootstab.formulation.state_pencil import Powers, StatePencil
 from shootstab.multiprecision.arithmetic import Arithmetic, Matrix
 from shootstab.multiprecision.integration import BaseFlowNumbers, Expansion, UnknownRows
 from shootstab.multiprecision.settings import Settings
 from shootstab.multiprecision.taylor import Taylor, real_series
-
-
-class Beginning(Protocol):
-    """How a subdomain begins, in one arithmetic."""
-
-    @property
-    def place(self) -> Fraction:
-        """The z at which the subdomain begins."""
-        ...
-
-    def begin(self, sigma: Any) -> None:
-        """Choose the place, so that the frame holds there at σ."""
-        ...
-
-    def frame(self, sigma: Any) -> tuple[Matrix, Any]:
-        """The solutions (n, k) with which it begins, or (2n, n) beside their starting values, and the factor of their determinant."""
-        ...
-
-
-class Begin(Protocol):
-    """What a subdomain begins with, in any arithmetic."""
-
-    def beginning(
-        self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction, flow: FlowSeries | None
-    ) -> Beginning:
-        """The beginning in one arithmetic, on a base flow."""
-        ...
-
-
-@dataclass(frozen=True, eq=False)
-class AtInfinity:
-    """An end at infinity at which so many solutions decay: by series in an exponential, or in inverse powers of the coordinate."""
-
-    end: ExponentialEnd | None
-    powers: AsymptoticEnd | None
-    columns: int
-
-    def beginning(
-        self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction, flow: FlowSeries | None
-    ) -> Beginning:
-        ways: list[Beginning] = []
-        if self.end is not None:
-            ways.append(DecayingSpaceInDigits(arithmetic, settings, self.end, system.size, self.columns, target, flow))
-        if self.powers is not None:
-            ways.append(AsymptoticSpaceInDigits(arithmetic, settings, self.powers, system, self.columns, target))
-        return ways[0] if len(ways) == 1 else _FirstThatHolds(ways[0], ways[1])
-
-
-class _FirstThatHolds:
-    """See Beginning: the first of two, or the second where solutions of the first have logarithms."""
-
-    def __init__(self, first: Beginning, second: Beginning) -> None:
-        self._chosen, self._second = first, second
-
-    @property
-    def place(self) -> Fraction:
-        return self._chosen.place
-
-    def begin(self, sigma: Any) -> None:
-        try:
-            self._chosen.begin(sigma)
-        except LogarithmsError:
-            self._chosen = self._second
-            self._chosen.begin(sigma)
-
-    def frame(self, sigma: Any) -> tuple[Matrix, Any]:
-        return self._chosen.frame(sigma)
-
-
-@dataclass(frozen=True, eq=False)
-class AtSingularEnd:
-    """A regular singular end; the domain goes from it in this direction."""
-
-    at: Fraction
-    direction: int
-    start: RegularStart
-
-    def beginning(
-        self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction, flow: FlowSeries | None
-    ) -> Beginning:
-        place = self.at + self.direction * self.start.x / Fraction(2) ** round(settings.far_shift)
-        return _FixedBeginning(place, lambda sigma: self.start.frame(arithmetic, settings, sigma), arithmetic.number(1))
-
-
-@dataclass(frozen=True, eq=False)
-class AtWall:
-    """A place with so many conditions that do not hold the eigenvalue."""
-
-    at: Fraction
-    rows: Mapping[tuple[int, int], Expression]
-    count: int
-
-    def beginning(
-        self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction, flow: FlowSeries | None
-    ) -> Beginning:
-        place, nothing, n = arithmetic.number(self.at), arithmetic.number(0), system.size
-        at = on_numbers(arithmetic, place, None if flow is None else flow.at(place))
-        found = null_space(
-            arithmetic, [[at(self.rows[i, j]) if (i, j) in self.rows else nothing for j in range(n)] for i in range(self.count)], n
-        )
-        return _FixedBeginning(self.at, lambda sigma: found, arithmetic.number(1))
-
-
-@dataclass(frozen=True, eq=False)
-class AugmentedBeginning:
-    """A place at which all solutions begin, beside their starting values."""
-
-    at: Fraction
-
-    def beginning(
-        self, arithmetic: Arithmetic, settings: Settings, system: StatePencil, target: Fraction, flow: FlowSeries | None
-    ) -> Beginning:
-        identity = [[arithmetic.number(int(i == j)) for j in range(system.size)] for i in range(system.size)]
-        return _FixedBeginning(self.at, lambda sigma: [*identity, *[list(row) for row in identity]], arithmetic.number(1))
-
-
-class _FixedBeginning:
-    """See Beginning: one whose place does not depend on σ."""
-
-    def __init__(self, place: Fraction, made: Any, factor: Any) -> None:
-        self.place, self._made, self._factor = place, made, factor
-
-    def begin(self, sigma: Any) -> None:
-        """Nothing: this place does not depend on σ."""
-
-    def frame(self, sigma: Any) -> tuple[Matrix, Any]:
-        return self._made(sigma), self._factor
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,6 +33,7 @@ class DigitSubdomain:
     system: StatePencil
     begin: Begin
     target: Fraction
+    shown: Shown
 
     @property
     def size(self) -> int:
@@ -183,6 +52,36 @@ class ArrivalConditions:
 
 def _holds_functions(parts: Powers) -> bool:
     return any(atom.kind == "given" for part in parts for entry in part.values() for atom in entry.atoms())
+
+
+@dataclass(frozen=True, eq=False)
+class DigitPart:
+    """See multiprecision.placed_solution.LinePart: the j-th of the subdomains, and of their beginnings."""
+
+    arithmetic: Arithmetic
+    subdomains: Sequence[DigitSubdomain]
+    beginnings: Sequence[Beginning]
+    j: int
+
+    @property
+    def begin(self) -> Any:
+        return self.arithmetic.number(self.beginnings[self.j].place)
+
+    @property
+    def way(self) -> Any:
+        return self.arithmetic.number(self.subdomains[self.j].target - self.beginnings[self.j].place)
+
+    @property
+    def farthest(self) -> float:
+        return self.beginnings[self.j].farthest
+
+    def farther(self, sigma: Any, c: Matrix, distance: Any) -> Mapping[str, Any]:
+        first, *widths = [0, *(len(beginning.frame(sigma)[0][0]) for beginning in self.beginnings)]
+        first = sum(widths[: self.j])
+        psi = self.beginnings[self.j].beyond(sigma, c[first : first + widths[self.j]], distance)
+        outwards = 1 if self.subdomains[self.j].target < self.beginnings[self.j].place else -1
+        place = self.begin + outwards * distance
+        return shown_at(self.arithmetic, self.subdomains[self.j].shown, place, sigma, psi)
 
 
 class SubdomainDigits:
@@ -217,6 +116,7 @@ class SubdomainIntegration:
         self._flow = flow
         self._over = [(s, flow if _holds_functions((*s.system.C, *s.system.D)) else None) for s in subdomains]  # known where it is held
         self._beginnings = [s.begin.beginning(arithmetic, settings, s.system, s.target, flow) for s, flow in self._over]
+        self._along: list[Taylor] = []
         self._t = arithmetic.number(0)
         self._step = arithmetic.number(1) / settings.order  # a first trial; steps double from there
 
@@ -244,12 +144,13 @@ class SubdomainIntegration:
         powers = max(len(subdomain.system.C) for subdomain in self._subdomains)
         C: list[dict[tuple[int, int], Taylor]] = [{} for _ in range(powers)]
         D: list[dict[tuple[int, int], Taylor]] = [{} for _ in range(powers)]
-        shift = 0
+        shift, self._along = 0, []
         for (subdomain, flow), beginning in zip(self._over, self._beginnings, strict=True):
             system = subdomain.system
             way = arithmetic.number(subdomain.target - beginning.place)
             here = arithmetic.number(beginning.place) + way * self._t
             z = real_series(arithmetic, [here, way * h] + [arithmetic.number(0)] * (self._settings.order - 2))
+            self._along.append(z)
             at = on_series(arithmetic, z, fields=None if flow is None else flow.along(z))
             for still in range(subdomain.size - system.size):
                 C[0][shift + still, shift + still] = 0 * z + 1
@@ -265,11 +166,24 @@ class SubdomainIntegration:
         self._step = 2 * self._h
 
     def unknowns(self, sigma: Any) -> UnknownRows:
-        told = "an eigenfunction in many digits is not offered with an end at infinity, in layers, or between two singular ends"
-        raise InputError(f"{told}: allowed are finite ends of which one holds conditions, or doubles")
+        """Those of subdomain j by their names behind `j `."""
+        rows: dict[str, Mapping[int, Any]] = {}
+        first = 0
+        for j, ((subdomain, flow), z) in enumerate(zip(self._over, self._along, strict=True)):
+            at = on_series(self._arithmetic, z, sigma, None if flow is None else flow.along(z))
+            first += subdomain.size
+            rows |= rows_of(subdomain.shown, at, first - subdomain.system.size, f"{j} ")
+        return rows
+
+    @property
+    def parts(self) -> tuple[DigitPart, ...]:
+        """The subdomains on the user's line."""
+        return tuple(DigitPart(self._arithmetic, self._subdomains, self._beginnings, j) for j in range(len(self._subdomains)))
+
+    farthest = 0.0
 
     def farther(self, sigma: Any, c: Matrix, distance: Any) -> None:
-        """No solution is kept."""
+        """Nothing is known for all at once: each subdomain knows its own solutions, see DigitPart."""
 
     @property
     def wall(self) -> Any:

@@ -85,6 +85,8 @@ class ClosedFormIntegration:
         named = EXACT_UNKNOWNS.of(self._problem)
         return {f"psi{i + 1}": {i: 1} for i in range(self._problem.size)} if named is None else named(self._exact)
 
+    farthest = 0.0
+
     def farther(self, sigma: Any, c: Matrix, distance: Any) -> None:
         """The start is an end of the domain."""
 

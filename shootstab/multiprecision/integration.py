@@ -55,6 +55,11 @@ class Integration(Protocol):
         """What the user's unknowns are of ψ, along the step of the last expansion."""
         ...
 
+    @property
+    def farthest(self) -> float:
+        """How far beyond the start solutions are known: 0 where it is an end of the domain, infinite up to infinity."""
+        ...
+
     def farther(self, sigma: Any, c: Matrix, distance: Any) -> Mapping[str, Any] | None:
         """The unknowns by name so far beyond the start, of the solution that is the combination c (k, 1) of the far frame.
 

@@ -11,6 +11,7 @@ and beyond the first one what the problem knows of its decaying space.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -40,6 +41,7 @@ class TaylorSolution:
     rows: Sequence[UnknownRows]
     order: int
     farther: Callable[[Any], Mapping[str, Any] | None]
+    farthest: float
     _series: dict[int, Mapping[str, list[Any]]] = field(default_factory=dict, repr=False)
 
     @property
@@ -54,6 +56,29 @@ class TaylorSolution:
         low, high = sorted(0.0 if abs(z) < OUTSIDE_DIGITS * abs(last - first) else z for z in (first, last))
         return low, high
 
+    @property
+    def nodes(self) -> Numbers:
+        """The places of the steps."""
+        return self.z
+
+    @property
+    def outer(self) -> Numbers:
+        """Places beyond the first one, where something is known there."""
+        length = self.z[0] - self.z[-1]
+        if self.farthest == math.inf:
+            return [self.z[0] + length, self.z[0] + 10 * length]
+        outwards = 1 if float(self.arithmetic.to_mpmath(length)) > 0.0 else -1
+        return [self.z[0] + outwards * self.arithmetic.number(self.farthest / 2)] if self.farthest > 0.0 else []
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """The lowest and the highest z at which something is known."""
+        low, high = self.ends
+        downwards = self.arithmetic.to_mpmath(self.z[0]) > self.arithmetic.to_mpmath(self.z[-1])
+        reached = high + self.farthest if downwards else low - self.farthest
+        place = 0.0 if abs(reached) < OUTSIDE_DIGITS * (high - low) else reached
+        return (low, place) if downwards else (place, high)
+
     def __call__(self, z: Any) -> dict[str, Any]:
         """The unknowns by name at one place, a number of the arithmetic. Raises InputError for one outside the domain."""
         place, (low, high) = float(self.arithmetic.to_mpmath(z)), self.ends
@@ -62,11 +87,16 @@ class TaylorSolution:
             beyond = (z - self.z[0]) * (-1 if self.z[0] < self.z[-1] else 1)
             found = self.farther(beyond) if beyond > 0 else None
             if found is None:
+                low, high = self.extent
                 raise InputError(f"z = {place:g}: allowed is z from {low:.6g} to {high:.6g}")
             return dict(found)
+        return self.at(z)
+
+    def at(self, z: Any, prefix: str = "") -> dict[str, Any]:
+        """The unknowns whose names begin so, by name, at one place inside the integration."""
         s = self._step(z)
         t = (z - self.z[s]) / self.steps[s].h
-        return {name: self._sum(terms, t) for name, terms in self._terms(s).items()}
+        return {name: self._sum(terms, t) for name, terms in self._terms(s).items() if name.startswith(prefix)}
 
     def _step(self, z: Any) -> int:
         """The step that z lies in."""
@@ -100,8 +130,11 @@ class TaylorSolution:
         return total
 
 
-def solved(shooting: TaylorShooting, sigma: Any) -> TaylorSolution:
-    """The solution at a zero σ of D, with an arbitrary factor; the shooting has not integrated yet."""
+def solved(shooting: TaylorShooting, sigma: Any) -> tuple[TaylorSolution, Matrix]:
+    """The solution at a zero σ of D, with an arbitrary factor, and the combination (k, 1) of the far frame with which it begins.
+
+    The shooting has not integrated yet.
+    """
     arithmetic = shooting.arithmetic
     kept = shooting.solving(sigma)
     c = null_vector(arithmetic, matrices.product(arithmetic, kept.wall, kept.frames[-1]))
@@ -113,7 +146,8 @@ def solved(shooting: TaylorShooting, sigma: Any) -> TaylorSolution:
     for step in reversed(kept.steps):
         z.insert(0, arithmetic.rounded(z[0] - step.h))
     farther = partial(shooting.integration.farther, sigma, c)
-    return TaylorSolution(arithmetic, sigma, z, kept.steps, psi, kept.rows, shooting.settings.order, farther)
+    farthest = float(shooting.integration.farthest)
+    return TaylorSolution(arithmetic, sigma, z, kept.steps, psi, kept.rows, shooting.settings.order, farther, farthest), c
 
 
 def null_vector(arithmetic: Arithmetic, A: Matrix) -> Matrix:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+import scipy.linalg
 from numpy.typing import NDArray
 
 from shootstab.core.errors import ConvergenceError
@@ -105,6 +107,22 @@ class DecayingSpace:
             where = f"at {self.where}, begun at z = {self.z:g}"
             raise ConvergenceError(f"{where}, the decaying space is known to {error:.1e} only for sigma = {sigma:.6g}")
         return FarFrame(frame, tangent, log_scale, error)
+
+    @property
+    def inner(self) -> DecayingSpace | None:
+        """Itself, where it is that of the limit of the coefficients (see problems.unknowns.InnerSpace): they stay there up to infinity."""
+        return self if self.tail is not None and self.expansion is None else None
+
+    @property
+    def place(self) -> float:
+        """The end."""
+        return self.kato_frame.limit.direction * math.inf
+
+    def nearer(self, z: NDArray[np.float64], sigma: complex) -> ComplexArray:
+        """The solutions (m, n, k) of the limit at points z (m,) farther out, those of the frame where the integration begins."""
+        F = self.kato_frame.frame(sigma)[0]
+        growth = np.linalg.lstsq(F, self.kato_frame.limit.matrix(sigma)[0] @ F, rcond=None)[0]
+        return np.array([F @ scipy.linalg.expm(growth * abs(at - self.z)) for at in z.tolist()])
 
     def at(self, sigma: complex) -> AsymptoticRates:
         """The rates of solutions at this end for one σ."""

@@ -110,3 +110,58 @@ def test_the_command_says_and_writes_the_digits_as_text(
     assert header == "z,y_re,y_im"
     assert first.startswith(f"0.25,{root}")
     assert cli.main(["mode", "string.toml", "--guess=-9.9", "--digits", "30", "--export", "y.npz"]) == cli.BAD_INPUT
+
+
+def test_between_two_singular_ends_and_at_the_ends_themselves() -> None:
+    """P_2² ~ 1 − x²."""
+    f = st.eigenfunction(st.scene("legendre").problem, 6, digits=30)
+    assert f.extent == (-1.0, 1.0)
+    with mpmath.workdps(50):
+        scale = 1 - mpmath.mpf(f.peak[1]) ** 2
+        errors = [abs(f(x)["y"] - (1 - mpmath.mpf(x) ** 2) / scale) for x in ("-1", "-0.9999", "-0.5", "0.3", "0.75", "1")]
+    assert max(errors) <= f.error <= 1e-30
+    with pytest.raises(InputError, match="allowed is z from -1 to 1"):
+        f("1.001")
+
+
+def test_at_the_axis_itself() -> None:
+    """J0(jr) and J1(jr): 1 and 0 at r = 0, where the integration does not begin."""
+    for order, value in ((0, 1), (1, 0)):
+        equation = f"d(u,2) + d(u)/r - {order}*u/r**2 - sigma*u"
+        pipe = st.equations(["u"], [equation], st.Axis(0), st.Conditions(1, ["u"]), variable="r")
+        with mpmath.workdps(50):
+            j = mpmath.besseljzero(order, 1)
+            f = st.eigenfunction(pipe, complex(-(j**2)), digits=25)
+            scale = mpmath.besselj(order, j * mpmath.mpf(f.peak[1]))
+            errors = [abs(f(r)["u"] - mpmath.besselj(order, j * mpmath.mpf(r)) / scale) for r in ("1e-30", "0.01", "0.2", "0.7")]
+            assert max(errors) <= f.error <= 1e-25
+            assert abs(f(0)["u"] * scale - value) <= f.error
+
+
+def test_with_ends_at_infinity_and_beyond_where_the_integration_begins() -> None:
+    """tanh sech for the kink's internal mode; ψ_2 of the oscillator, whose coefficients go as powers."""
+    kink = st.eigenfunction(st.scene("kink").problem, 1.2247j, digits=25)
+    oscillator = st.equations(["y"], ["d(y,2) - (x**2 - sigma)*y"], st.Infinity(), st.Infinity(), variable="x")
+    hermite = st.eigenfunction(oscillator, 5.0, digits=25)
+    with mpmath.workdps(50):
+        root = mpmath.sqrt(2)
+        for f, exact, places in (
+            (kink, lambda x: mpmath.tanh(x / root) * mpmath.sech(x / root), ("-30", "-3", "0.25", "1", "20")),
+            (hermite, lambda x: (4 * x * x - 2) * mpmath.exp(-x * x / 2), ("-3", "0", "2.5")),
+        ):
+            unknown, place = f.peak
+            scale = exact(mpmath.mpf(place))
+            assert max(abs(f(x)[unknown] - exact(mpmath.mpf(x)) / scale) for x in places) <= f.error <= 1e-25
+    with pytest.raises(InputError, match="allowed is z from -8"):
+        hermite(60)
+
+
+def test_in_layers_it_is_that_of_doubles() -> None:
+    """Holmboe's three interfaces: w is continuous, its slope jumps."""
+    problem = st.scene("holmboe").problem
+    rough = st.eigenfunction(problem, 0.1291922967505368824457 + 0.748773618097320038792j)
+    f = st.eigenfunction(problem, rough.mode, digits=20)
+    scale = rough(float(f.peak[1]))[f.peak[0]]
+    for z in (-5.0, -1.5, -0.5, 0.2, 0.9, 1.4):
+        assert abs(complex(f(z)["w"]) - rough(z)["w"] / scale) < 1e-11
+    assert f.error <= 1e-20

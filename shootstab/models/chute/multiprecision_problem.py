@@ -189,6 +189,8 @@ class ChuteIntegration:
         turned = 1j if self._rotated else 1
         return {name: {j: nu if j == 0 else turned if j == SPANWISE[0] else 1} for j, name in enumerate(PERTURBED)}
 
+    farthest = math.inf
+
     def farther(self, sigma: Any, c: Matrix, distance: Any) -> dict[str, Any]:
         """ψ = P(τ) τ^Λ c with τ = ν0 over that at the start, and z from there, ∫ dτ/(τ ν0′/ν0) = ln τ/λ_0 + Σ l_m (τ^m − 1)/m."""
         arithmetic = self.arithmetic
