@@ -82,10 +82,12 @@ def _kind(kind: str | None, scene: Scene) -> Convention:
 
 def _table(report: Report, digits: int, bad: int, lost: tuple[Mode, ...]) -> str:
     """One line a claim and a missing mode, under a sentence that counts them."""
+    from shootstab.cli.lines import with_i
+
     lines = [f"{bad} of {len(report.verdicts)} eigenvalues are not what they should be to {digits} digits, {len(lost)} missing:"]
     for number, v in enumerate(report.verdicts, 1):
         mode = "" if v.sigma is None else f"  mode {held_complex(v.sigma, v.error)}"
-        why = f": {v.why}" if v.verdict != CONFIRMED else ""
+        why = f": {with_i(v.why)}" if v.verdict != CONFIRMED else ""
         lines.append(f"{number:>4}  {claimed_digits(v.claimed, digits)}  {v.verdict}{why}{mode}")
     return "\n".join([*lines, *(f"      missing  {held_complex(m.sigma, m.error)} (error {m.error:.1e})" for m in lost)])
 

@@ -14,6 +14,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tarfile
 import tempfile
 import time
 from collections.abc import Callable, Mapping
@@ -175,9 +176,9 @@ def checked(machine: Machine, quick: bool, asked: list[str] | None) -> tuple[int
 def built(folder: Path) -> list[Path]:
     """The wheel and the sdist, from a copy: building leaves things beside the sources."""
     copy = folder / "sources"
-    names = ("shootstab", "README.md", "pyproject.toml", "LICENSE")
+    tracked = subprocess.run(["git", "ls-files"], cwd=ROOT, check=True, capture_output=True, text=True).stdout.splitlines()
     copy.mkdir()
-    for name in names:
+    for name in {name.partition("/")[0] for name in tracked}:
         whole = ROOT / name
         if whole.is_dir():
             shutil.copytree(whole, copy / name, ignore=shutil.ignore_patterns("__pycache__", "*.nb[ic]", "*.pyc"))
@@ -191,6 +192,12 @@ def built(folder: Path) -> list[Path]:
     subprocess.run([sys.executable, "-m", "venv", env], check=True)
     subprocess.run([env / "bin" / "python", "-m", "pip", "install", "--quiet", "setuptools>=69"], check=True)
     subprocess.run([env / "bin" / "python", "-c", sdist, out], cwd=copy, check=True, stdout=subprocess.DEVNULL)
+    (packed,) = out.glob("*.tar.gz")
+    with tarfile.open(packed) as archive:
+        held = {name.partition("/")[2] for name in archive.getnames()}
+    lacking = sorted(set(tracked) - held)
+    if lacking:
+        raise SystemExit(f"the sdist lacks {len(lacking)} files of the repository, {lacking[0]} among them")
     return sorted(out.iterdir())
 
 

@@ -19,6 +19,9 @@ if TYPE_CHECKING:  # what most questions do not need is imported when it is aske
 class ChuteProblem(Perturbations):
     """See `Perturbations` for the equations and problems.capabilities for what is offered beside them."""
 
+    def __repr__(self) -> str:
+        return f"ChuteProblem(far_temperature={self.flow.far_temperature:.6g}, kx={self.kx:g}, ky={self.ky:g})"
+
     @property
     def pseudospectral(self) -> ChuteCollocation:
         """Chebyshev collocation of the conservative form."""
