@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from argparse import Namespace
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -163,13 +164,18 @@ def spectrum(options: Namespace) -> int:
     """The pseudospectral spectrum."""
     from shootstab.io import documents
 
-    look = _look(options)
-    scene = loaded(options.scene)
-    from shootstab.analyses.reference import spectrum as question
+    look, convention = _look(options), _convention(options)
+    own = loaded(options.scene)
+    scene = own.seen(convention)
     from shootstab.cli.terminal import progress
 
     with progress(f"computing the spectrum of {scene.name}"):
-        found = question(scene.problem, M=options.truncation)
+        from shootstab.analyses.reference import spectrum as question
+
+        found = question(own.problem, M=options.truncation)
+    if not convention.plain:
+        values = {name: convention.written(getattr(found, name)) for name in ("raw", "eigenvalues")}
+        found = replace(found, **values, drift=found.drift / abs(convention.unit))
     if options.plot is not None:
         from shootstab.cli import plots
 
@@ -180,7 +186,10 @@ def spectrum(options: Namespace) -> int:
 
         return tables.spectrum(found, options.raw, scene)
 
-    _answer(options, documents.spectrum(found, options.raw), tables, scene)
+    document = documents.spectrum(found, options.raw)
+    if not convention.plain:
+        document["convention"] = convention.formula
+    _answer(options, document, tables, scene)
     return DONE
 
 

@@ -179,6 +179,7 @@ def parser() -> argparse.ArgumentParser:
     steady_command.options(_command(subparsers, steady_command.steady, "the steady flow of the scene"))
 
     spectrum = _command(subparsers, commands.spectrum, "the pseudospectral spectrum")
+    _convention(spectrum)
     spectrum.add_argument("-M", dest="truncation", type=values.integer(0), metavar="N", help="truncation")
     figures.options(spectrum, "draw the spectrum")
     spectrum.add_argument("--raw", action="store_true", help="all eigenvalues of the pencil, unfiltered")

@@ -85,6 +85,11 @@ class Convention:
         """Numbers that a problem with eigenvalue v may be asked about: conjugates of them where waves are exp(−iαx)."""
         return [complex(v).conjugate() if self.conjugate else complex(v) for v in values]
 
+    def written(self, sigmas: Any) -> Any:
+        """Eigenvalues σ of the problem, an array (m,), as numbers of this convention."""
+        values = sigmas / self.unit
+        return values.conj() if self.conjugate else values
+
     def shown(self, report: Report) -> Report:
         """A report on such numbers, in the user's own."""
         if not self.conjugate:

@@ -215,6 +215,21 @@ def test_spectrum(run: Run) -> None:
     assert len(json.loads(out)["raw"]) > len(sigmas)
 
 
+def test_a_spectrum_in_phase_speeds(run: Run, tmp_path: Path) -> None:
+    words = ("spectrum", "poiseuille", "-M", "60", "--as", "phase-speed")
+    status, out, _ = run(*words, "--json", "-")
+    said = json.loads(out)
+    assert status == 0
+    first = complex(float(said["eigenvalues"][0]["re"]), float(said["eigenvalues"][0]["im"]))
+    assert abs(first - (0.23752649 + 0.00373967j)) < 1e-8  # Orszag (1971)
+    assert said["convention"]
+    (tmp_path / "c.json").write_text(out)
+    assert run("verify", "poiseuille", str(tmp_path / "c.json"), "--as", "phase-speed", "--digits", "5", "--missing", "none")[0] == 0
+    assert float(said["drift"][0]) > 0.0
+    _, out, _ = run(*words, "--conjugate", "--json", "-")
+    assert json.loads(out)["eigenvalues"][0]["im"].startswith("-0.00373967")
+
+
 def test_spectrum_table(run: Run) -> None:
     for raw in ([], ["--raw"]):
         status, out, _ = run("spectrum", "high", "-M", "40", *raw)
