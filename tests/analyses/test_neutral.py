@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from equations import FREE
 
 import shootstab as st
 from shootstab.analyses.sweep.grid import ParameterAxis, SweepGrid
@@ -103,3 +104,16 @@ def test_the_neutral_curve_of_a_map_is_interpolated(problem: Any) -> None:
         low, high = seen[i - 1, j], seen[i, j]
         edge = axes["a"][i] - (axes["a"][i] - axes["a"][i - 1]) * high / (high - low)
         assert edge == pytest.approx(b**2 + 1.0, abs=1e-7)
+
+
+def test_the_neutral_curve_of_convection_on_a_coarse_grid(tmp_path: Path) -> None:
+    """Rayleigh: Ra = (π² + a²)³/a² between free walls; where growth rates lead, the curve was off by up to 29."""
+    (tmp_path / "free.toml").write_text(FREE)
+    axes = {"Ra": np.linspace(500.0, 1300.0, 6).tolist(), "a": np.linspace(1.5, 4.0, 6).tolist()}
+    found = st.sweep(st.scene(str(tmp_path / "free.toml")).problem, axes)
+    seen = maps.continued(found.growth, found.below.real, np.zeros((6, 6), dtype=bool))
+    for j, a in enumerate(axes["a"]):
+        i = int(np.flatnonzero(found.growth[:, j] > 0.0)[0])
+        low, high = seen[i - 1, j], seen[i, j]
+        edge = axes["Ra"][i] - (axes["Ra"][i] - axes["Ra"][i - 1]) * high / (high - low)
+        assert abs(edge - (np.pi**2 + a**2) ** 3 / a**2) < 2.5
