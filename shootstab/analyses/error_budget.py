@@ -26,6 +26,7 @@ FLOW_NOISE = 6.0  # chosen: factor on two flows computed anew, with every roundi
 SYSTEM_PROBE = 1e-11  # chosen: relative change of the system's entries by which their rounding is measured: far above it, and small
 # the factor on two samples of what one rounding of every entry does: the step rounds its sums too; validation/calibration.py tries it
 SYSTEM_NOISE = 4.0  # chosen
+LUCKY_SIGNS = 100.0  # chosen: factor by which a sum of real changes is smaller than usual in about 1 of 100 cases
 NEGLIGIBLE_SHARE = 0.1  # chosen: part of the integration error that another part may have without being measured further
 
 
@@ -64,12 +65,21 @@ def budget(
     zero is measured on the coarse mesh: a sensitivity needs few digits.
     """
     integration = integration_error(coarse, coarse_value, fine_value)
-    far = SAFETY * displacement(coarse.with_perturbed_start(1, FAR_PROBE), coarse_value) / FAR_PROBE * coarse.far_error(coarse_value.sigma)
-    far += _approximate_walls(problem, coarse, coarse_value)
+    far = _far(coarse, coarse_value, integration) + _approximate_walls(problem, coarse, coarse_value)
     step = abs(fine_value.newton_step)
     root = SAFETY * step * (step / scale) if scale > 0.0 else math.inf  # the square of a step beyond 1e154 would be an OverflowError
     flow = _flow(problem, coarse, coarse_value, integration)
     return Budget(integration, far, flow, root, _rounding(problem, coarse, coarse_value, fine, fine_value, integration))
+
+
+def _far(coarse: MeshedDiscriminant, value: Value, integration: float) -> float:
+    """The share of the far frame, seen on a changed one; the signs of real changes cancel by chance more easily than phases do."""
+    error = SAFETY / FAR_PROBE * coarse.far_error(value.sigma)
+    if coarse.real_at(value.sigma):
+        seen = error * displacement(coarse.with_perturbed_start(1, FAR_PROBE, real=True), value)
+        if LUCKY_SIGNS * seen < NEGLIGIBLE_SHARE * integration:
+            return seen
+    return error * displacement(coarse.with_perturbed_start(1, FAR_PROBE), value)
 
 
 def _approximate_walls(problem: Problem, coarse: MeshedDiscriminant, value: Value) -> float:

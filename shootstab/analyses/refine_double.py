@@ -30,7 +30,7 @@ from shootstab.roots.winding import count_around
 
 TIGHTEST = 1e-13  # measured (validation/calibration.py): the local error below which rounding takes over
 LOOSEST = 1e-5  # chosen: the largest local error with which halving the steps still tells the error
-LOCAL_ERROR = 0.1  # chosen: the local error to begin with, in the accuracy of the mode
+LOCAL_ERROR = 1.0  # chosen: the local error to begin with, in the accuracy of the mode, whose bound is then some percent of that at most
 TIGHTENED = 1e-2  # chosen: the next local error, in the last one
 CIRCLE_OF_PROOF = 1e-2  # chosen: the circle of the proof at least, in the accuracy asked for
 DOUBLE_ATTEMPTS = 3  # chosen: local errors tried; from 1e-5 factors of 100 would need four; tolerance_for begins no mode that far off
@@ -147,10 +147,10 @@ def _simple(continuation: Continuation, root: Root, rtol: float, atol: float | N
         if arrived.multiplicity > 1 and not alone:
             return _among_several(continuation, arrived.sigma, max(arrived.step, LEFT * rtol * abs(arrived.sigma)), rtol, atol)
         coarse_value = coarse.with_derivative(arrived.sigma)
-    scale = separation(coarse, coarse_value)
+    scale = separation(coarse, coarse_value, root.passed)
     own = coarse.vanishing_at(coarse_value.sigma)
     own_value = own.with_derivative(coarse_value.sigma)
-    own_scale = scale if own is coarse else separation(own, own_value)
+    own_scale = scale if own is coarse else separation(own, own_value, root.passed)
     fine = own.refined()
     fine_value = fine.with_derivative(own_value.sigma)
     if not cmath.isfinite(fine_value.D.mantissa):

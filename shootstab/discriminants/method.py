@@ -82,6 +82,10 @@ class MeshedDiscriminant(Discriminant, Protocol):
         """What is integrated at σ, in words: the orders of the subsystems, in real or complex numbers."""
         ...
 
+    def real_at(self, sigma: complex) -> bool:
+        """Whether everything is real at σ."""
+        ...
+
     def refined(self, seed: int | None = None, problem: Problem | None = None) -> MeshedDiscriminant:
         """D, of another problem if one is given, on a mesh with every step halved; with a seed, cut a little off the middle."""
         ...
@@ -98,8 +102,8 @@ class MeshedDiscriminant(Discriminant, Protocol):
         """D on the same mesh, from the far frame in another basis of determinant 1: the same D but for rounding."""
         ...
 
-    def with_perturbed_start(self, seed: int, size: float) -> MeshedDiscriminant:
-        """D on the same mesh, from a far frame with every component changed by a random relative amount of this size."""
+    def with_perturbed_start(self, seed: int, size: float, real: bool = False) -> MeshedDiscriminant:
+        """D on the same mesh, from a far frame with every component changed by a relative amount of this size and random phase or sign."""
         ...
 
     def with_perturbed_system(self, seed: int, size: float) -> MeshedDiscriminant:

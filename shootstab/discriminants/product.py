@@ -67,7 +67,10 @@ class Product:
         if len(self.members) == 1:
             return self.members[0].system_at(sigma)
         orders = " + ".join(str(member.problem.size) for member in self.members)
-        return f"orders {orders} in {'real' if all(m.real_at(sigma) for m in self.members) else 'complex'} numbers"
+        return f"orders {orders} in {'real' if self.real_at(sigma) else 'complex'} numbers"
+
+    def real_at(self, sigma: complex) -> bool:
+        return all(member.real_at(sigma) for member in self.members)
 
     def refined(self, seed: int | None = None, problem: Problem | None = None) -> Product:
         if problem is None:
@@ -83,8 +86,8 @@ class Product:
     def with_rotated_basis(self, seed: int) -> Product:
         return self._each(lambda member: member.with_rotated_basis(seed))
 
-    def with_perturbed_start(self, seed: int, size: float) -> Product:
-        return self._each(lambda member: member.with_perturbed_start(seed, size))
+    def with_perturbed_start(self, seed: int, size: float, real: bool = False) -> Product:
+        return self._each(lambda member: member.with_perturbed_start(seed, size, real))
 
     def with_perturbed_system(self, seed: int, size: float) -> Product:
         return self._each(lambda member: member.with_perturbed_system(seed, size))

@@ -104,22 +104,28 @@ class Shooting:
         return self._variant(lambda far: far, sample_system(self.problem, moved(self.sampled.nodes, seed)), self.problem)
 
     def with_rotated_basis(self, seed: int) -> Shooting:
-        """D(σ) from the far frame with its columns in another order and with other phases, of product 1, at random.
+        """D(σ) from the far frame with its columns in another order and with other factors, of product 1, at random.
 
-        They are not mixed: columns of very different size would be spoilt by that, and not by the method. One column has no other basis:
-        its components are changed by a rounding.
+        They are not mixed: columns of very different size would be spoilt by that, and not by the method. A frame that is real stays so:
+        its columns change in size, and those of others in phase. One column has no other basis: its components are changed by a rounding.
         """
         k = self.problem.decaying
         if k == 1:
             return self.with_perturbed_start(seed, EPSILON)
         order = np.random.default_rng(seed).permutation(k)
-        basis = np.eye(k)[order] * _random(seed, k)
-        basis[:, 0] /= np.linalg.det(basis)
-        return self._variant(lambda far: replace(far, frame=far.frame @ basis, tangent=far.tangent @ basis), self.sampled, self.problem)
 
-    def with_perturbed_start(self, seed: int, size: float) -> Shooting:
-        """D(σ) from a far frame with every component changed by a random relative amount of this size."""
-        noise = 1 + size * _random(seed, self.problem.size, self.problem.decaying)
+        def rotated(far: FarFrame) -> FarFrame:
+            real = not (far.frame.imag.any() or far.tangent.imag.any())
+            basis = np.eye(k)[order] * (np.random.default_rng(seed).uniform(1.0, 2.0, k) if real else _random(seed, k))
+            basis[:, 0] /= np.linalg.det(basis)
+            return replace(far, frame=far.frame @ basis, tangent=far.tangent @ basis)
+
+        return self._variant(rotated, self.sampled, self.problem)
+
+    def with_perturbed_start(self, seed: int, size: float, real: bool = False) -> Shooting:
+        """D(σ) from a far frame with every component changed by a random relative amount of this size, of random phase or real."""
+        draws = _random(seed, self.problem.size, self.problem.decaying)
+        noise = 1 + size * (np.sign(draws.real) if real else draws)
         return self._variant(lambda far: replace(far, frame=far.frame * noise), self.sampled, self.problem)
 
     def with_perturbed_system(self, seed: int, size: float) -> Shooting:

@@ -28,7 +28,7 @@ class Root:
     """Where an iteration stopped.
 
     step is the length of the last step, or of the next one, foreseen; converged says whether that met the tolerance or the noise of D was
-    reached. multiplicity above 1 is what the steps looked like: it is to be counted.
+    reached. multiplicity above 1 is what the steps looked like: it is to be counted. passed are the σ at which steps began.
     """
 
     sigma: complex
@@ -36,12 +36,14 @@ class Root:
     iterations: int
     converged: bool
     multiplicity: int = 1
+    passed: tuple[complex, ...] = ()
 
 
 class Step(NamedTuple):
-    """An iterate and the step that led to it; the length foreseen of the next one; how much the slope of D changed, relatively, over the
-    last one; how often a zero as multiple as the steps look counts."""
+    """Where a step began, the iterate that it led to and the step itself; the length foreseen of the next one; how much the slope of D
+    changed, relatively, over the last one; how often a zero as multiple as the steps look counts."""
 
+    start: complex
     sigma: complex
     step: complex
     ahead: float
@@ -72,8 +74,10 @@ def _run(steps: Iterator[Step], tolerance: float, most: int) -> Root:
     σ = 0 too. Next to a multiple zero noise throws an iterate anywhere: there the one before is kept.
     """
     best, way, farthest, before, fold = float("inf"), 0.0, 0.0, complex("nan"), 1  # way: how far the iteration had come at its best step
+    passed: list[complex] = []
     for count in range(1, most + 1):
-        sigma, step, ahead, change, multiplicity = next(steps)
+        start, sigma, step, ahead, change, multiplicity = next(steps)
+        passed.append(start)
         length = math.hypot(step.real, step.imag)
         if multiplicity == fold > 1 and not length < 0.5 * best:
             return Root(before, max(best, LEAST_D_ERROR ** (1 / multiplicity) * farthest), count, True, multiplicity)
@@ -81,9 +85,9 @@ def _run(steps: Iterator[Step], tolerance: float, most: int) -> Root:
             return Root(sigma, float("inf"), count, False)
         short = best <= STEP_NOISE * way or change <= STEP_NOISE
         if length <= tolerance * abs(sigma) or (short and length >= 0.5 * best):
-            return Root(sigma, length, count, True, multiplicity)
+            return Root(sigma, length, count, True, multiplicity, tuple(passed))
         if ahead <= FORESIGHT * tolerance * abs(sigma):
-            return Root(sigma, ahead, count, True, multiplicity)
+            return Root(sigma, ahead, count, True, multiplicity, tuple(passed))
         farthest, before, fold = max(farthest, length), sigma, multiplicity
         if length < best:
             best, way = length, max(abs(sigma), farthest)
@@ -110,8 +114,8 @@ def newton_steps(discriminant: Discriminant, sigma: complex) -> Iterator[Step]:
             if 2 <= fold <= MOST_FOLD and abs(estimate - fold) < SAME_MULTIPLICITY and abs(estimate_before - fold) < SAME_MULTIPLICITY:
                 multiplicity, step = fold, fold * step
         before, step_before = value, step
-        sigma += step
-        yield Step(sigma, step, ahead, change, multiplicity)
+        start, sigma = sigma, sigma + step
+        yield Step(start, sigma, step, ahead, change, multiplicity)
 
 
 def slope_change(a: Value, b: Value) -> float:
@@ -147,8 +151,8 @@ def _muller_steps(discriminant: Discriminant, guess: complex) -> Iterator[Step]:
         step = -2 * fc / denominator if denominator != 0.0 else (0j if fc == 0.0 else complex("inf"))
         new = c + step
         change = abs(curvature * step / slope) if slope != 0.0 else float("inf")
-        yield Step(new, step, float("inf"), change)
+        yield Step(c, new, step, float("inf"), change)
         if step == 0.0 or not cmath.isfinite(new):
             while True:
-                yield Step(new, step, float("inf"), change)
+                yield Step(c, new, step, float("inf"), change)
         points, values = [b, c, new], [values[1], values[2], discriminant(new)]

@@ -7,6 +7,7 @@ to digits of itself; it can to digits of |2D′/D″|.
 from __future__ import annotations
 
 import cmath
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from shootstab.core.discriminant import Discriminant, Value
@@ -15,6 +16,8 @@ from shootstab.roots.iterations import slope_change
 
 FIRST_DISTANCE = 1e-3  # chosen: the first distance, in |σ|, at which D′ is looked at again
 SMALLEST_DISTANCE = 1e-24  # chosen: that distance where σ is 0, below any σ of interest and far above where a double underflows
+NEAR_BY = (1e-4, 2e-2)  # chosen: distances, in |σ|, of a σ that a search passed at which D′ is looked at
+STRAIGHT = 0.05  # chosen: the most that D′ may have changed there for the next term of its series to be some percent
 NEXT_DISTANCE = 1e3  # derived: the next distance over one, so that a change of SEEN becomes one of a tenth, still nearly linear
 SEEN = 1e-4  # chosen: a relative change of D′ so far above its noise, which is 1e-12 or so, that it shows two digits
 MOST_DISTANCES = 12  # derived: distances: from the smallest to 1e9
@@ -27,9 +30,17 @@ FALLS = 2  # chosen: distances in turn at which |h D′/D| falls though no zero 
 WHOLE_NUMBER = 0.1  # chosen: how near (σ − c) D′/D must come to a whole number to be one
 
 
-def separation(discriminant: Discriminant, at_zero: Value) -> float:
-    """|2D′/D″| at a simple zero, with D and D′ next to it, to some 10 %; smaller than that of 1e−3 |σ| it is known only to be so small."""
+def separation(discriminant: Discriminant, at_zero: Value, passed: Sequence[complex] = ()) -> float:
+    """|2D′/D″| at a simple zero, with D and D′ next to it, to some 10 %; smaller than that of 1e−3 |σ| it is known only to be so small.
+
+    It is seen at the last of the σ that a search passed which is near enough and not too near, where D may be known still.
+    """
     zero = at_zero.sigma
+    near = [sigma for sigma in passed if NEAR_BY[0] * abs(zero) <= abs(sigma - zero) <= NEAR_BY[1] * abs(zero)]
+    if near:
+        change = slope_change(at_zero, discriminant.with_derivative(near[-1]))
+        if SEEN <= change <= STRAIGHT:
+            return 2.0 * abs(near[-1] - zero) / change
     distance = max(FIRST_DISTANCE * abs(zero), SMALLEST_DISTANCE)
     for _ in range(MOST_DISTANCES):
         change = slope_change(at_zero, discriminant.with_derivative(zero + distance))

@@ -26,6 +26,7 @@ MISMATCH = 0.3  # chosen: the most by which Δ ln D may miss what the slopes at 
 FLAT_SEGMENT = 1e-2  # chosen: |Δ ln D| by the slopes at both ends: a zero that the slopes do not see would be a hundred segments away
 DEEPEST_SEGMENT = 40  # chosen: halvings of one segment
 WELL_INSIDE = 0.75  # chosen: the part of a disc's radius within which a zero may be divided out: what it leaves is flat on the circle
+FLAT_ACROSS = 0.1  # chosen: |d ln Q/dσ| in diameters at two opposite points of a circle: a tenth of the 1 that a zero inside makes of it
 FLAT_SEGMENTS = 3  # chosen: segments of a circle on which D without its zero is flat; the slopes at their ends say whether it is
 FIRST_SEGMENTS = 4  # chosen: segments of a circle or of the side of a polygon, before any is halved
 TURN_SLACK = 1e-6  # chosen: part of a turn by which a sum of phases may miss a whole number, from rounding
@@ -107,11 +108,16 @@ def wind(discriminant: Discriminant, region: Region, segments: int = FIRST_SEGME
 def count_around(discriminant: Discriminant, disc: Disc, zero: complex) -> int:
     """The zeros in a disc, of which one is taken to lie well inside: it is divided out, and counted where there is one.
 
-    Raises as `wind` does.
+    Of a quotient Q with n zeros inside, Re[(σ − c) Q′/Q] on the circle is n/2 at least, but for what lies outside: Re 1/(1 − w) ≥ 1/2 where
+    |w| ≤ 1. Where Q is flat against that at two opposite points, and the same at both, it has none. Otherwise its turns are counted. Raises
+    as `wind` does.
     """
     if not abs(zero - disc.centre) < WELL_INSIDE * disc.radius:
         return wind(discriminant, disc).count
-    return 1 + wind(Deflated(discriminant, zero), disc, FLAT_SEGMENTS).count
+    quotient = Deflated(discriminant, zero)
+    a, b = (quotient.with_derivative(disc.centre + r) for r in (disc.radius, -disc.radius))  # on the real axis a real D stays real
+    flat = max(abs(v.logarithmic_derivative) for v in (a, b)) * 2.0 * disc.radius < FLAT_ACROSS and abs(change(a, b)) < FLAT_ACROSS
+    return 1 if flat else 1 + wind(quotient, disc, FLAT_SEGMENTS).count
 
 
 def power_sums(legs: Legs, centre: complex, scale: float, most: int) -> NDArray[np.complex128]:

@@ -161,12 +161,32 @@ def test_a_zero_that_is_divided_out_is_one_less_and_one_that_is_none_a_pole(zero
         assert count_around(D, disc, known) == count
 
 
-def test_a_zero_alone_is_counted_by_three_values() -> None:
+def test_a_zero_alone_is_counted_by_two_values() -> None:
     D = KnownZeros([1.0, 3.0 - 1j], exponent=2.0)
     assert count_around(D, Disc(1.0 + 0j, 1e-6), 1.0 + 1e-9) == 1
-    assert D.evaluations == 3
+    assert D.evaluations == 2
     assert count_around(D, Disc(1.0 + 3e-6, 1e-6), 1.0) == 0  # the zero lies outside
     assert count_around(D, Disc(1.0 + 3e-6, 1e-6), 1.0 + 2.9e-6) == 0  # no zero, but a pole
+
+
+@pytest.mark.parametrize("others", [[0.9j], [0.9j, -0.9j], [1e-3, -1e-3], [0.99, -0.99], [0.3, 0.5j, -0.8]])
+def test_zeros_beside_the_known_one_are_not_overlooked(others: list[complex]) -> None:
+    """Pairs whose slopes cancel on the axis, and such next to the two points that are looked at first."""
+    D = KnownZeros([1.0, *(1.0 + 1e-6 * z for z in others), 3.0 - 1j])
+    assert count_around(D, Disc(1.0 + 0j, 1e-6), 1.0 + 1e-9) == 1 + len(others)
+
+
+def test_the_separation_is_seen_where_a_search_passed() -> None:
+    """At a σ neither too near nor too far, and one evaluation at a point of its own where there is none."""
+    D = KnownZeros([1.0, 1.5])
+    passed = (1.3 + 0j, 1.004 + 0j, 1.0 + 1e-7j)
+    assert separation(D, D.with_derivative(1.0), passed) == pytest.approx(0.5, rel=0.02)
+    last: list[complex] = []
+    original = D.with_derivative
+    D.with_derivative = lambda sigma: (last.append(sigma), original(sigma))[1]  # type: ignore[method-assign]
+    for places, asked in ((passed, 1.004), ((1.3 + 0j,), 1.001)):
+        separation(D, original(1.0), places)
+        assert last[-1] == asked
 
 
 def test_count_in_a_rectangle_with_steep_phase_between_samples() -> None:
