@@ -31,6 +31,7 @@ from shootstab.roots.winding import count_around
 TIGHTEST = 1e-13  # measured (validation/calibration.py): the local error below which rounding takes over
 LOOSEST = 1e-5  # chosen: the largest local error with which halving the steps still tells the error
 LOCAL_ERROR = 1.0  # chosen: the local error to begin with, in the accuracy of the mode, whose bound is then some percent of that at most
+OF_LOCAL_ERRORS = 10.0  # chosen: a zero is off by so many local errors at most, in |σ|, where nothing has been measured yet
 TIGHTENED = 1e-2  # chosen: the next local error, in the last one
 CIRCLE_OF_PROOF = 1e-2  # chosen: the circle of the proof at least, in the accuracy asked for
 DOUBLE_ATTEMPTS = 3  # chosen: local errors tried; from 1e-5 factors of 100 would need four; tolerance_for begins no mode that far off
@@ -133,11 +134,11 @@ def _simple(continuation: Continuation, root: Root, rtol: float, atol: float | N
     """`examine` for a root that looks simple, and how often D was evaluated on the finer mesh; alone: it was told apart from others."""
     branch = continuation.at(root.sigma)
     coarse = branch.discriminant
-    coarse_value = coarse.with_derivative(root.sigma)
+    coarse_value, coarse_error = coarse.with_derivative(root.sigma), continuation.method.rtol
     if not abs(coarse_value.newton_step) <= LEFT * rtol * abs(root.sigma):
         arrived = newton(coarse, root.sigma, LEFT * rtol)
         if not arrived.converged or abs(arrived.sigma - root.sigma) > abs(root.sigma):
-            if continuation.distance(root.sigma) <= max(root.step, rtol * abs(root.sigma)):
+            if continuation.distance(root.sigma) <= max(root.step, max(rtol, OF_LOCAL_ERRORS * coarse_error) * abs(root.sigma)):
                 raise OnSpectrum(f"a zero of D lies on the continuous spectrum to the error with which it was found, at {root.sigma:.12g}")
             other = continuation.across(root.sigma)
             if other is not None and abs(other.with_derivative(root.sigma).newton_step) < NO_ZERO * abs(coarse_value.newton_step):

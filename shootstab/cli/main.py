@@ -48,6 +48,13 @@ FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)  # what
 SCENE_HELP = "a built-in name (see `shootstab scenes`), a TOML file, or module:object"
 
 
+def _compile_ahead(kernel: str) -> None:
+    """Have others compiled beside the first kernel that is; where the cache holds all that is needed, this is never called."""
+    from shootstab.kernels.ahead import begin
+
+    begin()
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; the exit status."""
     streams.prepare()
@@ -61,6 +68,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         options = parser().parse_args(words)
         commands.prepare(options)
         compilation.tell(Announcement())
+        compilation.tell(_compile_ahead)
         with signals.raised(ended_by):
             status: int = options.run(options)
             sys.stdout.flush()

@@ -1,0 +1,69 @@
+"""Kernels compiled in a second process while the first one compiles others: which are needed first differs, and the cache is one.
+
+Numba looks into its cache before it compiles a kernel, so that whoever is first saves the other the work. What is compiled here is what the
+first answer about a flow needs last: the transports of frames, the continuation of a flow off the real axis, series in complex numbers.
+"""
+
+from __future__ import annotations
+
+import atexit
+import os
+import subprocess
+import sys
+from typing import Any
+
+_helper: list[subprocess.Popen[bytes]] = []
+
+
+def begin() -> None:
+    """Start the second process, once, where there is a second core and processes are allowed; it is ended where this one ends before it."""
+    if _helper or (os.cpu_count() or 1) < 2:
+        return
+    words = [sys.executable, "-m", "shootstab.kernels.ahead"]
+    try:
+        _helper.append(subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
+    except (OSError, ValueError):  # no more processes, no interpreter by that name: everything is compiled here
+        return
+    atexit.register(_end)
+
+
+def _end() -> None:
+    for process in _helper:
+        process.kill()
+        process.wait()
+
+
+def compile_all() -> None:
+    """Compile the kernels by calling them with little."""
+    import numba
+    import numpy as np
+
+    from shootstab.core.straight_line import Recorder, program
+    from shootstab.kernels.frame_transport import transport
+    from shootstab.kernels.frobenius import recurrence, series_terms
+    from shootstab.kernels.recorded_programs import evaluate
+    from shootstab.kernels.reduced_system import ReducedSystem
+    from shootstab.kernels.tableau import STAGES
+    from shootstab.kernels.taylor_pieces import along_path
+
+    for kind in (np.float64, np.complex128):
+        # ψ₁′ = ψ₂, ψ₂′ = ψ₁, one step of length 1 along one column
+        lists: list[Any] = [np.array(a, dtype=np.uint64) for a in ([0, 1, 2], [1, 0], [], [], [], [])]
+        numbers = np.ones((1, STAGES, 2), kind), np.zeros((1, STAGES, 0, 0), kind), np.zeros((1, STAGES, 2, 0, 0), kind)
+        Y = np.eye(2, 1, dtype=kind)
+        transport(ReducedSystem(*lists, *numbers), kind(0.0), Y, Y.copy(), True, np.empty(1))  # type: ignore[call-arg]
+    recorder = Recorder()
+    (x,) = recorder.inputs(1)
+    (a,) = recorder.parameters(1)
+    formula = program(recorder, [a * x])
+    one, points = np.ones(1, np.complex128), np.ones(1)
+    path = (formula.lists(False), one, points, 1.0, 2, 1j, one, one, np.ones(1, np.bool_), np.ones((1, 1), np.complex128))
+    along_path.compile(tuple(map(numba.typeof, path)))
+    evaluate(formula, np.ones((1, 1), np.complex128), one)
+    C, D = np.ones((2, 2, 1, 1), np.complex128), np.ones((2, 2, 1, 1), np.complex128)
+    P = np.ones((2, 1, 1), np.complex128)
+    series_terms(recurrence(C, D), 1j, 0.5, 0 * one, 0 * one, P, P.copy(), True)
+
+
+if __name__ == "__main__":
+    compile_all()
