@@ -36,6 +36,7 @@ from shootstab.problems.capabilities import MODE_SHAPE, Shape
 from shootstab.problems.protocol import ComplexArray, Problem
 from shootstab.problems.unknowns import Unknowns, unknowns
 
+OF_A_FUNCTION = 0.1  # chosen: the accuracy that a mesh is made for, in that of the mode: a function errs where its mode hardly does
 OUT_OF_SIGHT = 0.03  # chosen: the part of its largest value that an unknown has fallen to where a picture or a file of it ends
 DOUBLINGS = 12  # chosen: doublings of the way from the wall that are tried until it has
 POLISHED = 1e-10  # chosen: part of a step to which the place of the largest value is found
@@ -169,7 +170,7 @@ def eigenfunction_double(
     if found.multiplicity > 1:
         told = f"the mode at {complex(found.sigma):.12g} stands for {found.multiplicity} that are not told apart"
         raise InputError(f"{told}: allowed is a simple mode; st.eigenspace gives all solutions of this one")
-    coarse = _shooting(problem, complex(found.sigma), tolerance_for(rtol))
+    coarse = _shooting(problem, complex(found.sigma), tolerance_for(OF_A_FUNCTION * rtol))
     return eigenfunction_on(problem, found, coarse, coarse.refined(), progress)
 
 

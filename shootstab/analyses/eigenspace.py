@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from shootstab.analyses.condition import Conditioning, joint_conditioning
 from shootstab.analyses.eigenfunction_budget import Variants, cardinal_places
-from shootstab.analyses.eigenfunction_double import Eigenfunction, eigenfunction_double, eigenfunction_on, normalized
+from shootstab.analyses.eigenfunction_double import OF_A_FUNCTION, Eigenfunction, eigenfunction_double, eigenfunction_on, normalized
 from shootstab.analyses.jordan_chain import ChainFunction, chain_of
 from shootstab.analyses.multiple import count_in
 from shootstab.analyses.on_the_line import OnTheLine, in_unknowns
@@ -98,7 +98,7 @@ def eigenspace(
     found = mode if isinstance(mode, Mode) else refine(problem, mode, rtol)
     if not found.converged or found.multiplicity == 1:
         return Eigenspace(found, (eigenfunction_double(problem, found, rtol, progress),))
-    whole = Frame(rtol=tolerance_for(rtol)).on(problem).at(complex(found.sigma))
+    whole = Frame(rtol=tolerance_for(OF_A_FUNCTION * rtol)).on(problem).at(complex(found.sigma))
     members = whole.members if isinstance(whole, Product) else (whole,)
     parts = [_of_subsystem(problem, found, member, progress) for member in members]
     told = tuple(f for part in parts for f in part.basis)

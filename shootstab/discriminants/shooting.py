@@ -106,8 +106,9 @@ class Shooting:
     def with_rotated_basis(self, seed: int) -> Shooting:
         """D(σ) from the far frame with its columns in another order and with other factors, of product 1, at random.
 
-        They are not mixed: columns of very different size would be spoilt by that, and not by the method. A frame that is real stays so:
-        its columns change in size, and those of others in phase. One column has no other basis: its components are changed by a rounding.
+        They are not mixed: columns of very different size would be spoilt by that, and not by the method. In a real system a real frame
+        stays so: its columns change in size, and those of others in phase; so do columns with one component, which a factor leaves the same
+        to the last bit once they are normalized. One column has no other basis: its components are changed by a rounding.
         """
         k = self.problem.decaying
         if k == 1:
@@ -115,7 +116,8 @@ class Shooting:
         order = np.random.default_rng(seed).permutation(k)
 
         def rotated(far: FarFrame) -> FarFrame:
-            real = not (far.frame.imag.any() or far.tangent.imag.any())
+            real = self.sampled.real is not None and not (far.frame.imag.any() or far.tangent.imag.any())
+            real = real and bool((np.count_nonzero(far.frame, axis=0) > 1).all())
             basis = np.eye(k)[order] * (np.random.default_rng(seed).uniform(1.0, 2.0, k) if real else _random(seed, k))
             basis[:, 0] /= np.linalg.det(basis)
             return replace(far, frame=far.frame @ basis, tangent=far.tangent @ basis)

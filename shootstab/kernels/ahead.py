@@ -12,23 +12,24 @@ import subprocess
 import sys
 from typing import Any
 
-_helper: list[subprocess.Popen[bytes]] = []
+helpers: list[subprocess.Popen[bytes]] = []  # the second process, once it was started
 
 
 def begin() -> None:
     """Start the second process, once, where there is a second core and processes are allowed; it is ended where this one ends before it."""
-    if _helper or (os.cpu_count() or 1) < 2:
+    if helpers or (os.cpu_count() or 1) < 2:
         return
     words = [sys.executable, "-m", "shootstab.kernels.ahead"]
     try:
-        _helper.append(subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
+        helpers.append(subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
     except (OSError, ValueError):  # no more processes, no interpreter by that name: everything is compiled here
         return
-    atexit.register(_end)
+    atexit.register(end)
 
 
-def _end() -> None:
-    for process in _helper:
+def end() -> None:
+    """Stop the second process: kernels that it has not finished are compiled when they are needed."""
+    for process in helpers:
         process.kill()
         process.wait()
 

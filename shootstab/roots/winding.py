@@ -115,7 +115,7 @@ def count_around(discriminant: Discriminant, disc: Disc, zero: complex) -> int:
     if not abs(zero - disc.centre) < WELL_INSIDE * disc.radius:
         return wind(discriminant, disc).count
     quotient = Deflated(discriminant, zero)
-    a, b = (quotient.with_derivative(disc.centre + r) for r in (disc.radius, -disc.radius))  # on the real axis a real D stays real
+    a, b = (quotient.with_derivative(disc.centre + r) for r in (disc.radius, -disc.radius))  # a real D stays real at these
     flat = max(abs(v.logarithmic_derivative) for v in (a, b)) * 2.0 * disc.radius < FLAT_ACROSS and abs(change(a, b)) < FLAT_ACROSS
     return 1 if flat else 1 + wind(quotient, disc, FLAT_SEGMENTS).count
 

@@ -51,7 +51,7 @@ def test_a_second_process_is_started_once_and_only_where_it_can_be(monkeypatch: 
 
         def wait(self) -> None: ...
 
-    monkeypatch.setattr(ahead, "_helper", [])
+    monkeypatch.setattr(ahead, "helpers", [])
     monkeypatch.setattr(ahead.atexit, "register", lambda end: None)
     monkeypatch.setattr(ahead.os, "cpu_count", lambda: 1)
     ahead.begin()
@@ -64,5 +64,5 @@ def test_a_second_process_is_started_once_and_only_where_it_can_be(monkeypatch: 
     ahead.begin()
     ahead.begin()
     assert asked[1:] == [[sys.executable, "-m", "shootstab.kernels.ahead"]]
-    ahead._end()
+    ahead.end()
     assert asked[-1] == "killed"
