@@ -15,17 +15,19 @@ from shootstab.formulation.vanishing import Vanishing
 LINE_SAMPLES = 801  # chosen: points of the domain at which a function is looked at; a zero in between of a hundredth of the domain is seen
 FAR_SAMPLE = 1e3  # chosen: the z at which samples towards infinity end
 NEAR_SAMPLE = 1e-6  # chosen: the distance from a finite end at which they begin
+SINGULAR_SIDE = 0.02  # chosen: part of the length beside a singular end where nothing is looked at; x⁴ is above ZERO_TOLERANCE beyond
 FINITE = 4.0  # chosen: length that stands for an infinite one where a function is tested for being zero
 ZERO_TOLERANCE = 1e-9  # chosen: what is no larger than this, against the median of all values, is a zero, and what is so much larger a pole
 
 
 @dataclass(frozen=True, eq=False)
 class Domain:
-    """The interval from left to right, either of them infinite."""
+    """The interval from left to right, either of them infinite; singular are ends at which coefficients may vanish as they like."""
 
     left: float
     right: float
     given: Given
+    singular: tuple[float, ...] = ()
 
     @property
     def points(self) -> NDArray[np.float64]:
@@ -52,8 +54,11 @@ class Domain:
         return self.zero(expression) is None
 
     def zero(self, expression: Expression) -> float | None:
-        """A point at or next to which it vanishes or has a pole; None if there is none among the samples."""
+        """A point at or next to which it vanishes or has a pole, of the samples that lie at no singular end; None if there is none."""
         z = self.points
+        length = self.right - self.left if np.isfinite(self.right - self.left) else FINITE
+        for end in self.singular:
+            z = z[np.abs(z - end) > SINGULAR_SIDE * length]
         with np.errstate(all="ignore"):
             values = scaled_values(expression, z, self.given)[0]
         size = np.abs(values)

@@ -13,7 +13,7 @@ from shootstab.formulation.atoms import Atom
 from shootstab.formulation.base_flow import BaseFlow
 from shootstab.formulation.base_solution import functions
 from shootstab.formulation.base_table import base_flow, base_unknowns
-from shootstab.formulation.conditions import Conditions, End, Periodic, end_of, rows_of
+from shootstab.formulation.conditions import Axis, Conditions, End, Periodic, end_of, rows_of
 from shootstab.formulation.domain import Domain
 from shootstab.formulation.evaluation import Given
 from shootstab.formulation.expression import Expression, number, of_atom
@@ -113,12 +113,13 @@ def stated(
         names = Names(tuple(unknowns), alike, formulas, eigenvalue, variable, named)
         flow = base_flow(base, names, _reach(systems, places, base_unknowns(base)))
     functions_of_z: dict[str, Any] = {**given, **functions(flow)}
-    layers = [Layer(*pair, Domain(*at, functions_of_z)) for pair, at in zip(systems, itertools.pairwise(places), strict=True)]
+    singular = tuple(float(end.at) for end in ends if isinstance(end, Axis))
+    layers = [Layer(*pair, Domain(*at, functions_of_z, singular)) for pair, at in zip(systems, itertools.pairwise(places), strict=True)]
     read_joints = [read_joint(joint, (a.names, b.names), layered) for joint, (a, b) in zip(joints, itertools.pairwise(layers), strict=True)]
     rows = [rows_of(end, side, layers[j].names) for end, side, j in zip(ends, ("left", "right"), (0, -1), strict=True)]
     held = [layer.system.denominators for layer in layers] + [joint.denominators for joint in read_joints] + [found for _, found in rows]
     denominators = [pair for found in held for pair in found]
-    whole = Domain(low, high, functions_of_z)
+    whole = Domain(low, high, functions_of_z, singular)
 
     def varied(name: str) -> Statement:
         if name not in parameters:

@@ -127,7 +127,7 @@ def test_between_two_singular_ends_and_at_the_ends_themselves() -> None:
 def test_at_the_axis_itself() -> None:
     """J0(jr) and J1(jr): 1 and 0 at r = 0, where the integration does not begin."""
     for order, value in ((0, 1), (1, 0)):
-        equation = f"d(u,2) + d(u)/r - {order}*u/r**2 - sigma*u"
+        equation = f"r**2*d(u,2) + r*d(u) - {order}*u - sigma*r**2*u"  # as it is printed
         pipe = st.equations(["u"], [equation], st.Axis(0), st.Conditions(1, ["u"]), variable="r")
         with mpmath.workdps(50):
             j = mpmath.besseljzero(order, 1)
