@@ -1,7 +1,7 @@
 """The gallery: digits and time of every solved problem, a problem of one's own among them.
 
 `--table` prints the table of README.md; `--record` writes what DIGITS digits give into tests/models/gallery/many_digits.json, of the cases
-named after it or of all. What is in code alone, without a form in many digits, is recorded by equations that pose it anew (`posed`).
+named after it or of all.
 """
 
 from __future__ import annotations
@@ -110,34 +110,15 @@ def table() -> None:
         print(f"| {case.name} | {value} | {case.source}, {digits} digits | {mode.error / abs(case.unit):.0e} | {1e3 * seconds:.0f} ms |")
 
 
-def posed(name: str) -> Any:
-    """A problem of the gallery by the equations of momentum and mass, from which its own derivation is independent; None without one."""
-    mass = "i*a*u + d(v) = 0"
-    if name == "shear layer":
-        equations = ["sigma*u + i*a*U*u + v*d(U) + i*a*p = 0", "sigma*v + i*a*U*v + d(p) = 0", mass]
-        return st.equations(["u", "v", "p"], equations, st.Infinity(), st.Infinity(), parameters={"a": 0.4446}, where={"U": "tanh(z)"})
-    if name == "suction layer":
-        equations = [
-            "sigma*u + i*a*U*u + v*d(U) - d(u)/R + i*a*p = (d(u, 2) - a**2*u)/R",
-            "sigma*v + i*a*U*v - d(v)/R + d(p) = (d(v, 2) - a**2*v)/R",
-            mass,
-        ]
-        known = {"parameters": {"a": 0.1555, "R": 54370}, "where": {"U": "1 - exp(-z)"}}
-        return st.equations(["u", "v", "p"], equations, st.Conditions(0.0, ["u", "v"]), st.Infinity(), **known)
-    if name == "plate, Malik 3":
-        return st.scene("mack").problem
-    return None
-
-
 def record(names: Sequence[str] = ()) -> None:
-    """Eigenvalues by Taylor series, in decimals, of every published case in closed form, on a flow that equations pose, or posed anew."""
+    """Eigenvalues by Taylor series, in decimals, of every published case."""
     from mpmath import nstr
 
     found = json.loads(RECORD.read_text(encoding="utf-8"))["modes"] if names else {}
     for case in PUBLISHED:
         if names and case.name not in names:
             continue
-        problem = posed(case.name) or case.problem()
+        problem = case.problem()
         try:
             mode = st.refine(problem, st.refine(problem, case.sigma * (1 + 1e-4)).sigma, digits=DIGITS)
         except st.InputError as error:

@@ -164,11 +164,10 @@ def _cut_once(shooting: Shooting, sigma: complex) -> Shooting:
     if not (propagation.sound and np.isfinite(errors).all()) or (errors <= MESH_SLACK * shooting.tolerance).all():
         return shooting
     try:
-        sampled = _regridded(shooting, errors, subdivide, sigma)
+        sampled = _regridded(shooting, errors, subdivide, sigma, int(MOST_GROWTH * shooting.steps))
     except ConvergenceError:
         return shooting
-    grown = len(sampled.nodes) - 1 > MOST_GROWTH * shooting.steps
-    return shooting if grown else Shooting(shooting.problem, shooting.propagator, sampled, noise=shooting.noise)
+    return Shooting(shooting.problem, shooting.propagator, sampled, noise=shooting.noise)
 
 
 def _fixed_at(shooting: Shooting, sigma: complex) -> Shooting:

@@ -27,6 +27,9 @@ PANEL_TAIL = 1e-8  # chosen: its last terms, times the length, where it is taken
 PANEL_TAIL_TERMS = 3  # chosen: terms of the tail, for series that hold even or odd ones only
 LEAST_PROJECTION = 1e-3  # chosen: the volume of the projection of a basis below which the space is another one
 MOST_PANELS = 40  # chosen: panels tried on a line; away from the essential spectrum 30 octaves take 20
+SLOW_PANELS = 12  # chosen: panels after which a line is left that runs along an essential spectrum, where panels do not grow
+GROWN = 4.0  # chosen: times the first panel, to which a panel has grown by then on a line that leads away from it
+LEAST_PART = 1 / 64  # chosen: the part of a line that is passed by then where panels need not grow
 
 Stop = Callable[[complex], bool]
 
@@ -38,9 +41,11 @@ def transported(
 
     length is that of the first panel tried. The line is left at its end, or at the end of the first panel where stop says so.
     """
-    here, logarithm, grows = begin, 0j, False
-    for _ in range(MOST_PANELS):
+    here, logarithm, grows, first = begin, 0j, False, length
+    for tried in range(MOST_PANELS):
         way = end - here
+        if tried == SLOW_PANELS and length < GROWN * first and abs(way) > (1.0 - LEAST_PART) * abs(end - begin):
+            return None
         there = end if length >= abs(way) else here + length * way / abs(way)
         panel = _panel(limit, here, there, R)
         if panel is None:

@@ -7,12 +7,13 @@ this R one of the displacement thickness, which is 1.7207876575 times as large.
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shootstab.models.gallery.orr_sommerfeld import CLAMPED, orr_sommerfeld, require_positive, velocities
+from shootstab.models.gallery.orr_sommerfeld import CLAMPED, orr_sommerfeld, orr_sommerfeld_equation, require_positive, velocities
 from shootstab.models.gallery.profiles import Piecewise
 from shootstab.problems import Infinity, LinearProblem, Wall
 from shootstab.problems.linear_problem import problem
@@ -21,6 +22,12 @@ from shootstab.problems.protocol import ComplexArray
 # chosen: the nearest singularity of f is 5.69 away from the wall, and farther from every other point
 TAYLOR_LENGTH, TAYLOR_TERMS = 0.25, 26
 PROFILE_END = 20.0  # derived: the η at which 1 − U, about exp(−(η−1.7)²/4), is far below the last place
+BLASIUS_FLOW = {  # published: the flow in equations, for many digits
+    "unknowns": ["f"],
+    "equations": ["2*d(f,3) + f*d(f,2) = 0"],
+    "left": {"at": 0, "conditions": ["f", "d(f)"]},
+    "right": {"infinity": True, "conditions": ["d(f) = 1"]},
+}
 BLASIUS_ROUNDING = 1e-16  # chosen, a unit of rounding: relative error of the profile
 
 
@@ -37,8 +44,9 @@ def blasius(reynolds: complex = 580.0, alpha: complex = 0.179, accuracy: float =
         return blasius(reynolds, alpha, BLASIUS_ROUNDING * factor)
 
     pencil = orr_sommerfeld(profile, reynolds, alpha)
-    made, shown = coarser if accuracy == 0.0 else None, velocities(alpha)
-    return problem(4, pencil, Wall(0.0, CLAMPED), Infinity(), vectorized=True, coarser=made, unknowns=shown, variable="y")
+    written = partial(orr_sommerfeld_equation, reynolds, alpha, "d(f)", base=BLASIUS_FLOW)
+    own: Any = {"coarser": coarser, "written": written} if accuracy == 0.0 else {}
+    return problem(4, pencil, Wall(0.0, CLAMPED), Infinity(), vectorized=True, unknowns=velocities(alpha), variable="y", **own)
 
 
 @cache

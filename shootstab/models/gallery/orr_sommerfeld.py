@@ -8,12 +8,16 @@ are allowed.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
 from shootstab.core.errors import InputError, shortened
 from shootstab.core.given import is_complex
+from shootstab.formulation.conditions import Conditions
+from shootstab.formulation.problem import EquationProblem, equations
+from shootstab.problems import Infinity
 from shootstab.problems.protocol import ComplexArray
 
 VelocityProfile = Callable[[ComplexArray], tuple[ComplexArray, ComplexArray]]  # U, U″ at points
@@ -40,6 +44,26 @@ def orr_sommerfeld(profile: VelocityProfile, reynolds: complex, alpha: complex, 
         return D0, D1
 
     return matrices
+
+
+def orr_sommerfeld_equation(
+    reynolds: complex, alpha: complex, U: str, V: str = "0", base: Mapping[str, Any] | None = None
+) -> EquationProblem:
+    """The problem on the half-line y > 0 in equations, for many digits; every parameter is the decimal that was typed.
+
+    U and V are formulas in y, R, and the unknowns of a base flow.
+    """
+    viscous = "(d(phi,4) - 2*a**2*d(phi,2) + a**4*phi)/R"
+    return equations(
+        ["phi"],
+        [f"{viscous} = (sigma + i*a*U)*(d(phi,2) - a**2*phi) - i*a*d(U,2)*phi + ({V})*(d(phi,3) - a**2*d(phi))"],
+        Conditions(0, ["phi", "d(phi)"]),
+        Infinity(),
+        parameters={"R": reynolds, "a": alpha},
+        where={"U": U},
+        base=base,
+        variable="y",
+    )
 
 
 def velocities(alpha: complex, size: int = 4) -> dict[str, ComplexArray]:

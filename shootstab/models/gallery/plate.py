@@ -7,6 +7,7 @@ Source: M. R. Malik, J. Comput. Phys. 86 (1990) 376, cases 3 and 6; length âˆš(Î
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from shootstab.core.errors import InputError
 from shootstab.core.given import require_real
 from shootstab.models.catalogue.plate import MALIK_CASES, RANKINES
 from shootstab.models.gallery.orr_sommerfeld import require_positive
+from shootstab.models.gallery.plate_equations import plate_equations
 from shootstab.models.gallery.plate_flow import AIR_GAMMA, Gas, PlateFlow, plate_flow
 from shootstab.models.gallery.plate_system import PLATE_SIZE, PolynomialEntries, background, system
 from shootstab.problems import Infinity, LinearProblem, Wall
@@ -55,9 +57,10 @@ def plate_temporal(
     def coarser(factor: float) -> LinearProblem:
         return plate_temporal(gas, reynolds, alpha, beta, second, factor * PLATE_ROUNDING)
 
-    made = None if accuracy else coarser
     wall, matrices = Wall(0.0, STILL_WALL), pencil(_flow(gas, accuracy))
-    return problem(PLATE_SIZE, matrices, wall, Infinity(), vectorized=True, coarser=made, unknowns=_shown(), variable="y")
+    written = partial(plate_equations, gas, {"R": reynolds, "m": second, "alpha": alpha, "beta": beta})
+    own: Any = {} if accuracy else {"coarser": coarser, "written": written}
+    return problem(PLATE_SIZE, matrices, wall, Infinity(), vectorized=True, unknowns=_shown(), variable="y", **own)
 
 
 def plate_spatial(
@@ -77,9 +80,10 @@ def plate_spatial(
     def coarser(factor: float) -> LinearProblem:
         return plate_spatial(gas, reynolds, omega, beta, second, factor * PLATE_ROUNDING)
 
-    made, end = None if accuracy else coarser, Wall(0.0, STILL_WALL)
-    matrices, near = pencil(_flow(gas, accuracy)), BETWEEN_SPECTRA * omega
-    return problem(PLATE_SIZE, matrices, end, Infinity(), reference=near, vectorized=True, coarser=made, unknowns=_shown(), variable="y")
+    end, matrices, near = Wall(0.0, STILL_WALL), pencil(_flow(gas, accuracy)), BETWEEN_SPECTRA * omega
+    written = partial(plate_equations, gas, {"R": reynolds, "m": second, "omega": omega, "beta": beta}, near)
+    own: Any = {} if accuracy else {"coarser": coarser, "written": written}
+    return problem(PLATE_SIZE, matrices, end, Infinity(), reference=near, vectorized=True, unknowns=_shown(), variable="y", **own)
 
 
 def plate(

@@ -9,8 +9,12 @@ so that matrices of any size lose the higher ones.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import partial
+
 import numpy as np
 
+from shootstab.formulation.problem import EquationProblem, equations
 from shootstab.models.gallery.orr_sommerfeld import require_positive
 from shootstab.problems import Infinity, LinearProblem
 from shootstab.problems.linear_problem import problem
@@ -29,7 +33,9 @@ def poeschl_teller(nu: float = 0.2) -> LinearProblem:
         D0[:, 0, 1], D0[:, 1, 0] = 1, -nu * (nu + 1) * sech2
         return D0, D1
 
-    return problem(2, pencil, Infinity(), Infinity(), vectorized=True, unknowns=["y"], variable="x")
+    equation = "d(y,2) + nu*(nu + 1)*sech(x)**2*y = lambda_*y"
+    written = partial(_on_the_line, "y", equation, {"nu": nu})
+    return problem(2, pencil, Infinity(), Infinity(), vectorized=True, written=written, unknowns=["y"], variable="x")
 
 
 def davies(start: float = 10.0) -> LinearProblem:
@@ -41,4 +47,10 @@ def davies(start: float = 10.0) -> LinearProblem:
         D0[:, 0, 1], D0[:, 1, 0] = 1, 1j * x * x
         return D0, D1
 
-    return problem(2, pencil, Infinity(start=start), Infinity(start=start), vectorized=True, unknowns=["u"], variable="x")
+    end, written = Infinity(start=start), partial(_on_the_line, "u", "-d(u,2) + i*x**2*u = lambda_*u", {})
+    return problem(2, pencil, end, end, vectorized=True, written=written, unknowns=["u"], variable="x")
+
+
+def _on_the_line(unknown: str, equation: str, parameters: Mapping[str, float]) -> EquationProblem:
+    """The problem in equations, for many digits, between the infinities themselves; every parameter is the decimal that was typed."""
+    return equations([unknown], [equation], Infinity(), Infinity(), parameters=parameters, eigenvalue="lambda_", variable="x")

@@ -6,10 +6,12 @@ Source: A. Michalke, J. Fluid Mech. 19 (1964) 543: the largest growth rate is 0.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from shootstab.formulation.problem import EquationProblem, equations
 from shootstab.models.gallery.orr_sommerfeld import require_positive, velocities
 from shootstab.problems import Infinity, LinearProblem
 from shootstab.problems.linear_problem import problem
@@ -33,4 +35,12 @@ def shear_layer(alpha: complex = 0.4446) -> LinearProblem:
     def critical(y: ComplexArray) -> ComplexArray:
         return np.asarray(-1j * alpha * np.tanh(y))
 
-    return problem(2, pencil, Infinity(), Infinity(), continuum=critical, vectorized=True, unknowns=velocities(alpha, 2), variable="y")
+    told: Any = {"written": partial(_rayleigh_equation, alpha), "unknowns": velocities(alpha, 2), "variable": "y"}
+    return problem(2, pencil, Infinity(), Infinity(), continuum=critical, vectorized=True, **told)
+
+
+def _rayleigh_equation(alpha: complex) -> EquationProblem:
+    """The problem in equations, for many digits; alpha is the decimal that was typed."""
+    rayleigh = "(sigma + i*a*U)*(d(phi,2) - a**2*phi) = i*a*d(U,2)*phi"
+    known: Any = {"parameters": {"a": alpha}, "where": {"U": "tanh(y)"}, "variable": "y"}
+    return equations(["phi"], [rayleigh], Infinity(), Infinity(), **known)

@@ -5,9 +5,11 @@ Source: L. M. Hocking, Quart. J. Mech. Appl. Math. 28 (1975) 341: R_c = 54370, Î
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
-from shootstab.models.gallery.orr_sommerfeld import CLAMPED, orr_sommerfeld, require_positive, velocities
+from shootstab.models.gallery.orr_sommerfeld import CLAMPED, orr_sommerfeld, orr_sommerfeld_equation, require_positive, velocities
 from shootstab.problems import Infinity, LinearProblem, Wall
 from shootstab.problems.linear_problem import problem
 from shootstab.problems.protocol import ComplexArray
@@ -22,4 +24,5 @@ def suction(reynolds: complex = 54370.0, alpha: complex = 0.1555) -> LinearProbl
         return 1 - decay, -decay
 
     pencil = orr_sommerfeld(profile, reynolds, alpha, V=-1 / complex(reynolds).real)
-    return problem(4, pencil, Wall(0.0, CLAMPED), Infinity(), vectorized=True, unknowns=velocities(alpha), variable="y")
+    written, shown = partial(orr_sommerfeld_equation, reynolds, alpha, "1 - exp(-y)", "-1/R"), velocities(alpha)
+    return problem(4, pencil, Wall(0.0, CLAMPED), Infinity(), vectorized=True, written=written, unknowns=shown, variable="y")
