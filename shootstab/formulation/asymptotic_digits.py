@@ -68,7 +68,7 @@ class AsymptoticSpaceInDigits:
         X, _ = self._solutions(self._matrices(beside))
         p, aim = self._end.root, -self._settings.far_tolerance * math.log2(10)
         sizes = [max((self._arithmetic.log2(x) for row in part for x in row), default=-math.inf) for part in X]
-        window = p + self._end.rank + 1
+        window = self._window()
         needed = [
             max((max(sizes[i] - aim, 0.0) / i for i in range(max(1, j - window + 1), j + 1)), default=0.0)
             for j in range(min(window, self._terms - 1), self._terms)
@@ -127,6 +127,11 @@ class AsymptoticSpaceInDigits:
         at = on_series(self._arithmetic, t)
         values = [{place: at(entry) for place, entry in part.items()} for part in powers]
         return [{place: value if isinstance(value, Taylor) else 0 * t + value for place, value in part.items()} for part in values]
+
+    def _window(self) -> int:
+        """See AsymptoticEnd.window."""
+        held = [e.coefficients(self._terms) for powers in self._parts for part in powers for e in part.values()]
+        return self._end.window([any(not matrices.vanishes(c[j]) for c in held) for j in range(self._terms)])
 
     def _matrices(self, sigma: Any) -> list[Matrix]:
         """A_j (n, n) for every j."""

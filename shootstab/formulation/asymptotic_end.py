@@ -11,8 +11,10 @@ Source: W. Wasow, Asymptotic Expansions for Ordinary Differential Equations (196
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 
 from shootstab.core.errors import InputError
 from shootstab.formulation.expression import VARIABLE, Expression, Z
@@ -46,6 +48,11 @@ class AsymptoticEnd:
     def constant(self) -> bool:
         """Whether the coefficients are, but for what was left out."""
         return self.rank == 0 and not any(VARIABLE in entry.atoms() for part in (*self.C, *self.D) for entry in part.values())
+
+    def window(self, nonzero: Sequence[bool]) -> int:
+        """How many successive terms of a solution's series may vanish before others do not, where these of the coefficients do not."""
+        orders = [0, *(j for j, held in enumerate(nonzero) if held and j > 0)]
+        return self.root + self.rank + max((b - a for a, b in pairwise(orders)), default=1)
 
 
 def asymptotic_end(system: StatePencil, direction: int, text: Text = str) -> AsymptoticEnd:

@@ -104,6 +104,11 @@ class AsymptoticExpansion:
             where = INFINITIES[self.end.direction]
             raise InputError(f"at {where} a coefficient is no series in inverse powers of the coordinate: allowed are such ones") from None
 
+    @cached_property
+    def _window(self) -> int:
+        nonzero = np.any([part.any(axis=(1, 2)) for parts in self._arrays for part in parts], axis=0)
+        return min(self.end.window(nonzero.tolist()), SERIES_TERMS // 2)
+
     def _left_out(self, r: float) -> float:
         """The relative size of what was left out of the coefficients at and beyond r."""
         if not self.end.dropped:
@@ -137,7 +142,7 @@ class AsymptoticExpansion:
         T11, T22 = np.triu(a11[0]), np.triu(a22[0])
         Y, dY = (np.zeros((SERIES_TERMS, n - k, k), dtype=np.complex128) for _ in range(2))
         h, dh = np.zeros((SERIES_TERMS, k, k), dtype=np.complex128), np.zeros((SERIES_TERMS, k, k), dtype=np.complex128)
-        t, window = r ** (-1.0 / p), p + Q + 1
+        t, window = r ** (-1.0 / p), self._window
         sizes = np.full(SERIES_TERMS, np.inf)
         terms = SERIES_TERMS
         both = 0 < k < n
@@ -163,7 +168,7 @@ class AsymptoticExpansion:
                 terms = j + 1
                 break
         rolling = np.array([sizes[max(1, j - window + 1) : j + 1].max(initial=0.0) for j in range(terms)])
-        rolling[: min(Q + p + 1, terms - 1)] = np.inf
+        rolling[: min(window, terms - 1)] = np.inf
         terms = int(np.argmin(rolling)) + 1
         powers = t ** np.arange(terms)
         antiderivative = np.array([_power_integral(Q - j + p, p, r) for j in range(terms)])

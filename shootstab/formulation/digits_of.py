@@ -170,8 +170,7 @@ def _at_infinity(system: StatePencil, side: int, columns: int, text: Text) -> At
 
 
 def _regular(space: StartingSpace) -> RegularStart:
-    if not (isinstance(space, RegularSpace) and space.end.integer):
-        raise InputError("the exponents at the regular singular end are no integers")
+    assert isinstance(space, RegularSpace)
     return RegularStart(space.end, Fraction(space.x))
 
 

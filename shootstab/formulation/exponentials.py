@@ -48,7 +48,7 @@ def exponential_end(system: StatePencil, direction: int, text: Text = str) -> Ex
     where = f"at {INFINITIES[direction]}"
     entries = [entry for part in (*system.C, *system.D) for entry in part.values()]
     for entry in entries:
-        if _bare(entry):
+        if holds_coordinate(entry):
             raise InputError(
                 f"{where} the coefficient {text(entry)} holds the coordinate itself: allowed are {', '.join(EXPONENTIALS)} of it"
             )
@@ -81,10 +81,10 @@ def exponential_end(system: StatePencil, direction: int, text: Text = str) -> Ex
     return ExponentialEnd(rate, direction, C, D)
 
 
-def _bare(entry: Expression) -> bool:
+def holds_coordinate(entry: Expression) -> bool:
     """Whether the coordinate stands outside the arguments of functions."""
     atoms = [atom for monomial in entry.terms for atom, _ in monomial]
-    return any(atom == VARIABLE or (atom.kind == "base" and _bare(atom.argument)) for atom in atoms)
+    return any(atom == VARIABLE or (atom.kind == "base" and holds_coordinate(atom.argument)) for atom in atoms)
 
 
 def _varies(atom: Atom) -> bool:

@@ -11,6 +11,7 @@ from shootstab.core.scaled import TINY
 from shootstab.formulation.asymptotic_end import asymptotic_end
 from shootstab.formulation.asymptotic_space import AsymptoticExpansion
 from shootstab.formulation.evaluation import Given
+from shootstab.formulation.exponentials import holds_coordinate
 from shootstab.formulation.far_coefficients import Text
 from shootstab.formulation.state_pencil import StatePencil
 from shootstab.problems.ends import INFINITIES, Infinity
@@ -33,6 +34,8 @@ def with_limit(end: Infinity, matrices: PencilFunction, side: int, system: State
     refused = None
     if end.start is None:
         try:
+            if not given and _goes_as_power(system, side):
+                raise InputError(f"at {INFINITIES[side]} the coefficients come to their limit slower than exponentially")
             return replace(end, limit=_read_off(matrices, side))
         except InputError as error:
             refused = error
@@ -47,6 +50,17 @@ def with_limit(end: Infinity, matrices: PencilFunction, side: int, system: State
             return end
         advice = "allowed are coefficients that come to a constant exponentially, or go as powers, or Infinity(start=...)"
         raise InputError(f"{refused}, and no asymptotic series ({error}): {advice}") from error
+
+
+def _goes_as_power(system: StatePencil, side: int) -> bool:
+    """Whether coefficients have a limit and inverse powers of the coordinate beside it, which are rounding where limits are read off."""
+    if not any(holds_coordinate(entry) for part in (*system.C, *system.D) for entry in part.values()):
+        return False
+    try:
+        found = asymptotic_end(system, side)
+    except InputError:
+        return False
+    return found.rank == 0 and not found.constant
 
 
 def _read_off(matrices: PencilFunction, side: int) -> tuple[ComplexArray, ...]:

@@ -1,4 +1,8 @@
-"""The regular solutions at a regular singular end to any number of digits: the recurrence of regular_singular.py in an arithmetic."""
+"""The regular solutions at a regular singular end to any number of digits: the recurrence of regular_singular.py in an arithmetic.
+
+Exponents that are no integers are eigenvalues of Ĉ_0⁻¹ D̂_0 − S, which no σ enters, known to as many digits; multiple ones, which scatter by
+a root of rounding, to as many as are left of ROUNDING_ROOT times as many.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +11,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
+
+import mpmath
 
 from shootstab.core.errors import ConvergenceError
 from shootstab.formulation.expression import Expression
@@ -18,6 +24,7 @@ from shootstab.multiprecision.settings import Settings
 from shootstab.multiprecision.taylor import Taylor, real_series
 
 MOST_SERIES_TERMS = 4000  # chosen: terms of a series
+ROUNDING_ROOT = 3  # chosen: digits with which exponents are computed, in the working digits
 BITS_OF_DIGIT = 3.33  # chosen: bits of a digit, a little more than log2 10
 
 SeriesEntries = Mapping[tuple[int, int], list[Any]]  # coefficients by entry
@@ -25,7 +32,7 @@ SeriesEntries = Mapping[tuple[int, int], list[Any]]  # coefficients by entry
 
 @dataclass(frozen=True, eq=False)
 class RegularStart:
-    """The end, and the distance from it at which an integration begins; all exponents are integers."""
+    """The end, and the distance from it at which an integration begins."""
 
     end: RegularSingularEnd
     x: Fraction
@@ -55,10 +62,10 @@ class RegularStart:
         return [[value for part in columns for value in part[i]] for i in range(len(self.end.shifts))]
 
     def _family(self, arithmetic: Arithmetic, settings: Settings, sigma: Any, family: SolutionFamily, x: Any, settled: bool) -> Matrix:
-        rho, shifts = round(family.exponent.real), self.end.shifts
+        rho, shifts = self._exponent(arithmetic, settings, sigma, family), self.end.shifts
         terms = max(2 * settings.far_terms, 4 * family.count)
         C, D = self._series(arithmetic, sigma, terms)
-        phi = self._first(arithmetic, family, C, D)
+        phi = self._first(arithmetic, family, rho, C, D)
         if settled:
             least = max(arithmetic.log2(value) for part in phi for row in part for value in row) - settings.digits * math.log2(10)
             nothing = arithmetic.number(0)
@@ -83,6 +90,21 @@ class RegularStart:
                 return [[arithmetic.rounded(value * x ** (rho + shifts[i])) for value in row] for i, row in enumerate(total)]
         raise ConvergenceError("at a regular singular end the series of the regular solutions does not hold where the integration begins")
 
+    def _exponent(self, arithmetic: Arithmetic, settings: Settings, sigma: Any, family: SolutionFamily) -> Any:
+        """The lowest exponent of a family in this arithmetic: an integer, or a number that is real where it can be."""
+        if family.exponent == round(family.exponent.real):
+            return round(family.exponent.real)
+        n = len(self.end.shifts)
+        with arithmetic.working(ROUNDING_ROOT * settings.digits), mpmath.workdps(ROUNDING_ROOT * settings.digits):
+            C, D = (
+                mpmath.matrix([[arithmetic.to_mpmath(part[i, j][0]) if (i, j) in part else 0 for j in range(n)] for i in range(n)])
+                for part in self._series(arithmetic, sigma, 2)
+            )
+            found = mpmath.eig(mpmath.inverse(C) * D - mpmath.diag(self.end.shifts), left=False, right=False)
+            nearest = min(found, key=lambda rho: float(abs(rho - family.exponent)))
+        real = abs(nearest.imag) <= mpmath.mpf(10) ** -settings.digits * abs(nearest)
+        return arithmetic.number(nearest.real) if real else arithmetic.complex(nearest)
+
     def _series(self, arithmetic: Arithmetic, sigma: Any, terms: int) -> tuple[SeriesEntries, SeriesEntries]:
         """Ĉ and D̂ at this σ."""
         z = real_series(arithmetic, [arithmetic.number(0), arithmetic.number(1)] + [arithmetic.number(0)] * (terms - 2))
@@ -95,9 +117,9 @@ class RegularStart:
         C, D = (_at_sigma([{place: coefficients(e) for place, e in part.items()} for part in powers], sigma) for powers in self.end.parts)
         return C, D
 
-    def _first(self, arithmetic: Arithmetic, family: SolutionFamily, C: SeriesEntries, D: SeriesEntries) -> list[Matrix]:
+    def _first(self, arithmetic: Arithmetic, family: SolutionFamily, rho: Any, C: SeriesEntries, D: SeriesEntries) -> list[Matrix]:
         """φ_m (n, k) for m < count."""
-        n, rho, shifts = len(self.end.shifts), round(family.exponent.real), self.end.shifts
+        n, shifts = len(self.end.shifts), self.end.shifts
         nothing = arithmetic.number(0)
         place = {at: i for i, at in enumerate(family.allowed)}
         M = [[nothing] * len(family.allowed) for _ in family.rows]
@@ -121,7 +143,7 @@ class RegularStart:
         return phi
 
 
-def _entry(C: SeriesEntries, D: SeriesEntries, at: tuple[int, int], q: int, factor: int, nothing: Any) -> Any:
+def _entry(C: SeriesEntries, D: SeriesEntries, at: tuple[int, int], q: int, factor: Any, nothing: Any) -> Any:
     """L_q = (…) Ĉ_q − D̂_q at one place."""
     value = nothing
     if at in C:
@@ -129,13 +151,13 @@ def _entry(C: SeriesEntries, D: SeriesEntries, at: tuple[int, int], q: int, fact
     return value - D[at][q] if at in D else value
 
 
-def _leading(arithmetic: Arithmetic, C: SeriesEntries, D: SeriesEntries, mu: int, shifts: tuple[int, ...]) -> Matrix:
+def _leading(arithmetic: Arithmetic, C: SeriesEntries, D: SeriesEntries, mu: Any, shifts: tuple[int, ...]) -> Matrix:
     n, nothing = range(len(shifts)), arithmetic.number(0)
     return [[_entry(C, D, (i, j), 0, mu + shifts[j], nothing) for j in n] for i in n]
 
 
 def _carried(
-    arithmetic: Arithmetic, C: SeriesEntries, D: SeriesEntries, phi: list[Matrix], rho: int, shifts: tuple[int, ...], m: int
+    arithmetic: Arithmetic, C: SeriesEntries, D: SeriesEntries, phi: list[Matrix], rho: Any, shifts: tuple[int, ...], m: int
 ) -> Matrix:
     """Σ_{q≥1} L_q(ρ + m − q) φ_{m−q}."""
     n, k = len(shifts), len(phi[0][0])

@@ -82,11 +82,6 @@ class RegularSingularEnd:
         """The number of regular solutions."""
         return sum(len(family.free) for family in self.families)
 
-    @property
-    def integer(self) -> bool:
-        """Whether the regular solutions are power series in x."""
-        return all(family.exponent == round(family.exponent.real) for family in self.families)
-
     @cached_property
     def arrays(self) -> SeriesArrays:
         """The series of the coefficients, (MOST_TERMS, n, n) for every power of σ."""

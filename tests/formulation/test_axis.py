@@ -96,9 +96,32 @@ def test_many_digits_between_two_singular_ends() -> None:
     assert abs(mode.sigma - 20) <= mode.error < 1e-25
 
 
-def test_many_digits_are_refused_where_exponents_are_no_integers() -> None:
-    with pytest.raises(InputError, match="more than 12 digits"):
-        st.refine(bessel(0.3), guess=8.0, digits=20)
+@pytest.mark.parametrize("arithmetic", ["flint", "mpmath"])
+@pytest.mark.parametrize(
+    ("square", "order"), [("1/4", lambda: mpmath.mpf(1) / 2), ("2", lambda: mpmath.sqrt(2)), ("pi", lambda: mpmath.sqrt(mpmath.pi))]
+)
+def test_many_digits_where_exponents_are_no_integers(square: str, order: Any, arithmetic: str) -> None:
+    """Zeros of J_ν: ν itself is known to as many digits."""
+    equation = f"d(y,2) + d(y)/r - ({square})*y/r**2 + sigma*y"
+    problem = st.equations(["y"], [equation], st.Axis(0), st.Conditions(1, ["y"]), variable="r")
+    with mpmath.workdps(40):
+        expected = mpmath.besseljzero(order(), 1) ** 2
+        mode = refine_digits(problem, complex(expected) * 1.0001, 30, arithmetic=arithmetic)
+        assert abs(mode.sigma - expected) <= mode.error < 1e-28
+
+
+def test_many_digits_of_two_equal_exponents_and_of_complex_ones() -> None:
+    """Two coupled functions of order 1/3, whose σ is shifted by ±√2; and order (1 + i)^(1/2)."""
+    part = "d({0},2) + d({0})/r - {0}/(9*r**2) + sigma*{0} + {1}"
+    ends = st.Axis(0), st.Conditions(1, ["u", "w"])
+    pair = st.equations(["u", "w"], [part.format("u", "w"), part.format("w", "2*u")], *ends, variable="r")
+    single = st.equations(["y"], ["d(y,2) + d(y)/r - (1 + i)*y/r**2 + sigma*y"], st.Axis(0), st.Conditions(1, ["y"]), variable="r")
+    with mpmath.workdps(40):
+        expected = mpmath.besseljzero(mpmath.mpf(1) / 3, 1) ** 2 + mpmath.sqrt(2)
+        mode = st.refine(pair, complex(expected) * 1.0001, digits=25)
+        assert abs(mode.sigma - expected) <= mode.error < 1e-23
+        mode = st.refine(single, 15.4288 + 4.8282j, digits=25)
+        assert abs(mpmath.besselj(mpmath.sqrt(mpmath.mpc(1, 1)), mpmath.sqrt(mode.sigma))) < 1e-24
 
 
 @pytest.mark.parametrize("n", [0, 2, 3])

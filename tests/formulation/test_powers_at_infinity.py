@@ -12,6 +12,10 @@ import pytest
 from scipy.special import ai_zeros
 
 import shootstab as st
+from shootstab.formulation.asymptotic_end import asymptotic_end
+from shootstab.formulation.expression import number
+from shootstab.formulation.names import Names
+from shootstab.formulation.state_pencil import StatePencil
 
 LINE = st.Infinity(), st.Infinity()
 
@@ -103,3 +107,28 @@ def test_the_frame_is_analytic_and_its_derivative_exact() -> None:
     for step in (h, 1j * h):
         difference = (minors(sigma + step) - minors(sigma - step)) / (2 * step)
         assert np.abs(difference - slopes).max() < 1e-7 * np.abs(slopes).max()
+
+
+@pytest.mark.parametrize(
+    "V",
+    [
+        "1/(1+x**2) + (1+x**2)**(-3/2)",  # of u = exp(-√(1+x²))
+        "1 - x**2/sqrt(1+x**4) + (1+x**4)**(-5/4)",  # of u = exp(-∫x (1+x⁴)^(-1/4) dx)
+    ],
+)
+def test_potentials_that_fall_off_as_powers(V: str) -> None:
+    """σ = 1 exactly, where the first terms of the series vanish and where they do not; far out a double sees no power."""
+    problem = st.equations(["u"], [f"d(u,2) + ({V})*u = sigma*u"], st.Infinity(), st.Infinity(), variable="x")
+    double = st.refine(problem, 0.99)
+    assert abs(double.sigma - 1) <= double.error < 1e-12
+    mode = st.refine(problem, double.sigma, digits=25)
+    with mpmath.workdps(35):
+        assert abs(mode.sigma - 1) <= mode.error < 1e-25
+
+
+def test_a_window_reaches_over_the_terms_that_vanish() -> None:
+    """Coefficients with terms of the orders 0, 4 and 6, p = 1 and Q = 0; constant ones."""
+    formula = Names(("y",), {}, {}).expression("1 + z**-4 + z**-6", "a test")
+    end = asymptotic_end(StatePencil(1, ({(0, 0): number(1)}, {}), ({(0, 0): formula}, {}), ({},), ({},), 0, 0), 1)
+    assert end.window([True, False, False, False, True, False, True, False]) == 1 + 0 + 4
+    assert end.window([True, False, False]) == 1 + 0 + 1
