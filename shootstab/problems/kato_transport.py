@@ -28,7 +28,7 @@ PANEL_TAIL_TERMS = 3  # chosen: terms of the tail, for series that hold even or 
 LEAST_PROJECTION = 1e-3  # chosen: the volume of the projection of a basis below which the space is another one
 MOST_PANELS = 40  # chosen: panels tried on a line; away from the essential spectrum 30 octaves take 20
 SLOW_PANELS = 12  # chosen: panels after which a line is left that runs along an essential spectrum, where panels do not grow
-GROWN = 4.0  # chosen: times the first panel, to which a panel has grown by then on a line that leads away from it
+PANEL_GROWN = 4.0  # chosen: times the first panel, to which a panel has grown by then on a line that leads away from it
 LEAST_PART = 1 / 64  # chosen: the part of a line that is passed by then where panels need not grow
 
 Stop = Callable[[complex], bool]
@@ -44,7 +44,7 @@ def transported(
     here, logarithm, grows, first = begin, 0j, False, length
     for tried in range(MOST_PANELS):
         way = end - here
-        if tried == SLOW_PANELS and length < GROWN * first and abs(way) > (1.0 - LEAST_PART) * abs(end - begin):
+        if tried == SLOW_PANELS and length < PANEL_GROWN * first and abs(way) > (1.0 - LEAST_PART) * abs(end - begin):
             return None
         there = end if length >= abs(way) else here + length * way / abs(way)
         panel = _panel(limit, here, there, R)

@@ -26,7 +26,7 @@ from shootstab.problems import LinearProblem, Wall
 from shootstab.problems.linear_problem import problem
 
 ROWS = {"rigid": [0, 1, 4], "free": [0, 2, 4]}
-CONDITIONS = {"rigid": ["W", "d(W)", "T"], "free": ["W", "d(W,2)", "T"]}
+CONDITIONS = {"rigid": ["W", "d(W)", "theta"], "free": ["W", "d(W,2)", "theta"]}
 
 
 def benard(
@@ -70,10 +70,10 @@ def _growing(rayleigh: Any, wavenumber: Any, prandtl: float, floor: float, /, **
 def in_equations(rayleigh: complex, wavenumber: complex, prandtl: float, lower: str, upper: str) -> EquationProblem:
     """The problem in equations, for many digits and proofs; every parameter is the decimal that was typed."""
     return equations(
-        ["W", "T"],
+        ["W", "theta"],
         [
-            "sigma*(d(W,2) - a**2*W)/prandtl - (d(W,4) - 2*a**2*d(W,2) + a**4*W) + rayleigh*a**2*T",
-            "sigma*T - (d(T,2) - a**2*T) - W",
+            "sigma*(d(W,2) - a**2*W)/prandtl - (d(W,4) - 2*a**2*d(W,2) + a**4*W) + rayleigh*a**2*theta",
+            "sigma*theta - (d(theta,2) - a**2*theta) - W",
         ],
         Conditions(0, CONDITIONS[lower]),
         Conditions(1, CONDITIONS[upper]),

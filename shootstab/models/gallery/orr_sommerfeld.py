@@ -23,6 +23,7 @@ from shootstab.problems.protocol import ComplexArray
 VelocityProfile = Callable[[ComplexArray], tuple[ComplexArray, ComplexArray]]  # U, U″ at points
 AffineMatrices = Callable[[ComplexArray], tuple[ComplexArray, ComplexArray]]  # D0, D1
 
+VELOCITIES = ("u = d(phi)", "v = -i*a*phi")  # exact: what eigenfunctions are shown in, of the streamfunction
 CLAMPED = np.eye(2, 4)  # exact: φ = φ′ = 0
 REGION_MARGIN = 2.0**-20  # chosen: part by which a region that holds all growing modes is widened, far above rounding
 
@@ -55,8 +56,8 @@ def orr_sommerfeld_equation(
     """
     viscous = "(d(phi,4) - 2*a**2*d(phi,2) + a**4*phi)/R"
     return equations(
-        ["phi"],
-        [f"{viscous} = (sigma + i*a*U)*(d(phi,2) - a**2*phi) - i*a*d(U,2)*phi + ({V})*(d(phi,3) - a**2*d(phi))"],
+        ["phi", "u", "v"],
+        [f"{viscous} = (sigma + i*a*U)*(d(phi,2) - a**2*phi) - i*a*d(U,2)*phi + ({V})*(d(phi,3) - a**2*d(phi))", *VELOCITIES],
         Conditions(0, ["phi", "d(phi)"]),
         Infinity(),
         parameters={"R": reynolds, "a": alpha},

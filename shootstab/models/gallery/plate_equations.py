@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 from shootstab.formulation.equation_scene import from_table
@@ -19,14 +20,21 @@ def plate_equations(gas: Gas, wave: Mapping[str, float], reference: float | None
     wave holds R, m, the second coefficient of viscosity in μ, beta, and alpha or omega.
     """
     table = scene_files()[SCENE].tables["problem"]
-    where = {name: formula for name, formula in table["where"].items() if name != "m"}
+    where = {name: _renamed(formula) for name, formula in table["where"].items() if name != "m"}
     parameters = {**wave, "M": gas.mach, "g": gas.gamma, "Pr": gas.prandtl, "S": gas.sutherland, "far": gas.far_temperature}
     where["s"] = "S/far"
     base = dict(table["base"])
     if gas.wall is not None:
         base["left"] = {"at": 0, "conditions": ["f", "U", "T = wall"]}
         parameters["wall"] = gas.wall
-    changed = {**table, "parameters": parameters, "where": where, "base": base}
+    unknowns, formulas = ([_renamed(text) for text in table[key]] for key in ("unknowns", "equations"))
+    left = {**table["left"], "conditions": [_renamed(text) for text in table["left"]["conditions"]]}
+    changed = {**table, "unknowns": unknowns, "equations": formulas, "left": left, "parameters": parameters, "where": where, "base": base}
     if "omega" in wave:
         changed |= {"where": {**where, **SPATIAL}, "eigenvalue": "alpha", "reference": reference}
     return from_table(changed)
+
+
+def _renamed(formula: str) -> str:
+    """The formula with the temperature called as the gallery calls it."""
+    return re.sub(r"\bt\b", "theta", formula)

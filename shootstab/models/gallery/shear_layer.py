@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from shootstab.formulation.problem import EquationProblem, equations
-from shootstab.models.gallery.orr_sommerfeld import require_positive, velocities
+from shootstab.models.gallery.orr_sommerfeld import VELOCITIES, require_positive, velocities
 from shootstab.problems import Infinity, LinearProblem
 from shootstab.problems.linear_problem import problem
 from shootstab.problems.protocol import ComplexArray
@@ -43,4 +43,4 @@ def _rayleigh_equation(alpha: complex) -> EquationProblem:
     """The problem in equations, for many digits; alpha is the decimal that was typed."""
     rayleigh = "(sigma + i*a*U)*(d(phi,2) - a**2*phi) = i*a*d(U,2)*phi"
     known: Any = {"parameters": {"a": alpha}, "where": {"U": "tanh(y)"}, "variable": "y"}
-    return equations(["phi"], [rayleigh], Infinity(), Infinity(), **known)
+    return equations(["phi", "u", "v"], [rayleigh, *VELOCITIES], Infinity(), Infinity(), **known)

@@ -67,3 +67,17 @@ def test_plate_with_a_wall_of_given_temperature_has_its_equations() -> None:
     other = st.refine(written, mode.sigma)
     assert mode.converged
     assert abs(other.sigma - mode.sigma) <= mode.error + other.error
+
+
+@pytest.mark.parametrize("name", ["benard", "poeschl-teller", "shear-layer", "suction"])
+def test_equations_are_in_the_unknowns_that_eigenfunctions_are_shown_in(name: str) -> None:
+    problem: Any = st.scene(name).problem
+    assert set(problem.unknowns.names) == set(problem.written().unknowns.names)
+
+
+def test_eigenfunction_of_a_layer_in_digits() -> None:
+    """φ, u = φ′ by a difference, whose error is of the order 1e-9, and v = −iαφ."""
+    shown = st.eigenfunction(st.scene("shear-layer").problem, 0.1897, digits=15)
+    before, values, behind = (shown(z) for z in ("0.4999", "0.5", "0.5001"))
+    assert abs(complex(values["v"]) + 0.4446j * complex(values["phi"])) < 1e-14
+    assert abs(complex((behind["phi"] - before["phi"]) / mpmath.mpf("0.0002") - values["u"])) < 1e-7
