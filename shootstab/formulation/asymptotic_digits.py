@@ -113,7 +113,7 @@ class AsymptoticSpaceInDigits:
 
     farthest = 0.0
 
-    def beyond(self, sigma: Any, c: Matrix, distance: Any) -> Matrix:
+    def beyond(self, sigma: Any, c: Matrix, place: Any, distance: Any) -> Matrix:
         """Nothing is asked for: the place is as far out as the solution is shown."""
         return []
 

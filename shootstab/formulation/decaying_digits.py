@@ -110,7 +110,7 @@ class DecayingSpaceInDigits:
         """The solutions are known up to infinity, except on a base flow, which is known as far as its own series."""
         return math.inf if self._flow is None else 0.0
 
-    def beyond(self, sigma: Any, c: Matrix, distance: Any) -> Matrix:
+    def beyond(self, sigma: Any, c: Matrix, place: Any, distance: Any) -> Matrix:
         """ψ (n, 1) of a combination c (k, 1) of the frame, so far beyond the place: Σ P_m x^m (x/x_0)^T V⁻¹ c, x_0 being x there."""
         found = self._known[1] if self._known is not None and self._known[0] == sigma else self._solutions(sigma)
         arithmetic, d, rate = self._arithmetic, self._end.direction, self._arithmetic.to_mpmath(self._rate)

@@ -47,8 +47,8 @@ class Beginning(Protocol):
         """How far beyond the place these solutions are known."""
         ...
 
-    def beyond(self, sigma: Any, c: Matrix, distance: Any) -> Matrix:
-        """ψ (n, 1) of their combination c (k, 1), so far beyond the place."""
+    def beyond(self, sigma: Any, c: Matrix, place: Any, distance: Any) -> Matrix:
+        """ψ (n, 1) of their combination c (k, 1), at a place so far beyond."""
         ...
 
 
@@ -105,8 +105,8 @@ class _FirstThatHolds:
     def farthest(self) -> float:
         return self._chosen.farthest
 
-    def beyond(self, sigma: Any, c: Matrix, distance: Any) -> Matrix:
-        return self._chosen.beyond(sigma, c, distance)
+    def beyond(self, sigma: Any, c: Matrix, place: Any, distance: Any) -> Matrix:
+        return self._chosen.beyond(sigma, c, place, distance)
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,7 +169,7 @@ class _FixedBeginning:
 
     farthest = 0.0
 
-    def beyond(self, sigma: Any, c: Matrix, distance: Any) -> Matrix:
+    def beyond(self, sigma: Any, c: Matrix, place: Any, distance: Any) -> Matrix:
         """Nothing is asked for: the place is an end of the domain, or an interface."""
         return []
 
@@ -178,7 +178,7 @@ class _NextToSingularEnd:
     """See Beginning: the regular solutions, known up to the end."""
 
     def __init__(self, arithmetic: Arithmetic, settings: Settings, end: AtSingularEnd) -> None:
-        self._arithmetic, self._settings, self._start = arithmetic, settings, end.start
+        self._arithmetic, self._settings, self._start, self._end = arithmetic, settings, end.start, end
         self.place = end.at + end.direction * end.start.reach(settings)
         self.farthest = float(end.start.reach(settings))
 
@@ -188,6 +188,7 @@ class _NextToSingularEnd:
     def frame(self, sigma: Any) -> tuple[Matrix, Any]:
         return self._start.frame(self._arithmetic, self._settings, sigma), self._arithmetic.number(1)
 
-    def beyond(self, sigma: Any, c: Matrix, distance: Any) -> Matrix:
-        frame, _ = self._start.nearer(self._arithmetic, self._settings, sigma, distance)
+    def beyond(self, sigma: Any, c: Matrix, place: Any, distance: Any) -> Matrix:
+        away = (place - self._arithmetic.number(self._end.at)) * self._end.direction
+        frame, _ = self._start.nearer(self._arithmetic, self._settings, sigma, away)
         return product(self._arithmetic, frame, c)

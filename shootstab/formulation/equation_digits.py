@@ -140,10 +140,11 @@ class EquationIntegration:
         """The start is an end of the domain, or lies so far from a singular one."""
         return 0.0 if self._regular is None else float(self._regular.reach(self._settings))
 
-    def farther(self, sigma: Any, c: Matrix, distance: Any) -> Mapping[str, Any] | None:
+    def farther(self, sigma: Any, c: Matrix, place: Any, distance: Any) -> Mapping[str, Any] | None:
         if self._regular is None or self._arithmetic.to_mpmath(distance) > self.farthest * (1.0 + OUTSIDE_DIGITS):
             return None
-        frame, x = self._regular.nearer(self._arithmetic, self._settings, sigma, distance)
+        away = (place - self._arithmetic.number(self._singular)) * self._direction
+        frame, x = self._regular.nearer(self._arithmetic, self._settings, sigma, away)
         place = self._arithmetic.number(self._singular) + self._direction * x
         return shown_at(self._arithmetic, self._shown, place, sigma, product(self._arithmetic, frame, c))
 

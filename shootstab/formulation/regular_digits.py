@@ -25,6 +25,7 @@ from shootstab.multiprecision.taylor import Taylor, real_series
 
 MOST_SERIES_TERMS = 4000  # chosen: terms of a series
 ROUNDING_ROOT = 3  # chosen: digits with which exponents are computed, in the working digits
+HAIR = 40  # chosen: digits of a hair, in the working digits: x^(1/40) of it is rounding
 BITS_OF_DIGIT = 3.33  # chosen: bits of a digit, a little more than log2 10
 
 SeriesEntries = Mapping[tuple[int, int], list[Any]]  # coefficients by entry
@@ -45,15 +46,13 @@ class RegularStart:
         """The distance at which the integration begins."""
         return self.x / Fraction(2) ** round(settings.far_shift)
 
-    def nearer(self, arithmetic: Arithmetic, settings: Settings, sigma: Any, distance: Any) -> tuple[Matrix, Any]:
-        """ψ (n, k) so far from where the integration begins towards the end, and the distance from the end.
+    def nearer(self, arithmetic: Arithmetic, settings: Settings, sigma: Any, x: Any) -> tuple[Matrix, Any]:
+        """ψ (n, k) at a distance x from the end, nearer than the integration begins, and that distance.
 
-        At the end itself they are taken a hair from it, which is no more than rounding.
+        At the end itself they are taken a hair from it, of which the powers in them are no more than rounding.
         """
-        reach, hair = arithmetic.number(self.reach(settings)), arithmetic.number(Fraction(1, 10**settings.digits))
-        x = arithmetic.rounded(reach - distance)
-        if arithmetic.log2(x) < arithmetic.log2(hair):
-            x = arithmetic.rounded(hair * reach)
+        hair = arithmetic.number(Fraction(1, 10 ** (HAIR * settings.digits)))
+        x = hair if arithmetic.log2(x) < arithmetic.log2(hair) else arithmetic.rounded(x)
         return self.at(arithmetic, settings, sigma, x, settled=True), x
 
     def at(self, arithmetic: Arithmetic, settings: Settings, sigma: Any, x: Any, settled: bool = False) -> Matrix:

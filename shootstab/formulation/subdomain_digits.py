@@ -75,12 +75,10 @@ class DigitPart:
     def farthest(self) -> float:
         return self.beginnings[self.j].farthest
 
-    def farther(self, sigma: Any, c: Matrix, distance: Any) -> Mapping[str, Any]:
+    def farther(self, sigma: Any, c: Matrix, place: Any, distance: Any) -> Mapping[str, Any]:
         first, *widths = [0, *(len(beginning.frame(sigma)[0][0]) for beginning in self.beginnings)]
         first = sum(widths[: self.j])
-        psi = self.beginnings[self.j].beyond(sigma, c[first : first + widths[self.j]], distance)
-        outwards = 1 if self.subdomains[self.j].target < self.beginnings[self.j].place else -1
-        place = self.begin + outwards * distance
+        psi = self.beginnings[self.j].beyond(sigma, c[first : first + widths[self.j]], place, distance)
         return shown_at(self.arithmetic, self.subdomains[self.j].shown, place, sigma, psi)
 
 
@@ -182,7 +180,7 @@ class SubdomainIntegration:
 
     farthest = 0.0
 
-    def farther(self, sigma: Any, c: Matrix, distance: Any) -> None:
+    def farther(self, sigma: Any, c: Matrix, place: Any, distance: Any) -> None:
         """Nothing is known for all at once: each subdomain knows its own solutions, see DigitPart."""
 
     @property

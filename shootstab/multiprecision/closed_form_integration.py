@@ -87,7 +87,7 @@ class ClosedFormIntegration:
 
     farthest = 0.0
 
-    def farther(self, sigma: Any, c: Matrix, distance: Any) -> None:
+    def farther(self, sigma: Any, c: Matrix, place: Any, distance: Any) -> None:
         """The start is an end of the domain."""
 
     def wall_rows(self) -> list[Matrix]:

@@ -60,8 +60,8 @@ class Integration(Protocol):
         """How far beyond the start solutions are known: 0 where it is an end of the domain, infinite up to infinity."""
         ...
 
-    def farther(self, sigma: Any, c: Matrix, distance: Any) -> Mapping[str, Any] | None:
-        """The unknowns by name so far beyond the start, of the solution that is the combination c (k, 1) of the far frame.
+    def farther(self, sigma: Any, c: Matrix, place: Any, distance: Any) -> Mapping[str, Any] | None:
+        """The unknowns by name at a place so far beyond the start, of the solution that is the combination c (k, 1) of the far frame.
 
         None where no solution is known there.
         """

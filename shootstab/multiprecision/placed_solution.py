@@ -29,8 +29,8 @@ class LinePart(Protocol):
         """How far beyond its beginning its solutions are known."""
         ...
 
-    def farther(self, sigma: Any, c: Matrix, distance: Any) -> Mapping[str, Any]:
-        """The unknowns by name so far beyond the beginning, of the combination c (k, 1) of all solutions that are begun with."""
+    def farther(self, sigma: Any, c: Matrix, place: Any, distance: Any) -> Mapping[str, Any]:
+        """The unknowns by name at a place so far beyond the beginning, of the combination c (k, 1) of all solutions that are begun with."""
         ...
 
 
@@ -88,7 +88,7 @@ class PlacedSolution:
         for part in self.parts:
             distance = (part.begin - z) * self._outwards(part)
             if 0.0 < self._number(distance) <= part.farthest + slack:
-                return dict(part.farther(self.along.sigma, self.c, distance))
+                return dict(part.farther(self.along.sigma, self.c, z, distance))
         low, high = self.extent
         raise InputError(f"z = {place:g}: allowed is z from {low:.6g} to {high:.6g}")
 

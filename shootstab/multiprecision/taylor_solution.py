@@ -40,7 +40,7 @@ class TaylorSolution:
     psi: Sequence[Matrix]
     rows: Sequence[UnknownRows]
     order: int
-    farther: Callable[[Any], Mapping[str, Any] | None]
+    farther: Callable[[Any, Any], Mapping[str, Any] | None]
     farthest: float
     _series: dict[int, Mapping[str, list[Any]]] = field(default_factory=dict, repr=False)
 
@@ -85,7 +85,7 @@ class TaylorSolution:
         slack = OUTSIDE_DIGITS * (high - low)
         if not low - slack <= place <= high + slack:
             beyond = (z - self.z[0]) * (-1 if self.z[0] < self.z[-1] else 1)
-            found = self.farther(beyond) if beyond > 0 else None
+            found = self.farther(z, beyond) if beyond > 0 else None
             if found is None:
                 low, high = self.extent
                 raise InputError(f"z = {place:g}: allowed is z from {low:.6g} to {high:.6g}")

@@ -165,3 +165,18 @@ def test_in_layers_it_is_that_of_doubles() -> None:
     for z in (-5.0, -1.5, -0.5, 0.2, 0.9, 1.4):
         assert abs(complex(f(z)["w"]) - rough(z)["w"] / scale) < 1e-11
     assert f.error <= 1e-20
+
+
+def test_at_an_axis_where_exponents_are_no_integers() -> None:
+    """J_{1/3}(jr) goes as r^(1/3): a place next to the axis has to be known to all its digits, and at the axis it is 0."""
+    bessel = st.equations(
+        ["y"], ["r**2*d(y,2) + r*d(y) - y/9 + s*r**2*y"], st.Axis(0), st.Conditions(1, ["y"]), eigenvalue="s", variable="r"
+    )
+    f = st.eigenfunction(bessel, 8.425, digits=25)
+    with mpmath.workdps(50):
+        order = mpmath.mpf(1) / 3
+        j = mpmath.findroot(lambda x: mpmath.besselj(order, x), 2.9025862484169527)
+        scale = mpmath.besselj(order, j * mpmath.mpf(f.peak[1]))
+        errors = [abs(f(r)["y"] - mpmath.besselj(order, j * mpmath.mpf(r)) / scale) for r in ("1e-30", "1e-5", "0.1", "0.7")]
+        assert max(errors) <= f.error <= 1e-25
+        assert abs(f(0)["y"]) <= f.error

@@ -188,7 +188,7 @@ class CoarseOnly:
 
 def test_a_zero_without_a_value_on_the_finer_mesh_is_refused() -> None:
     branch = SimpleNamespace(discriminant=CoarseOnly(), path="real line")
-    continuation: Any = SimpleNamespace(at=lambda sigma: branch, method=SimpleNamespace(name="riccati"), problem=None)
+    continuation: Any = SimpleNamespace(at=lambda sigma: branch, method=SimpleNamespace(name="riccati", rtol=1e-8), problem=None)
     words = r"riccati has no value of D on the mesh with every step halved, at sigma = 1\+0j: nothing tells how exactly the zero is known"
     with pytest.raises(ConvergenceError, match=words):
         examine(continuation, Root(1 + 0j, 0.0, 0, True), 1e-10)

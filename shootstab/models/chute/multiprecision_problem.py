@@ -191,7 +191,7 @@ class ChuteIntegration:
 
     farthest = math.inf
 
-    def farther(self, sigma: Any, c: Matrix, distance: Any) -> dict[str, Any]:
+    def farther(self, sigma: Any, c: Matrix, place: Any, distance: Any) -> dict[str, Any]:
         """ψ = P(τ) τ^Λ c with τ = ν0 over that at the start, and z from there, ∫ dτ/(τ ν0′/ν0) = ln τ/λ_0 + Σ l_m (τ^m − 1)/m."""
         arithmetic = self.arithmetic
         log_tau = self._log_tau(distance)
