@@ -23,7 +23,9 @@ ALPHA_RADIUS = 0.05  # chosen: radius of that circle; what the points leave out 
 WAY_OUT = (0.25, 0.5)  # chosen: places on the way from the middle, in that radius, so that no mode is guessed
 NOT_ANALYTIC = 1e-2  # chosen: part of σ's change over the radius by which its mean on the circle may miss σ in the middle
 SHIFT = 1e-3  # chosen: relative change of R for the second circle
-CRITICAL_STEPS = 12  # chosen: steps of Newton in (α, R); from a guess of two digits it takes some 5
+CRITICAL_STEPS = 16  # chosen: steps of Newton in (α, R); from a guess of two digits it takes some 5
+LONGEST_CRITICAL_MOVE = 0.5  # chosen: the part of R, and of α, by which a step changes it at most: both stay above 0
+SHORT_ENOUGH_FOR_A_CHORD = 0.05  # chosen: steps below so much keep the slopes in R; longer ones have them computed anew
 ROUGH_RTOL = 1e-9  # chosen: relative accuracy of the modes on the way
 CRITICAL_RTOL = 1e-12  # chosen: accuracy of the modes
 STILL_ROUGH = 1e3  # chosen: steps above so many accuracies are made with modes that are rough
@@ -48,7 +50,7 @@ def critical(
     """The critical point next to (reynolds, alpha), following the mode next to guess.
 
     family(R, α) makes the problem; α comes complex, and R may be any parameter that growth rises with. Raises ConvergenceError where
-    Newton's iteration does not settle or a mode is lost on the way.
+    Newton's iteration does not settle or a mode is lost on the way, and where growth is least there.
     """
     if not (reynolds > 0.0 and alpha > 0.0):
         raise InputError(f"reynolds = {reynolds!r}, alpha = {alpha!r}: allowed are numbers above 0, near the critical point")
@@ -58,14 +60,20 @@ def critical(
         rough = max(rtol, ROUGH_RTOL) if step > STILL_ROUGH * rtol else rtol
         series, error = _circle(family, reynolds, alpha, sigma, rough)
         sigma, g = complex(series[0]), series.real
-        if turn < 2:  # a chord does from then on
+        if turn < 2 or step > SHORT_ENOUGH_FOR_A_CHORD:  # a chord does from then on
             ahead, _ = _circle(family, reynolds * (1 + SHIFT), alpha, sigma, rough)
             change_R = (ahead.real - g)[:2] / (reynolds * SHIFT)
         jacobian = np.array([[change_R[0], g[1]], [change_R[1], 2 * g[2]]])
         move = np.linalg.solve(jacobian, -g[:2])
+        move = move * min(
+            1.0, LONGEST_CRITICAL_MOVE / max(abs(float(move[0])) / reynolds, abs(float(move[1])) / alpha, LONGEST_CRITICAL_MOVE)
+        )
         reynolds, alpha = reynolds + float(move[0]), alpha + float(move[1])
         step = abs(float(move[0])) / reynolds + abs(float(move[1])) / alpha
         if rough == rtol and step < LAST_MOVE * rtol:
+            if g[2] >= 0.0:
+                told = f"at {reynolds:.6g}, {alpha:.6g} the growth rate is 0, and least over the second"
+                raise ConvergenceError(f"{told}, not largest: no mode begins to grow there")
             wrong = np.abs(np.linalg.inv(jacobian)) @ np.array([error, error / (ALPHA_RADIUS * alpha)]) + np.abs(move)
             return Critical(reynolds, alpha, sigma, float(wrong[0]), float(wrong[1]))
     raise ConvergenceError(f"no critical point found near {reynolds:.6g}, {alpha:.6g}: the last step was {step:.1e}")

@@ -33,3 +33,17 @@ def test_an_exact_critical_point(guess: complex) -> None:
 def test_a_branch_point_within_the_circle_is_named() -> None:
     with pytest.raises(st.ConvergenceError, match=r"is not followed around alpha = 1\.01.*a branch point, is as near"):
         st.critical(crossing, np.pi**2, 1.01, 0.1)
+
+
+def test_no_step_leaves_what_is_positive() -> None:
+    """From far off, where a whole step would take α below 0."""
+    found = st.critical(hill, 40.0, 9.0, 40 - np.pi**2 - 49)
+    assert (found.reynolds, found.alpha) == pytest.approx((np.pi**2, 2.0), rel=1e-9)
+    assert 0.0 <= found.reynolds_error < 1e-8
+    assert 0.0 <= found.alpha_error < 1e-8
+
+
+def test_growth_that_is_least_is_no_critical_point() -> None:
+    """σ = R − π² + (α − 2)²: every other wavenumber grows."""
+    with pytest.raises(st.ConvergenceError, match=r"the growth rate is 0, and least over the second, not largest"):
+        st.critical(lambda R, alpha: hill(R + 2 * (alpha - 2) ** 2, alpha), 10.0, 2.1, 0.14)
