@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from shootstab.analyses.work_precision import trade
     from shootstab.by_name import discriminant
     from shootstab.core.errors import ConvergenceError, InputError, NoFlowError, ShootstabError
+    from shootstab.core.half_annulus import HalfAnnulus
     from shootstab.core.regions import Disc, Polygon, Rectangle
     from shootstab.discriminants.compound import Compound
     from shootstab.discriminants.frame import Frame
@@ -56,6 +57,7 @@ _HOMES = {
     "ConvergenceError": "shootstab.core.errors",
     "Disc": "shootstab.core.regions",
     "Frame": "shootstab.discriminants.frame",
+    "HalfAnnulus": "shootstab.core.half_annulus",
     "InputError": "shootstab.core.errors",
     "problem": "shootstab.problems",
     "equations": "shootstab.formulation.problem",
@@ -105,6 +107,7 @@ __all__ = [
     "ConvergenceError",
     "Disc",
     "Frame",
+    "HalfAnnulus",
     "Infinity",
     "InputError",
     "Interface",

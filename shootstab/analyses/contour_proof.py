@@ -9,7 +9,7 @@ from time import perf_counter
 from typing import Any
 
 from shootstab.analyses.disc_proof import MORE_BITS, disc
-from shootstab.analyses.proof import Proof, lemmas, named, premise
+from shootstab.analyses.proof import Proof, lemmas, premise, shape_of
 from shootstab.core.balls import acb, arb
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.progress import Progress
@@ -56,10 +56,9 @@ def along(forms: tuple[Enclosable, ...], region: Rectangle, spare: int, progress
     """
     began = perf_counter()
     found = [_followed(form, region, spare, progress) for form in forms]
-    corners = [named((repr(v.real), repr(v.imag))) for v in (region.vertices[0], region.vertices[2])]
     return Proof(
         tuple(part.count for part in found),
-        {"shape": "rectangle", "corners": corners},
+        shape_of(region),
         min(part.margin for part in found),
         max(part.bits for part in found),
         max(part.points for part in found),

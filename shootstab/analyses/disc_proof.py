@@ -165,6 +165,8 @@ def _surrounded(form: Enclosable, bits: int, centre: Any, size: float, radius: f
         D = form.enclosure(bits, region)
         try:
             bound = D.growth(region)
+            if not bound.is_finite():
+                raise ConvergenceError(f"|D| has no bound on the circle of radius {outer:.3g}")
         except ConvergenceError:
             if outer <= WIDEST_CIRCLE * radius and best is None:
                 raise

@@ -11,7 +11,7 @@ from typing import Any
 
 from shootstab.analyses.contour_proof import LEAST_CONTOUR_BITS, RECTANGLE_SLACK, RIM, along, settings
 from shootstab.analyses.disc_proof import MOST_BITS, disc
-from shootstab.analyses.proof import Proof, lemmas, named
+from shootstab.analyses.proof import Proof, lemmas, shape_of
 from shootstab.core.balls import acb, arb
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.progress import TOTAL, Progress
@@ -61,12 +61,11 @@ def over(make: EnclosableAt, name: str, low: Fraction, high: Fraction, region: R
             progress(math.floor(TOTAL * (b - low) / (high - low)), TOTAL)
     if {subinterval.count for subinterval in found} != {at_ends[0]}:
         raise AssertionError("proved counts differ between subintervals of an interval and its ends: one of them is computed wrongly")
-    corners = [named((repr(v.real), repr(v.imag))) for v in (region.vertices[0], region.vertices[2])]
     with at_bits(LEAST_CONTOUR_BITS):
         own = lemmas([make(acb(ball(low)))])
     return Proof(
         (found[0].count,),
-        {"shape": "rectangle", "corners": corners},
+        shape_of(region),
         min(subinterval.margin for subinterval in found),
         max(subinterval.bits for subinterval in found),
         max(subinterval.points for subinterval in found),

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context, Decimal
 from typing import Any
 
 import mpmath
 
+from shootstab.core.half_annulus import HalfAnnulus
+from shootstab.core.regions import Rectangle
 from shootstab.multiprecision.enclosable import Enclosable
 
 COMMON = ("E1", "E5", "E6", "E7")  # lemmas of the guide's page on proofs; "with multiplicity" rests on E7
@@ -20,7 +22,8 @@ Decimals = tuple[str, str]  # real and imaginary part
 class Proof:
     """Proved: exactly `count` eigenvalues, with multiplicity, lie in the region, and none on its boundary.
 
-    region is {"shape": "disc", "centre", "radius"} or {"shape": "rectangle", "corners"}, its numbers exact decimals. counts are of
+    region is {"shape": "disc", "centre", "radius"} or {"shape": "rectangle", "corners"} or
+    {"shape": "half-annulus", "centre", "inner", "outer"}, its numbers exact decimals. counts are of
     the factors of D, where it has some (parities). margin is the factor by which the decisive inequality holds, the least one of a contour.
     alone is the radius of the largest disc about the same centre in which the count was proved too; floor stands where the count is that
     of all eigenvalues with Re σ ≥ floor, interval (name, low, high, pieces) where it holds for every value of a parameter; premise says in
@@ -57,6 +60,9 @@ class Proof:
         subject = {0: "no eigenvalue lies", 1: "exactly one eigenvalue lies"}.get(self.count, f"{many} lie")
         if self.region["shape"] == "disc":
             return f"{before}{subject} in |σ − ({_shown(self.region['centre'])})| < {self.region['radius']}"
+        if self.region["shape"] == "half-annulus":
+            centre, radii = self.region["centre"], "{inner} < |σ − ({{}})| < {outer}".format(**self.region)
+            return f"{before}{subject} in the half-annulus {radii.format(_shown(centre))}, Re σ > {centre['re']}"
         low, high = self.region["corners"]
         return f"{before}{subject} in the rectangle from {_shown(low)} to {_shown(high)}"
 
@@ -65,7 +71,21 @@ def lemmas(forms: Sequence[Enclosable]) -> tuple[str, ...]:
     """What a proof on these factors of D relies on."""
     own = sorted({name for form in forms for name in form.lemmas})
     found = (*COMMON, *own, *(("E9",) if len(forms) > 1 else ()))
-    return tuple(sorted(found, key=lambda name: (name[0], int(name[1:]))))
+    return in_order(found)
+
+
+def in_order(names: Iterable[str]) -> tuple[str, ...]:
+    """Lemmas as the guide has them."""
+    return tuple(sorted(names, key=lambda name: (name[0], int(name[1:]))))
+
+
+def shape_of(region: Rectangle | HalfAnnulus) -> dict[str, Any]:
+    """The region with the decimals that its floats stand for."""
+    if isinstance(region, HalfAnnulus):
+        centre = complex(region.centre)
+        radii = {"inner": repr(float(region.inner)), "outer": repr(float(region.outer))}
+        return {"shape": "half-annulus", "centre": named((repr(centre.real), repr(centre.imag))), **radii}
+    return {"shape": "rectangle", "corners": [named((repr(v.real), repr(v.imag))) for v in (region.vertices[0], region.vertices[2])]}
 
 
 def premise(forms: Sequence[Enclosable]) -> str:

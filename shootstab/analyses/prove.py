@@ -1,4 +1,4 @@
-"""Theorems on eigenvalues: exactly n in a disc, in a rectangle, or above a growth rate, with multiplicity, proved in ball arithmetic.
+"""Theorems on eigenvalues: exactly n in a disc, in a region, or above a growth rate, with multiplicity, proved in ball arithmetic.
 
 Not an error bar but an enclosure: D is enclosed at points (multiprecision.enclosure), bounded on a larger circle, and Pellet's theorem
 counts (roots.pellet). A proof rests on the lemmas of the guide's page on proofs that it names, on the correctness of python-flint's balls,
@@ -14,21 +14,23 @@ from time import perf_counter
 
 from shootstab.analyses.contour_proof import CONTOUR_BITS, along
 from shootstab.analyses.disc_proof import around, polished
+from shootstab.analyses.enclosables import factors
 from shootstab.analyses.interval_proof import over
+from shootstab.analyses.pieces_proof import by_pieces
 from shootstab.analyses.proof import Decimals, Proof
 from shootstab.analyses.refine import refine
 from shootstab.core.allowed import MOST_PROOF_DIGITS, PROOF_DIGITS
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.given import complex_of, require_above_0, require_whole
+from shootstab.core.half_annulus import HalfAnnulus
 from shootstab.core.progress import Progress
 from shootstab.core.regions import Rectangle
 from shootstab.multiprecision.arithmetic import exact
-from shootstab.multiprecision.closed_form_enclosure import ClosedFormEnclosable
 from shootstab.multiprecision.enclosable import Enclosable
-from shootstab.multiprecision.enclosure import BetweenEnds
-from shootstab.problems.capabilities import CLOSED_FORM, ENCLOSABLE, FACTORS, GROWING_REGION, VARIED
+from shootstab.problems.capabilities import GROWING_REGION, VARIED
 from shootstab.problems.protocol import Problem
 
+POLYNOMIAL_POINTS = 48  # chosen: values of D that a circle may take where a rectangle is one polynomial, which takes some hundreds
 SPARE_DIGITS = 6  # chosen: digits of the mode beyond those of the disc around it
 
 
@@ -64,13 +66,23 @@ def prove_disc(problem: Problem, centre: complex, radius: float, alone: bool = F
     return around(factors(problem), (repr(at.real), repr(at.imag)), repr(float(radius)), alone)
 
 
-def prove_rectangle(problem: Problem, region: Rectangle, progress: Progress | None = None, spare_bits: int = CONTOUR_BITS) -> Proof:
-    """Exactly n eigenvalues in this rectangle, n found.
+def prove_region(
+    problem: Problem,
+    region: Rectangle | HalfAnnulus,
+    progress: Progress | None = None,
+    spare_bits: int = CONTOUR_BITS,
+    workers: int | None = None,
+) -> Proof:
+    """Exactly n eigenvalues in this region, n found: in a rectangle by one polynomial where values of D are cheap, else along the boundary.
 
-    progress(done, total) counts values of D. spare_bits are those of D on the boundary: n more for a zero 2^−n times as near to it. Raises
-    ConvergenceError where an eigenvalue lies on the boundary or too near to it.
+    progress(done, total) counts values of D. spare_bits are those of D on the boundary: n more for a zero 2^−n times as near to it. workers
+    processes share what there is to do along a boundary, None as many as there are cores. Raises ConvergenceError where an eigenvalue lies
+    on the boundary or too near to it, or a continuous spectrum does.
     """
-    return along(factors(problem), region, spare_bits, progress)
+    forms = factors(problem)
+    if isinstance(region, Rectangle) and all(form.most_points >= POLYNOMIAL_POINTS for form in forms):
+        return along(forms, region, spare_bits, progress)
+    return by_pieces(problem, region, spare_bits, progress, workers)
 
 
 def prove_interval(
@@ -83,7 +95,7 @@ def prove_interval(
     progress: Progress | None = None,
     spare_bits: int = CONTOUR_BITS,
 ) -> Proof:
-    """The theorem of `prove_rectangle`, or with a floor of `prove_growing`, for every value of the parameter of that name from low to high.
+    """The theorem of `prove_region`, or with a floor of `prove_growing`, for every value of the parameter of that name from low to high.
 
     The numbers are the decimals that floats stand for. Raises InputError where the problem has no such parameter.
     """
@@ -104,10 +116,10 @@ def prove_interval(
 def prove_growing(problem: Problem, floor: float, progress: Progress | None = None, spare_bits: int = CONTOUR_BITS) -> Proof:
     """Exactly n eigenvalues with Re σ ≥ floor, n found, where a theorem on the problem bounds all of them.
 
-    Raises InputError where there is no such theorem, and as `prove_rectangle` does.
+    Raises InputError where there is no such theorem, and as `prove_region` does.
     """
     region, lemma = GROWING_REGION.required(problem)(floor)
-    proof = prove_rectangle(problem, region, progress, spare_bits)
+    proof = prove_region(problem, region, progress, spare_bits)
     return replace(proof, floor=floor, lemmas=(*proof.lemmas, lemma))
 
 
@@ -119,14 +131,3 @@ def _centre(forms: tuple[Enclosable, ...], seed: complex, places: int, radius: s
         except ConvergenceError:
             continue
     return polished(forms[-1], seed, places, radius)
-
-
-def whole(problem: Problem) -> Enclosable:
-    """The problem in balls: by its own formulation, or by its closed form. Raises InputError where it has neither."""
-    form = CLOSED_FORM.of(problem)
-    return ENCLOSABLE.required(problem) if form is None else BetweenEnds(ClosedFormEnclosable(form))  # type: ignore[no-any-return]
-
-
-def factors(problem: Problem) -> tuple[Enclosable, ...]:
-    """The problem in balls in factors, as many as it offers: D is their product, up to a constant."""
-    return tuple(BetweenEnds(ClosedFormEnclosable(form)) for form in FACTORS.of(problem)) or (whole(problem),)

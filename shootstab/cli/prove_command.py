@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shootstab.cli.commands import BAD_NEWS, DONE, answer, loaded
-from shootstab.cli.values import counted
-from shootstab.core.allowed import MOST_PROOF_DIGITS, PROOF_DIGITS
+from shootstab.cli.values import counted, integer
+from shootstab.core.allowed import MOST_PROOF_DIGITS, MOST_WORKERS, PROOF_DIGITS
 from shootstab.core.errors import InputError
+from shootstab.core.half_annulus import HalfAnnulus
 from shootstab.core.regions import Rectangle
 from shootstab.io import documents
 from shootstab.io.files import require_writable, write_whole
@@ -23,21 +24,26 @@ if TYPE_CHECKING:
 
 def options(parser: argparse.ArgumentParser, guess: Callable[[str], complex], numbers: Any) -> None:
     """Add what `prove` takes."""
-    parser.usage = f"{parser.prog} [options] SCENE (--guess | --disc | --region | --growing)"  # its own would not fit on a page
+    what_for = "--guess | --disc | --region | --half-annulus | --growing"
+    parser.usage = f"{parser.prog} [options] SCENE ({what_for})"  # its own would not fit on a page
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("--guess", type=guess, metavar="RE[,IM]", help="exactly one eigenvalue in a small disc about the mode next to it")
     what.add_argument("--disc", type=numbers(3), metavar="RE,IM,R", help="how many eigenvalues lie in this disc")
     what.add_argument("--region", type=numbers(4), metavar="RE0,IM0,RE1,IM1", help="how many lie in this rectangle")
+    what.add_argument(
+        "--half-annulus", type=numbers(4), metavar="RE,IM,R0,R1", help="how many have a distance from R0 to R1 to this point, to its right"
+    )
     what.add_argument("--growing", type=numbers(1), metavar="X", help="how many have Re σ ≥ X, where a theorem bounds all of them")
     parser.add_argument("--over", metavar="NAME=LOW,HIGH", help="for every value of this parameter; beside --region and --growing")
     counted(parser, "--digits", 1, MOST_PROOF_DIGITS, PROOF_DIGITS, "of the disc about the mode")
+    parser.add_argument("--workers", type=integer(1, MOST_WORKERS), metavar="N", help="processes that share a region (default: the cores)")
     parser.add_argument("--certificate", type=Path, metavar="FILE", help="write the certificate, for `shootstab check`")
 
 
 def prove(options: Namespace) -> int:
     """A theorem on one eigenvalue or on all in a region."""
     if options.certificate is not None:
-        if options.region is not None or options.over is not None:
+        if options.region is not None or options.half_annulus is not None or options.over is not None:
             raise InputError("--certificate: allowed with --guess, --disc and --growing, for one value of the parameters")
         require_writable(options.certificate)
     parameter = None if options.over is None else _interval(options)
@@ -51,16 +57,20 @@ def prove(options: Namespace) -> int:
 
     with progress(f"proving {scene.name}") as told:
         if parameter is not None:
-            region = None if options.region is None else _rectangle(options.region)
+            rectangle = None if options.region is None else _rectangle(options.region)
             floor = None if options.growing is None else options.growing[0]
-            found = proofs.prove_interval(scene.problem, *parameter, region, floor, told)
+            found = proofs.prove_interval(scene.problem, *parameter, rectangle, floor, told)
         elif options.guess is not None:
             found = proofs.prove(scene.problem, options.guess, options.digits)
         elif options.disc is not None:
             re, im, radius = options.disc
             found = proofs.prove_disc(scene.problem, complex(re, im), radius)
         elif options.region is not None:
-            found = proofs.prove_rectangle(scene.problem, _rectangle(options.region), told)
+            found = proofs.prove_region(scene.problem, _rectangle(options.region), told, workers=options.workers)
+        elif options.half_annulus is not None:
+            re, im, inner, outer = options.half_annulus
+            region = HalfAnnulus(complex(re, im), inner, outer)
+            found = proofs.prove_region(scene.problem, region, told, workers=options.workers)
         else:
             found = proofs.prove_growing(scene.problem, options.growing[0], told)
     if options.certificate is not None:

@@ -88,7 +88,7 @@ def verify(options: Namespace) -> int:
     own = commands.loaded(options.scene)
     scene = own.seen(convention)
     if options.prove:
-        from shootstab.analyses.prove import factors
+        from shootstab.analyses.enclosables import factors
 
         factors(own.problem)  # what has no enclosure is refused before anything is computed
     with progress(f"verifying {scene.name}") as told:

@@ -5,8 +5,21 @@ from __future__ import annotations
 from shootstab.core.errors import InputError
 
 try:
-    from flint import acb, acb_mat, acb_poly, acb_series, arb, arb_mat, arb_series, ctx, fmpq
+    from flint import acb, acb_mat, acb_poly, acb_series, arb, arb_mat, arb_series, ctx, fmpq, fmpq_mat, fmpq_series, fmpz_poly
 except ImportError:
     raise InputError("a proof needs python-flint: install it with `pip install 'shootstab[precise]'`") from None
 
-__all__ = ["acb", "acb_mat", "acb_poly", "acb_series", "arb", "arb_mat", "arb_series", "ctx", "fmpq"]
+__all__ = [
+    "acb",
+    "acb_mat",
+    "acb_poly",
+    "acb_series",
+    "arb",
+    "arb_mat",
+    "arb_series",
+    "ctx",
+    "fmpq",
+    "fmpq_mat",
+    "fmpq_series",
+    "fmpz_poly",
+]

@@ -6,7 +6,7 @@ from the left to the right end. By Laplace's expansion D = Σ_I b_I y_I, where b
     y_I(left) = (−1)^{Σ I} det a[columns not in I],
 
 polynomials in σ: the eigenvalue may stand in the conditions at both ends. At an end at infinity the decaying solutions stand for those that
-the conditions admit (lemma E12).
+the conditions admit (lemma E12), at a regular singular point the regular ones (lemma E14).
 """
 
 from __future__ import annotations
@@ -29,13 +29,23 @@ NOWHERE = acb(arb.nan())  # defined: what is computed with it is no number
 
 
 class DecayingEnd(Protocol):
-    """An end at infinity; see enclosed_infinity."""
+    """An end at infinity (enclosed_infinity), or a regular singular one (enclosed_axis): regular solutions stand for decaying ones."""
 
     decaying: int
 
     @property
+    def lemmas(self) -> tuple[str, ...]:
+        """What it rests on."""
+        ...
+
+    @property
     def place(self) -> Any:
         """Where it is left, an arb."""
+        ...
+
+    @property
+    def multiple(self) -> tuple[Any, ...]:
+        """Where it is left and by which minor the others are divided."""
         ...
 
     def minors(self, sigma: Any) -> list[Any]:
@@ -59,7 +69,13 @@ class EquationEnclosable:
     @property
     def lemmas(self) -> tuple[str, ...]:
         """What the ends rest on."""
-        return ("E8",) if isinstance(self._left, Fraction) and isinstance(self._right, Fraction) else ("E12", "E11", "E8")
+        at_ends = [name for end in (self._left, self._right) if not isinstance(end, Fraction) for name in end.lemmas]
+        return (*dict.fromkeys(at_ends), "E8")
+
+    @property
+    def multiple(self) -> tuple[Any, ...]:
+        """What the ends at infinity chose."""
+        return tuple(end.multiple for end in (self._left, self._right) if not isinstance(end, Fraction))
 
     @property
     def size(self) -> int:

@@ -12,6 +12,8 @@ from functools import cached_property
 from itertools import combinations
 from typing import Any
 
+import numpy as np
+
 from shootstab.core.balls import acb, acb_mat, arb, ctx
 from shootstab.core.errors import ConvergenceError
 from shootstab.formulation.enclosed import on_balls
@@ -20,15 +22,19 @@ from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.minors import at_sigma, minors
 from shootstab.multiprecision.tailed_pencil import BALLS, TailedPencil
 from shootstab.multiprecision.tailed_series import TailedSeries
+from shootstab.multiprecision.tails import radius_of_doubles
 from shootstab.problems.ends import INFINITIES
 
 HIGHEST_ORDER = 60  # chosen: binary orders down to which an x is looked for at which the series holds
 DECAY_BITS = 4.0  # chosen: bits that a term gains on the one before it, about, from which their number follows
+TERMS_OVER_RADIUS = 3.0  # chosen: terms at least, over the spectral radius of |A_0|: two times it make the tail contract by a half
 SPARE_TERMS = 12  # chosen: terms beyond those that DECAY_BITS asks for
 
 
 class EnclosedInfinity:
     """One end of a system of n states, of which k solutions decay."""
+
+    lemmas = ("E12", "E11")
 
     def __init__(self, end: ExponentialEnd, size: int, decaying: int, reference: complex) -> None:
         """reference: an eigenvalue, any one with k decaying solutions; it settles where the end is left."""
@@ -38,6 +44,11 @@ class EnclosedInfinity:
     def place(self) -> Any:
         """The z at which the end is left, an arb."""
         return self._order * arb(2).log() / self._rate * self._end.direction
+
+    @property
+    def multiple(self) -> tuple[Any, ...]:
+        """The binary order of x where it is left, and the rows of the minor of the eigenvectors that the others are divided by."""
+        return self._order, self._rows
 
     def minors(self, sigma: Any) -> list[Any]:
         """The k-minors of the decaying solutions there, the subsets of rows in lexicographic order.
@@ -80,12 +91,26 @@ class EnclosedInfinity:
         return acb(on_balls(acb(0), {})(self._end.rate)).real
 
     def _pencil(self, order: int) -> TailedPencil:
-        terms = math.ceil(ctx.prec / DECAY_BITS) + SPARE_TERMS
+        terms = max(math.ceil(ctx.prec / DECAY_BITS) + SPARE_TERMS, self._least_terms)
         x = TailedSeries([acb(0), acb(2) ** -order], terms, real=True)
         at, factor, nothing = on_balls(x, {}), acb(-self._end.direction) / self._rate, x * 0
         C = [{place: nothing + at(entry) for place, entry in part.items()} for part in self._end.C]
         D = [{place: (nothing + at(entry)) * factor for place, entry in part.items()} for part in self._end.D]
         return TailedPencil(self._size, C, D, terms)
+
+    @cached_property
+    def _least_terms(self) -> int:
+        """The number with which the series contracts where |A_0| is large: its spectral radius at the reference tells; a choice."""
+        at, factor = on_balls(acb(0), {}), -self._end.direction / float(self._rate.mid())
+        C, D = (
+            at_sigma([{place: at(e) for place, e in part.items()} for part in parts], self._reference)
+            for parts in (self._end.C, self._end.D)
+        )
+        C0, D0 = (np.zeros((self._size, self._size), dtype=np.complex128) for _ in range(2))
+        for full, part in ((C0, C), (D0, D)):
+            for place, entry in part.items():
+                full[place] = complex(acb(entry).mid())
+        return math.ceil(TERMS_OVER_RADIUS * radius_of_doubles(np.abs(np.linalg.solve(C0, factor * D0))))
 
     def _decaying_vectors(self, pencil: TailedPencil, sigma: Any) -> list[tuple[Any, list[Any]]]:
         """(μ_q, v_q) of those with Re μ_q > 0."""

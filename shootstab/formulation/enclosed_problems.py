@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from shootstab.core.errors import InputError
 from shootstab.formulation.atoms import Atom
-from shootstab.formulation.conditions import Conditions
+from shootstab.formulation.axis import FARTHEST_START
+from shootstab.formulation.conditions import Axis, Conditions
 from shootstab.formulation.exponentials import exponential_end
 from shootstab.formulation.expression import number
 from shootstab.formulation.first_order import first_order
 from shootstab.formulation.gaussian import Gaussian
+from shootstab.formulation.regular_singular import regular_singular_end
+from shootstab.formulation.singular_ends import SERIES_LENGTHS
 from shootstab.formulation.state_pencil import StatePencil, in_states, state_pencil
 from shootstab.formulation.statement import Statement
 from shootstab.problems.ends import INFINITIES, Infinity
@@ -27,19 +30,35 @@ def places(statement: Statement) -> tuple[Fraction, Fraction]:
     return left, right
 
 
-def enclosed(statement: Statement, system: StatePencil, ends: Callable[[complex], Any], reference: complex) -> Enclosable | None:
-    """The problem in balls; ends(σ) are those at infinity, reference an eigenvalue without any property. None where it has no enclosure."""
+def enclosed(
+    statement: Statement, system: StatePencil, ends: Callable[[complex], Any], reference: complex, states: Sequence[tuple[str, int]]
+) -> Enclosable | None:
+    """The problem in balls; ends(σ) are those at infinity, reference an eigenvalue without any property, states the (name, order of
+    derivative) of the system's. None where it has no enclosure.
+    """
     if statement.domain.given or statement.joints or statement.denominators:
         return None
     from shootstab.formulation.enclosed import EquationEnclosable
+    from shootstab.formulation.enclosed_axis import EnclosedAxis, is_enclosed
     from shootstab.formulation.enclosed_infinity import EnclosedInfinity
     from shootstab.multiprecision.enclosure import BetweenEnds
 
+    domain, unknowns = statement.domain, statement.names.unknowns
+    bounded = [i for i, (name, order) in enumerate(states) if order == 0 and name in unknowns]
     counted = {at.where: at.decaying for at in ends(reference)}
     out: list[Any] = []
     for end, side in ((statement.left, -1), (statement.right, 1)):
         if isinstance(end, Conditions):
             out.append(Fraction(Gaussian.of(end.at).re))
+        elif isinstance(end, Axis):
+            try:
+                regular = regular_singular_end(system, Fraction(Gaussian.of(end.at).re), -side, bounded, f"z = {end.at:g}")
+                if not is_enclosed(regular, bounded):
+                    return None
+            except InputError:
+                return None
+            length = min(domain.right - domain.left, SERIES_LENGTHS * regular.length)
+            out.append(EnclosedAxis(regular, Fraction(Gaussian.of(end.at).re), -side, FARTHEST_START * length, reference))
         elif isinstance(end, Infinity) and end.start is None and end.limit is None:
             try:
                 limit = exponential_end(system, side)

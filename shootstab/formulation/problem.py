@@ -125,10 +125,10 @@ class EquationProblem(LinearProblem):
 
     @property
     def enclosable(self) -> Enclosable | None:
-        """The problem's expressions in balls. None in layers, where a function is given to doubles only, an end is singular or at infinity
-        without an exponential limit, or the eigenvalue stands in a denominator, whose zeros would count.
+        """The problem's expressions in balls. None in layers, where a function is given to doubles only, an end is singular, without
+        rational coefficients, or at infinity without an exponential limit, or the eigenvalue stands in a denominator.
         """
-        return enclosed(self.statement, self.states, self.ends, self.generic_sigma)
+        return enclosed(self.statement, self.states, self.ends, self.generic_sigma, self.first_order.states)
 
     @cached_property
     def growing_region(self) -> Callable[..., tuple[Rectangle, str]] | None:

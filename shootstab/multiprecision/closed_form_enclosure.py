@@ -17,6 +17,7 @@ class ClosedFormEnclosable:
     """See enclosable.EnclosableSystem: a closed form, whose floats stand for their shortest decimals."""
 
     lemmas: tuple[str, ...] = ()
+    multiple: tuple[Any, ...] = ()
 
     def __init__(self, form: ClosedForm) -> None:
         self._form = form

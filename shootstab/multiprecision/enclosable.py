@@ -18,6 +18,11 @@ class BoundedDiscriminant(Protocol):
         """Whether D(σ̄) is known to be the conjugate of D(σ)."""
         ...
 
+    @property
+    def multiple(self) -> tuple[Any, ...]:
+        """What tells, in exact numbers, which multiple of D it is and of which base flows; the same of two enclosures: the same D."""
+        ...
+
     def __call__(self, sigma: Any) -> Any:
         """A ball that holds D(σ) for every σ in the ball given, which should be thin. Raises ConvergenceError where there is none."""
         ...
@@ -50,8 +55,8 @@ class Enclosable(Protocol):
         """The base flows of the enclosure made last, as the beginning of a sentence; empty where there is no question."""
         ...
 
-    def enclosure(self, bits: int, region: Any) -> BoundedDiscriminant:
-        """D at so many bits for σ in a ball; of two regions it may be another multiple of D, by a factor without zeros."""
+    def enclosure(self, bits: int, *regions: Any) -> BoundedDiscriminant:
+        """D at so many bits, made for σ in some balls; for others it may be another multiple of D, by a factor without zeros."""
         ...
 
 
@@ -65,6 +70,11 @@ class EnclosableSystem(Protocol):
     @property
     def lemmas(self) -> tuple[str, ...]:
         """Lemmas, see Enclosable."""
+        ...
+
+    @property
+    def multiple(self) -> tuple[Any, ...]:
+        """What tells which multiple of the minors at infinity its ends take, see BoundedDiscriminant; empty between finite ends."""
         ...
 
     @property

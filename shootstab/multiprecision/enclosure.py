@@ -25,7 +25,7 @@ from shootstab.core.balls import acb, acb_mat, arb, ctx
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.scaled import TINY
 from shootstab.multiprecision.enclosable import EnclosableSystem, ball
-from shootstab.multiprecision.growth import log_bound, weights
+from shootstab.multiprecision.growth import log_bound
 from shootstab.multiprecision.minors import MinorEntries, at_sigma, compound, solved
 from shootstab.multiprecision.tailed_series import NO_TAIL, TailedSeries, variable, widened
 from shootstab.multiprecision.tails import largest, perron
@@ -35,8 +35,8 @@ SHORTEST_ENCLOSURE = 2.0**-40  # chosen: a step below this part of the whole way
 # chosen: subintervals over which the growth of |y| is bounded; more make the bound tighter, fewer looser, none wrong
 GROWTH_SUBINTERVALS = 96
 OUTER, MOST_POINTS = 0.5, 96  # chosen: the largest disc about σ on which |D| is bounded, in |σ|, and the values of D that it may take
+SEEN_TAIL_BITS, SEEN_PART = 16, 2.0**-12  # chosen: bits of a tail that is let pass; steps, in the way that is left, short enough for any
 FEWEST_TERMS = 12  # chosen: terms of the series of a step
-WEIGHED_AT = (0.1, 0.5, 0.9)  # chosen: places on the way at which the weights of the norm are chosen
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ class BetweenEnds:
         """The lemmas of steps, compound matrices and their growth, and of the system."""
         return ("E2", "E3", "E4", *self.system.lemmas)
 
-    def enclosure(self, bits: int, region: Any) -> Enclosure:
+    def enclosure(self, bits: int, *regions: Any) -> Enclosure:
         """The enclosure, which is one and the same D for every region."""
         return Enclosure(self.system, bits)
 
@@ -65,6 +65,11 @@ class Enclosure:
     problem: EnclosableSystem
     bits: int
     real: bool = False
+
+    @property
+    def multiple(self) -> tuple[Any, ...]:
+        """The multiple of the system."""
+        return self.problem.multiple
 
     @property
     def terms(self) -> int:
@@ -95,13 +100,12 @@ class Enclosure:
         raise ConvergenceError(f"the enclosure of D would need more than {ENCLOSURE_STEPS} steps at sigma = {complex(sigma.mid()):.6g}")
 
     def growth(self, sigma: Any) -> Any:
-        """An upper bound on ln |D| over the whole ball σ: the logarithmic norm of A^(k) integrated along the way (theory, lemma E4)."""
+        """An upper bound on ln |D| over the whole ball σ, by comparison along the way (theory, lemma E4)."""
         start, wall = self.problem.ends()
         n, k, length = self.problem.size, self.problem.decaying, (wall - start) / GROWTH_SUBINTERVALS
-        samples = (self._system(acb(start + (wall - start) * part), acb(sigma.mid())) for part in WEIGHED_AT)
         places = (acb((start + length * i).union(start + length * (i + 1))) for i in range(GROWTH_SUBINTERVALS))
         cells = ((length, self._system(z, sigma)) for z in places)
-        return log_bound(n, k, cells, self.problem.start(sigma), self.problem.wall(sigma), weights(n, k, samples))
+        return log_bound(n, k, cells, self.problem.start(sigma), self.problem.wall(sigma))
 
     def _step(self, sigma: Any, y: Any, here: Any, wall: Any, longest: float) -> tuple[Any, float, bool]:
         """The compound vector after one step, its length and whether it ends at the wall."""
@@ -111,7 +115,7 @@ class Enclosure:
         while True:
             last = length >= whole
             h = left if last else arb(math.copysign(length, float(left.mid())))
-            carried = self._carried(sigma, y, here, h)
+            carried = self._carried(sigma, y, here, h, whole)
             if carried is not None:
                 return carried, float(h.mid()), last
             length = 0.5 * min(length, whole)
@@ -119,6 +123,11 @@ class Enclosure:
                 raise ConvergenceError(
                     f"no step is short enough for an enclosure at z = {float(here.mid()):.6g}: the coefficients are singular"
                 )
+
+    def _unseen(self, total: Any, tail: list[Any]) -> bool:
+        """Whether the tail is about as small as rounding: what coefficients with a near singular point leave out falls slowly."""
+        size = largest([abs(x) for x in total.entries()])
+        return bool(largest(tail) <= size * arb(2) ** (SEEN_TAIL_BITS - self.bits))
 
     def _natural(self, sigma: Any, here: Any) -> float:
         """A length of step from the spectral radius of |A^(k)| here, in doubles: a choice, not a bound."""
@@ -129,8 +138,8 @@ class Enclosure:
             dense[i, j] = float(abs(entry).mid())
         return self.reach / max(float(np.abs(np.linalg.eigvals(dense)).max()), TINY)
 
-    def _carried(self, sigma: Any, y: Any, here: Any, h: Any) -> Any:
-        """y at the end of the step, or None where its tail cannot be bounded."""
+    def _carried(self, sigma: Any, y: Any, here: Any, h: Any, longest: float) -> Any:
+        """y at the end of the step, or None where its tail cannot be bounded, or is seen though the step is a large part of the longest."""
         N, size = self.terms, y.nrows()
         A = compound(self.problem.size, self.problem.decaying, self._system(variable(here, h, N), sigma))
         entries = {at: _series(entry, N) * acb(h) for at, entry in A.items()}
@@ -144,7 +153,9 @@ class Enclosure:
             terms.append(new * (acb(1) / (m + 1)))
             total = total + terms[-1]
         tail = self._tail(entries, terms)
-        return None if tail is None else acb_mat(size, 1, [widened(total[i, 0], tail[i]) for i in range(size)])
+        if tail is None or (abs(h) > arb(SEEN_PART * longest) and not self._unseen(total, tail)):
+            return None
+        return acb_mat(size, 1, [widened(total[i, 0], tail[i]) for i in range(size)])
 
     def _tail(self, entries: dict[tuple[int, int], TailedSeries], terms: list[Any]) -> list[Any] | None:
         """X of the head of this module."""

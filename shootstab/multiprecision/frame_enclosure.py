@@ -20,7 +20,7 @@ from shootstab.core.errors import ConvergenceError
 from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import Matrix
 from shootstab.multiprecision.enclosable import row_minors
-from shootstab.multiprecision.growth import log_bound, weights
+from shootstab.multiprecision.growth import log_bound
 from shootstab.multiprecision.minors import minors
 from shootstab.multiprecision.tailed_pencil import BALLS, TailedPencil
 
@@ -38,6 +38,11 @@ class EnclosedPath(Protocol):
     @property
     def decaying(self) -> int:
         """k."""
+        ...
+
+    @property
+    def multiple(self) -> tuple[Any, ...]:
+        """See enclosable.BoundedDiscriminant."""
         ...
 
     @property
@@ -62,6 +67,11 @@ class FrameEnclosure:
     real: bool
     _values: dict[Any, Any] = field(default_factory=dict, repr=False)  # values by σ: searches and circles ask for some twice
 
+    @property
+    def multiple(self) -> tuple[Any, ...]:
+        """The multiple of the path."""
+        return self.path.multiple
+
     def __call__(self, sigma: Any) -> Any:
         key = tuple(tuple(part.man_exp()) for x in (sigma.real, sigma.imag) for part in (x.mid(), x.rad()))
         if key not in self._values:
@@ -81,25 +91,16 @@ class FrameEnclosure:
         return det * (_columns(W, rows) + _columns(W, _others(path.size, rows)) * graph).det()
 
     def growth(self, sigma: Any) -> Any:
-        """An upper bound of ln |D| for all σ in a ball: from the enclosure for the whole of it where there is one, else from lemma E4."""
-        try:
-            whole = abs(self._enclosed(sigma)).upper()
-        except ConvergenceError:
-            return self._growth_of_norms(sigma)
-        return whole.log() if whole.is_finite() else self._growth_of_norms(sigma)
-
-    def _growth_of_norms(self, sigma: Any) -> Any:
+        """An upper bound of ln |D| for all σ in a ball, by lemma E4."""
         path = self.path
         n, k, length = path.size, path.decaying, arb(1) / CELLS_OF_STEP
         start, end = minors(path.far(sigma), k), row_minors(path.wall(sigma))
-        middle = acb(sigma).mid()
-        samples = (step.on_cell(middle, arb(0), arb(0)) for step in path.steps)
         cells = (
             (length, step.on_cell(sigma, arb(i) / CELLS_OF_STEP, arb(i + 1) / CELLS_OF_STEP))
             for step in path.steps
             for i in range(CELLS_OF_STEP)
         )
-        return log_bound(n, k, cells, start, end, weights(n, k, samples))
+        return log_bound(n, k, cells, start, end)
 
 
 def _normalized(Y: Any) -> tuple[list[int], Any, Any]:

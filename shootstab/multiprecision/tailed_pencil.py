@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from shootstab.core.balls import acb, acb_series, arb, arb_series, ctx
+from shootstab.core.balls import acb, acb_mat, acb_series, arb, arb_series, ctx
 from shootstab.core.errors import ConvergenceError
 from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import Matrix
@@ -93,6 +93,28 @@ class TailedPencil:
         tail = SolutionBounds.of_singular_end(self.size, *found[1:], self.terms, acb(rate).real, nilpotent).tail(terms)
         return None if tail is None else _summed(terms, tail)
 
+    def continued(self, sigma: Any, first: Sequence[Matrix], exponent: int) -> Matrix | None:
+        """P(1) (n, k) of the solutions P(t) t^exponent at a singular end, whose terms (n, k) begin with first; None where not bounded.
+
+        Raises ConvergenceError where a later term is not determined by those before it.
+        """
+        found = self._quotient(sigma)
+        if found is None:
+            return None
+        A, sizes, rest = found
+        series, every = {at: y.coeffs() for at, y in A.items()}, range(self.size)
+        parts = [acb_mat([[_nth_of(series.get((i, j), ()), m) for j in every] for i in every]) for m in range(self.terms)]
+        identity, P = acb_mat([[int(i == j) for j in every] for i in every]), [acb_mat(term) for term in first]
+        for m in range(len(P), self.terms):
+            right = sum((parts[j] * P[m - j] for j in range(2, m + 1)), parts[1] * P[m - 1])
+            try:
+                P.append(((m + exponent) * identity - parts[0]).inv() * right)
+            except ZeroDivisionError:
+                raise ConvergenceError(f"the term of order {m + exponent} at a singular end is not determined: take more bits") from None
+        terms = [term.tolist() for term in P]
+        tail = SolutionBounds.of_singular_end(self.size, sizes, rest, self.terms, arb(exponent), [[arb(0)]]).tail(terms)
+        return None if tail is None else _summed(terms, tail)
+
     def contraction(self, sigma: Any, rate: Any = None, nilpotent: Matrix | None = None) -> float:
         """How fast the tails contract for σ in a ball, over what is allowed: on a step, or at a singular end with nilpotent (k, k).
 
@@ -156,6 +178,10 @@ def _terms(y: TailedSeries) -> Taylor:
 def _flint(y: TailedSeries) -> Any:
     c = y.c + [acb(0)] * (y.terms - len(y.c))  # FLINT's series are known as far as they are long
     return arb_series([x.real for x in c], y.terms) if all(x.imag.is_zero() for x in c) else acb_series(c, y.terms)
+
+
+def _nth_of(coefficients: Sequence[Any], m: int) -> Any:
+    return acb(coefficients[m]) if m < len(coefficients) else acb(0)
 
 
 def _parts(y: Any) -> tuple[Any, Any]:

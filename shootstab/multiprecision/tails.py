@@ -149,7 +149,11 @@ def dominated(G: Matrix, R: Sequence[Any]) -> list[Any] | None:
 
 def spectral_radius(G: Matrix) -> float:
     """The spectral radius of G (n, n) ≥ 0 in doubles, infinite where G is: how fast tails contract, a choice between steps and no bound."""
-    dense = _upper(G)
+    return radius_of_doubles(_upper(G))
+
+
+def radius_of_doubles(dense: np.ndarray[Any, Any]) -> float:
+    """The same of a matrix (n, n) of doubles."""
     return float(np.abs(np.linalg.eigvals(dense)).max()) if np.isfinite(dense).all() else math.inf
 
 

@@ -26,6 +26,8 @@ TAIL_NATS = 7.0  # chosen: the rest of a Taylor series on a circle lies below D 
 LEAST_POINTS, SPARE_POINTS = 2, 4
 FIRST_LENGTH, SHORTEST_LENGTH = 1 / 64, 2.0**-48  # chosen: parts of a side of a polygon
 STEP_OF_MARGIN = 0.7  # chosen: the next step over the last one, in the margin of that
+# derived: bits a degree, more than the 2 log2(1 + √2) that powers of u lose where p is a sum of Chebyshev's polynomials, forth and back
+CONDITION_BITS = 3
 EnclosedDiscriminant = Callable[[Any], Any]  # σ ↦ an enclosure of D(σ)
 
 
@@ -158,19 +160,38 @@ class PolynomialModel:
         values: list[Any] = []
         least = math.inf
         for start, end in zip(corners, [*corners[1:], corners[0]], strict=True):
-            here, length = 0.0, FIRST_LENGTH
-            while here < 1.0:
-                ahead = min(1.0, here + length)
-                a, b = (start + (end - start) * arb(x) for x in (here, ahead))
-                margin = self.margin((a + b) / 2, abs(b - a) / 2)
-                if not margin > 1.0:  # nor where it is no number
-                    length = 0.5 * (ahead - here)
-                    if length < SHORTEST_LENGTH:
-                        raise ConvergenceError(f"an eigenvalue lies on the boundary or too near to it, at {complex(a.mid()):.12g}")
-                    continue
-                values += [self(a), self((a + b) / 2)]  # either half turns the phase by less than a quarter: no branch is in doubt
-                least = min(least, margin)
-                here, length = ahead, (ahead - here) * min(2.0, max(1.0, STEP_OF_MARGIN * margin))
+            passed, margin = self._along(start, end)
+            values += passed
+            least = min(least, margin)
+        return values, least
+
+    def turn(self, start: Any, end: Any) -> tuple[Any, float]:
+        """The growth of the phase of D from start to end along the segment between, and the least margin on it.
+
+        Raises ConvergenceError where a part of it would have to be too short.
+        """
+        with ctx.workprec(ctx.prec + CONDITION_BITS * self.polynomial.degree()):
+            values, least = self._along(start, end)
+            turns = [(b / a).arg() for a, b in zip(values, [*values[1:], self(end)], strict=True)]
+            return sum(turns, NO_RADIUS), least
+
+    def _along(self, start: Any, end: Any) -> tuple[list[Any], float]:
+        """D at the beginnings and middles of parts of a segment, in their order, and the least margin."""
+        values: list[Any] = []
+        least = math.inf
+        here, length = 0.0, FIRST_LENGTH
+        while here < 1.0:
+            ahead = min(1.0, here + length)
+            a, b = (start + (end - start) * arb(x) for x in (here, ahead))
+            margin = self.margin((a + b) / 2, abs(b - a) / 2)
+            if not margin > 1.0:  # nor where it is no number
+                length = 0.5 * (ahead - here)
+                if length < SHORTEST_LENGTH:
+                    raise ConvergenceError(f"an eigenvalue lies on the boundary or too near to it, at {complex(a.mid()):.12g}")
+                continue
+            values += [self(a), self((a + b) / 2)]  # either half turns the phase by less than a quarter: no branch is in doubt
+            least = min(least, margin)
+            here, length = ahead, (ahead - here) * min(2.0, max(1.0, STEP_OF_MARGIN * margin))
         return values, least
 
 

@@ -16,7 +16,7 @@ from flint import acb, arb, ctx  # noqa: E402
 
 import shootstab as st  # noqa: E402
 from shootstab.analyses.certificate import certify, check  # noqa: E402
-from shootstab.analyses.prove import prove, prove_disc, prove_growing, prove_interval, prove_rectangle  # noqa: E402
+from shootstab.analyses.prove import prove, prove_disc, prove_growing, prove_interval, prove_region  # noqa: E402
 from shootstab.formulation.expression import function, number  # noqa: E402
 from shootstab.formulation.statement import open_parameter  # noqa: E402
 from shootstab.formulation.vanishing import Vanishing  # noqa: E402
@@ -89,7 +89,7 @@ def test_discs_about_an_eigenvalue_known_exactly(radius: float, count: int) -> N
 def test_a_disc_without_eigenvalues_and_one_with_several() -> None:
     problem = st.ClosedProblem(EnclosedString())  # type: ignore[arg-type]
     assert prove_disc(problem, -20.0, 5.0).count == 0
-    found = prove_rectangle(problem, st.Rectangle(-100 - 4j, -5 + 4j))
+    found = prove_region(problem, st.Rectangle(-100 - 4j, -5 + 4j))
     assert found.count == 3  # π², 4π² and 9π²
 
 
@@ -97,8 +97,8 @@ def test_an_edge_within_a_rounding_of_an_eigenvalue_is_on_the_right_side_of_it()
     problem, edge = st.ClosedProblem(EnclosedString()), -9.869604401089358  # type: ignore[arg-type]
     with mpmath.workdps(30):
         assert edge > -(mpmath.pi**2)
-    assert prove_rectangle(problem, st.Rectangle(edge - 1j, -5 + 1j)).count == 0
-    assert prove_rectangle(problem, st.Rectangle(float(np.nextafter(edge, -10.0)) - 1j, -5 + 1j)).count == 1
+    assert prove_region(problem, st.Rectangle(edge - 1j, -5 + 1j)).count == 0
+    assert prove_region(problem, st.Rectangle(float(np.nextafter(edge, -10.0)) - 1j, -5 + 1j)).count == 1
 
 
 def test_a_pencil_whose_C_depends_on_z() -> None:
@@ -218,7 +218,7 @@ def test_every_function_of_the_language_in_a_proof() -> None:
 def test_the_channel_is_the_product_of_its_parities() -> None:
     """At R = 100 the two least damped modes have different parities; D of the channel is a constant times D_even D_odd."""
     channel = st.gallery.PlanePoiseuille(100.0, 1.0, half=False)
-    proof = prove_rectangle(channel, st.Rectangle(-0.5 - 1.0j, 0.2 + 0j))
+    proof = prove_region(channel, st.Rectangle(-0.5 - 1.0j, 0.2 + 0j))
     assert sum(proof.counts) == proof.count == st.count(channel, st.Rectangle(-0.5 - 1.0j, 0.2 + 0j))
     assert min(proof.counts) >= 1
     assert "E9" in proof.lemmas

@@ -14,7 +14,8 @@ pytest.importorskip("flint")
 import shootstab as st
 from shootstab.analyses import certificate, disc_proof, interval_proof
 from shootstab.analyses import prove as proofs
-from shootstab.analyses.prove import prove, prove_disc, prove_interval, prove_rectangle, whole
+from shootstab.analyses.enclosables import whole
+from shootstab.analyses.prove import prove, prove_disc, prove_interval, prove_region
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.io.scenes import load
 
@@ -53,7 +54,7 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
     "a certificate of a rectangle": (
         lambda: certificate.certify(
             st.gallery.PlanePoiseuille(20.0, 1.0, half=True),
-            prove_rectangle(st.gallery.PlanePoiseuille(20.0, 1.0, half=True), st.Rectangle(0.5 - 0.1j, 0.6 + 0.1j)),
+            prove_region(st.gallery.PlanePoiseuille(20.0, 1.0, half=True), st.Rectangle(0.5 - 0.1j, 0.6 + 0.1j)),
         ),
         InputError,
         "a proof on a rectangle: allowed is one on a disc, or on all eigenvalues that grow",

@@ -30,10 +30,11 @@ LEMMAS = ("C1", "C2", "C3", "C4", "C5", "C6", "E4", "E11")  # lemmas of the guid
 FIRST_START = 2.0**-9  # chosen: ν0 from which on a start of the far field is looked for
 REUSED = 1.5  # chosen: bits, over those asked for, with which an enclosure serves again
 REGION_ROOM = 1.25  # chosen: the region that an enclosure holds for, over the one asked for
+HARDEST = 2  # chosen: balls of σ, those nearest to the end of the continuous spectrum, for which the start of the far field is chosen
 NO_BRACKET = "no bracket of the far temperature is proved to hold a flow of this mass flux: take more bits"
 LEAST_DIGITS = 12.0  # chosen: fewest digits of a flow
-CHUTE_OUTER = 2.0**-8  # chosen: D is still enclosed for so thick a σ, a better bound than lemma E4's by e^60
-CHUTE_POINTS = 12  # chosen: a value of D takes a second
+CHUTE_OUTER = 2.0**-4  # chosen: the far field begins hardly lower for so thick a σ, and the bound of |D| is 20 nats above it
+CHUTE_POINTS = 18  # chosen: a value of D takes half a second
 LEAST_FAR_TERMS = 64  # chosen: the tail of the far field contracts by |A_0|/N at best
 FLUX_ROOM = 1e5  # chosen: half width of the bracket of T_∞, over 10^−digits of it
 BRACKET_WIDER, WIDENINGS = 1e3, 3  # chosen: factor by which the bracket is widened, and how often it is
@@ -48,6 +49,13 @@ class ChutePath:
         self.flow, self._kx, self._ky, velocity = flow, pencils.kx, pencils.ky, flow.base.far_velocity
         self.steps: Sequence[TailedPencil] = [step_pencil(pencils(piece.fields, velocity), piece.h) for piece in flow.pieces]
         self._far_pencil = far_pencil(pencils(flow.far, velocity))
+
+    @property
+    def multiple(self) -> tuple[Any, ...]:
+        """Where the far field begins, and of which flows."""
+        flow = self.flow
+        balls = flow.start, flow.far_temperature, flow.base.state[0]
+        return tuple(int(x) for ball in balls for part in (ball.mid(), ball.rad()) for x in part.man_exp())
 
     def far(self, sigma: Any) -> Matrix:
         flow = self.flow
@@ -114,24 +122,23 @@ class ChuteEnclosable:
 
     def __init__(self, problem: Perturbations) -> None:
         self._digits, self._problem = ChuteDigits(problem), problem
-        self._kept: tuple[int, Any, FrameEnclosure] | None = None
+        self._kept: tuple[int, list[Any], FrameEnclosure] | None = None
 
-    def enclosure(self, bits: int, region: Any) -> FrameEnclosure:
-        """D at so many bits for σ in a ball, on one flow.
+    def enclosure(self, bits: int, *regions: Any) -> FrameEnclosure:
+        """D at so many bits for σ in some balls, on one flow.
 
-        Raises ConvergenceError where the flow is not enclosed, or the ball comes too near to the continuous spectrum.
+        Raises ConvergenceError where the flow is not enclosed, or a ball comes too near to the continuous spectrum.
         """
         if self._kept is not None:
             known, about, found = self._kept
-            if bits <= known <= REUSED * bits and about.contains(region):
+            if bits <= known <= REUSED * bits and all(any(x.contains(region) for x in about) for region in regions):
                 return found
-        if (region + 1j * acb(self._problem.kx) * arb(self._problem.flow.far_velocity)).contains(0):
+        if any((region + 1j * acb(self._problem.kx) * arb(self._problem.flow.far_velocity)).contains(0) for region in regions):
             raise ConvergenceError(
                 "the disc on which D is bounded holds the end of the continuous spectrum at infinity: take a smaller disc"
             )
         with BALLS.working(1), ctx.workprec(bits):
-            room = arb(0, REGION_ROOM * abs(region - region.mid()).upper())
-            about = acb(region.real.mid() + room, region.imag.mid() + room)
+            about = [_wider(region) for region in regions]
             self._kept = bits, about, FrameEnclosure(self._path(bits, about), self._digits.real)
         return self._kept[2]
 
@@ -149,7 +156,7 @@ class ChuteEnclosable:
             return f"for the steady flow with {place}"
         return f"a steady flow with mass_flux = {flux!r} exists with {place}, and for every such flow"
 
-    def _path(self, bits: int, region: Any) -> ChutePath:
+    def _path(self, bits: int, regions: Sequence[Any]) -> ChutePath:
         flow, settings = self._problem.flow, Settings.of(max(bits / math.log2(10) - GUARD_DIGITS, LEAST_DIGITS))
         settings = replace(settings, far_terms=max(settings.far_terms, LEAST_FAR_TERMS))
         chute = self._digits.chute(BALLS)
@@ -160,11 +167,15 @@ class ChuteEnclosable:
 
         def far_contraction(fields: TailedFields) -> float:
             T = fields[1].c[0].real
-            _, nilpotent = leading(BALLS, chute, (kx, ky), (T, about), region)
-            return far_pencil(pencils(fields, about)).contraction(region, wave * T, nilpotent)
+            pencil = far_pencil(pencils(fields, about))
+            return max(pencil.contraction(region, wave * T, leading(BALLS, chute, (kx, ky), (T, about), region)[1]) for region in hardest)
 
         def step_contraction(piece: Piece) -> float:
-            return step_pencil(pencils(piece.fields, about), piece.h).contraction(region)
+            pencil = step_pencil(pencils(piece.fields, about), piece.h)
+            return max(pencil.contraction(region) for region in regions)
+
+        end = 1j * kx * about
+        hardest = sorted(regions, key=lambda region: float(abs(region + end).lower()))[:HARDEST]
 
         nu, _ = EnclosedDescent(chute, arb(flow.far_temperature), settings).far(flow.inside(FIRST_START), far_contraction)
 
@@ -199,6 +210,12 @@ class ChuteEnclosable:
                 return ends[0].union(ends[1]), flows
             room = room * BRACKET_WIDER
         raise ConvergenceError(NO_BRACKET)
+
+
+def _wider(region: Any) -> Any:
+    """A ball about the same middle with room, so that another one asked for soon is held too."""
+    room = arb(0, REGION_ROOM * abs(region - region.mid()).upper())
+    return acb(region.real.mid() + room, region.imag.mid() + room)
 
 
 def _shown(ball: Any) -> str:

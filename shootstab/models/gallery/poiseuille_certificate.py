@@ -11,8 +11,8 @@ import numpy as np
 from shootstab.analyses.certificate import disc_of
 from shootstab.analyses.contour_proof import RIM
 from shootstab.analyses.disc_proof import disc
+from shootstab.analyses.enclosables import whole
 from shootstab.analyses.proof import Proof
-from shootstab.analyses.prove import whole
 from shootstab.core.balls import acb, arb
 from shootstab.multiprecision.enclosure import at_bits, decimal
 from shootstab.roots.pellet import TAIL_NATS

@@ -1,0 +1,246 @@
+"""Exactly n zeros in a region by its boundary alone: D on pieces of it, each a polynomial on a curve, whose phase is followed (lemma E13).
+
+Nothing is asked about the inside, nor of a disc around the region: a continuous spectrum may come near, as at 0 for the chute.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from contextlib import closing, suppress
+from dataclasses import dataclass
+from functools import partial
+from time import perf_counter
+from typing import Any
+
+from shootstab.analyses.enclosables import factors
+from shootstab.analyses.enclosed_jobs import (
+    THIN_SQUARE,
+    BallAnswer,
+    BallQuestion,
+    EllipseSample,
+    PieceValue,
+    Setting,
+    SquareBound,
+    answered,
+    answered_elsewhere,
+    ball_from,
+    exact_ball,
+    number_from,
+    on_ellipse,
+)
+from shootstab.analyses.proof import Proof, in_order, lemmas, premise, shape_of
+from shootstab.analyses.workers import parcel, spread
+from shootstab.core.balls import acb, arb
+from shootstab.core.errors import ConvergenceError
+from shootstab.core.half_annulus import HalfAnnulus
+from shootstab.core.progress import Progress
+from shootstab.core.regions import Rectangle
+from shootstab.multiprecision.enclosable import BoundedDiscriminant, Enclosable
+from shootstab.multiprecision.enclosure import at_bits
+from shootstab.multiprecision.tails import largest
+from shootstab.problems.protocol import Problem
+from shootstab.roots.ellipses import boxes, ellipse_model, point, points_on_ellipse
+from shootstab.roots.pieces import ContourPiece, pieces
+
+ELLIPSES = (5.0, 3.0, 2.2, 1.8, 1.5, 1.35, 1.2)  # chosen: ρ of the ellipses that are tried; the one that costs least
+LONGEST_BOX, SIDES_OF_PIECE = 0.05, 16  # chosen: half a side of a square for |D|, in |dσ/dt| over |σ − centre|; sides of one on a segment
+PIECE_BITS = 64  # chosen: bits to begin with
+KNOWN_ON_BOUNDARY = 6  # chosen: bits of D on the contour beyond those to spare
+MORE_PIECE_BITS, MOST_PIECE_BITS = 1.4, 512  # chosen: the factor to the next number of bits, and a budget
+SQUARE_ROOM = 12.0  # chosen: nats of a square's bound above what was seen next to points on the ellipse
+MOST_CUTS = 6  # chosen: how often a piece is halved
+DEAREST = 600  # chosen: enclosures and bounds above which a piece is rather halved
+FIRST_ELLIPSE = 1.5  # chosen: the first of them that is tried
+SQUARE = 0.25  # chosen: the time of a bound of |D| over that of a value of D
+SAMPLES_OF_PIECE = 6  # chosen: points of a piece at which the size of D is judged
+SHARED_RHO = 1.5  # chosen: ellipse at whose vertices an enclosure is told to hold
+
+
+Bounded = Rectangle | HalfAnnulus
+
+
+@dataclass(frozen=True)
+class _Planned:
+    """A piece with the ellipse of its t-plane, the points on it, and ln |D| that its squares may have for these points to do.
+
+    least is the spread that is allowed, its logarithm.
+    """
+
+    piece: ContourPiece
+    rho: float
+    points: int
+    allowed: float
+    least: float
+
+    @property
+    def squares(self) -> list[SquareBound]:
+        """What covers the ellipse; of a mirrored piece the right half of it."""
+        longest = LONGEST_BOX / self.piece.rate if self.piece.rate else 1 / SIDES_OF_PIECE
+        return [SquareBound(self.piece, box, self.allowed) for box in boxes(self.rho, longest, self.piece.mirrored)]
+
+    @property
+    def values(self) -> list[PieceValue]:
+        """What is asked of D on it; of a mirrored piece those with t ≥ 0, the others being conjugates."""
+        asked = math.ceil(self.points / 2) if self.piece.mirrored else self.points
+        return [PieceValue(self.piece, j, self.points) for j in range(asked)]
+
+    @property
+    def cost(self) -> float:
+        """Its cost, in values of D."""
+        return SQUARE * len(self.squares) + len(self.values)
+
+
+@dataclass(frozen=True)
+class _Boundary:
+    """One factor of D around a region: who answers questions about it."""
+
+    problem: Problem
+    setting: Setting
+    D: BoundedDiscriminant
+    spare: int
+    workers: int | None
+
+    def plan(self, piece: ContourPiece, cuts: int = MOST_CUTS) -> list[_Planned]:
+        """The piece, or parts of it, with ellipses that cost little: ρ up from the first one while it gains, or else down."""
+        with suppress(ConvergenceError):
+            rim = [PieceValue(piece, j, SAMPLES_OF_PIECE) for j in range(SAMPLES_OF_PIECE)]
+            least = min(_nats(ball_from(answered(self.D, job).value)) for job in rim) - self.spare * math.log(2)  # type: ignore[arg-type]
+            best, place, step = None, ELLIPSES.index(FIRST_ELLIPSE), 0
+            while 0 <= place < len(ELLIPSES):
+                found = self._on_ellipse(piece, ELLIPSES[place], least)
+                if found is not None and (best is None or found.cost < best.cost):
+                    best, step = found, step or 1
+                elif best is None and step <= 0:
+                    step = -1
+                elif step == 1 and best is not None and best.rho == FIRST_ELLIPSE:
+                    place, step = ELLIPSES.index(FIRST_ELLIPSE), -1
+                else:
+                    break
+                place += step
+            if best is not None and best.cost < DEAREST:
+                return [best]
+        if cuts == 0:
+            raise ConvergenceError(f"D is not enclosed next to the boundary of the region at {complex(piece.at(acb(0)).mid()):.6g}")
+        return [planned for half in piece.halves() for planned in self.plan(half, cuts - 1)]
+
+    def _on_ellipse(self, piece: ContourPiece, rho: float, least: float) -> _Planned | None:
+        seen = answered(self.D, EllipseSample(piece, rho)).log
+        if seen is None:
+            return None
+        allowed = float(number_from(seen)) + SQUARE_ROOM
+        return _Planned(piece, rho, points_on_ellipse(allowed, least, rho), allowed, least)
+
+    def turns(self, planned: Sequence[_Planned], progress: Progress | None) -> tuple[Any, float, int]:
+        """The growth of the phase of D along the boundary, in turns, the least margin, and how many answers it took."""
+        total, least, spent = arb(0), math.inf, 0
+        while planned:
+            jobs: list[BallQuestion] = [job for plan in planned for job in plan.squares]
+            jobs += [job for plan in planned for job in plan.values]
+            known, again = self._asked(jobs, progress), []
+            spent += len(jobs)
+            for plan in planned:
+                logs = [known[job].log for job in plan.squares]
+                if None in logs:
+                    again += self._nearer(plan)
+                    continue
+                bound = largest([number_from(log) for log in logs])  # type: ignore[arg-type]
+                values = [ball_from(known[job].value) for job in plan.values]  # type: ignore[arg-type]
+                values += [v.conjugate() for v in reversed(values[: plan.points - len(values)])]
+                turn, margin = ellipse_model(values, bound, arb(plan.rho)).turn(acb(-1), acb(1))
+                total, least = total + plan.piece.times * turn, min(least, margin)
+            planned = again
+        return total / (2 * arb.pi()), least, spent
+
+    def _nearer(self, plan: _Planned) -> list[_Planned]:
+        """The same piece with the next smaller ellipse, or its halves, where |D| had no bound on all squares."""
+        smaller = [rho for rho in ELLIPSES if rho < plan.rho]
+        found = self._on_ellipse(plan.piece, smaller[0], plan.least) if smaller else None
+        if found is not None and found.cost < DEAREST:
+            return [found]
+        cuts = MOST_CUTS - round(math.log2(2 / (plan.piece.high - plan.piece.low)))
+        if cuts <= 0:
+            raise ConvergenceError(f"|D| has no bound next to the boundary of the region at {complex(plan.piece.at(acb(0)).mid()):.6g}")
+        return [planned for half in plan.piece.halves() for planned in self.plan(half, cuts - 1)]
+
+    def _asked(self, jobs: Sequence[BallQuestion], progress: Progress | None) -> dict[BallQuestion, BallAnswer]:
+        found: dict[BallQuestion, BallAnswer] = {}
+        here = partial(answered, self.D)
+        with closing(spread(here, self._elsewhere, jobs, self.workers, None)) as done:
+            for job, answer in done:
+                if answer.multiple != self.D.multiple:
+                    raise ConvergenceError("two processes enclosed different multiples of D, or different base flows: ask one worker")
+                found[job] = answer
+                if progress is not None:
+                    progress(len(found), len(jobs))
+        return found
+
+    def _elsewhere(self) -> Callable[[BallQuestion], BallAnswer]:
+        return partial(answered_elsewhere, parcel(self.problem, self.setting))
+
+
+def by_pieces(problem: Problem, region: Bounded, spare: int, progress: Progress | None, workers: int | None) -> Proof:
+    """The zeros of every factor of D in the region, with so many spare bits. workers as for `find`: processes that share the work.
+
+    Raises ConvergenceError where a zero is too near to the boundary, or D is not enclosed there.
+    """
+    began, forms = perf_counter(), factors(problem)
+    found = [_counted(problem, place, form, region, spare, progress, workers) for place, form in enumerate(forms)]
+    return Proof(
+        tuple(part.count for part in found),
+        shape_of(region),
+        min(part.margin for part in found),
+        max(part.bits for part in found),
+        max(part.points for part in found),
+        sum(part.evaluations for part in found),
+        perf_counter() - began,
+        in_order((*lemmas(forms), "E13")),
+        premise=premise(forms),
+    )
+
+
+@dataclass(frozen=True)
+class _FactorAlong:
+    """What one factor of D gave."""
+
+    count: int
+    margin: float
+    bits: int
+    points: int
+    evaluations: int
+
+
+def _counted(
+    problem: Problem, place: int, form: Enclosable, region: Bounded, spare: int, progress: Progress | None, workers: int | None
+) -> _FactorAlong:
+    bits = PIECE_BITS
+    while True:
+        with at_bits(bits):
+            contour, whole = _contour(problem, place, form, region, bits, spare, workers)
+            known = min(
+                int(contour.D(piece.at(point(j, SAMPLES_OF_PIECE))).rel_accuracy_bits()) for piece in whole for j in range(SAMPLES_OF_PIECE)
+            )
+            if known >= spare + KNOWN_ON_BOUNDARY:
+                planned = [plan for piece in whole for plan in contour.plan(piece)]
+                turns, margin, evaluations = contour.turns(planned, progress)
+                count = turns.unique_fmpz()
+                if count is None:
+                    raise ConvergenceError("the enclosures of D on the contour do not determine a whole number of turns")
+                return _FactorAlong(int(count), margin, bits, sum(plan.points for plan in planned), evaluations)
+        bits = math.ceil(MORE_PIECE_BITS * bits)
+        if bits > MOST_PIECE_BITS:
+            raise ConvergenceError("D is not enclosed well enough on the boundary of the region: an eigenvalue may be there")
+
+
+def _contour(
+    problem: Problem, place: int, form: Enclosable, region: Bounded, bits: int, spare: int, workers: int | None
+) -> tuple[_Boundary, list[ContourPiece]]:
+    thin = acb(arb(0, THIN_SQUARE), arb(0, THIN_SQUARE))
+    around = [piece.at(acb(t.real, t.imag) + thin) for piece in pieces(region, False) for t in on_ellipse(SHARED_RHO, False)]
+    setting = Setting(place, bits, tuple(map(exact_ball, around)))
+    D = setting.enclosure(form)
+    return _Boundary(problem, setting, D, spare, workers), pieces(region, D.real)
+
+
+def _nats(D: Any) -> float:
+    return float(abs(D).log().mid())

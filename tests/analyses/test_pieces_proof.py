@@ -1,0 +1,101 @@
+"""Regions proved along their boundary: zeros known exactly, mirror images, and what is too near."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+
+flint = pytest.importorskip("flint")
+
+from flint import acb, arb  # noqa: E402
+
+import shootstab as st  # noqa: E402
+from shootstab.analyses import pieces_proof  # noqa: E402
+from shootstab.analyses.pieces_proof import by_pieces  # noqa: E402
+from shootstab.analyses.prove import prove_region  # noqa: E402
+from shootstab.core.errors import ConvergenceError  # noqa: E402
+
+STRING = st.equations(["y"], ["d(y,2) = -sigma*y"], st.Conditions(0, ["y"]), st.Conditions(1, ["y"]))  # (nπ)²
+
+
+@dataclass(frozen=True)
+class KnownDiscriminant:
+    """A D in closed form that is analytic off the negative axis and 0: see enclosable.Enclosable and BoundedDiscriminant."""
+
+    D: Callable[[Any], Any]
+    real: bool = True
+    lemmas: tuple[str, ...] = ()
+    premise: str = ""
+    multiple: tuple[Any, ...] = ()
+
+    def enclosure(self, bits: int, *regions: Any) -> KnownDiscriminant:
+        return self
+
+    def __call__(self, sigma: Any) -> Any:
+        return self.D(sigma)
+
+    def growth(self, sigma: Any) -> Any:
+        if sigma.imag.contains(0) and not sigma.real > 0:
+            raise ConvergenceError("the continuous spectrum")
+        return abs(self.D(sigma)).upper().log()
+
+
+def root_and_two(sigma: Any) -> Any:
+    """Zeros 0.3 and 0.3 ± 0.4i, and a branch point at 0."""
+    return sigma.sqrt() * (sigma - arb("0.3")) * ((sigma - arb("0.3")) ** 2 + arb("0.16"))
+
+
+def turned(sigma: Any) -> Any:
+    """A zero at 0.5 + 0.2i."""
+    return (sigma * acb(0, 1)).exp() * (sigma - acb(0.5, "0.2")) / (sigma + 1)
+
+
+HALF, BOX = st.HalfAnnulus(0.0, 0.1, 0.45), st.Rectangle(0.05 - 0.5j, 0.9 + 0.5j)
+
+
+@pytest.mark.parametrize(
+    ("D", "region", "count"),
+    [
+        (KnownDiscriminant(root_and_two), HALF, 1),
+        (KnownDiscriminant(root_and_two), BOX, 3),
+        (KnownDiscriminant(root_and_two, real=False), BOX, 3),
+        (KnownDiscriminant(turned, real=False), HALF, 0),
+        (KnownDiscriminant(turned, real=False), st.HalfAnnulus(0.1j, 0.2, 1.0), 1),
+    ],
+)
+def test_zeros_known_exactly_are_counted(D: KnownDiscriminant, region: Any, count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pieces_proof, "factors", lambda problem: (D,))
+    proof = by_pieces(STRING, region, 10, None, 1)
+    assert proof.count == count and proof.margin > 1.0
+    assert "E13" in proof.lemmas
+
+
+def test_zeros_of_all_factors_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pieces_proof, "factors", lambda problem: (KnownDiscriminant(root_and_two), KnownDiscriminant(turned, real=False)))
+    assert by_pieces(STRING, BOX, 10, None, 1).counts == (3, 1)
+
+
+@pytest.mark.parametrize("region", [st.HalfAnnulus(0.0, 0.1, 0.3), st.Rectangle(0.3 - 0.1j, 0.9 + 0.2j)])
+def test_a_boundary_through_a_zero_is_refused(region: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pieces_proof, "factors", lambda problem: (KnownDiscriminant(root_and_two),))
+    with pytest.raises(ConvergenceError, match="an eigenvalue"):
+        by_pieces(STRING, region, 10, None, 1)
+
+
+def test_a_region_that_holds_the_continuous_spectrum_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pieces_proof, "factors", lambda problem: (KnownDiscriminant(root_and_two),))
+    with pytest.raises(ConvergenceError, match="next to the boundary of the region at"):
+        by_pieces(STRING, st.Rectangle(-0.1 - 0.5j, 0.9 + 0.5j), 10, None, 1)
+
+
+@pytest.mark.slow
+def test_processes_find_what_one_does_and_it_is_told_in_words() -> None:
+    told: list[tuple[int, int]] = []
+    region = st.HalfAnnulus(0.0, 20.0, 60.0)
+    alone, shared = (prove_region(STRING, region, lambda i, n: told.append((i, n)), 10, workers) for workers in (1, 2))
+    assert (alone.count, alone.margin, alone.evaluations) == (shared.count, shared.margin, shared.evaluations)
+    assert told[-1] == (len(told) // 2, len(told) // 2)
+    assert alone.statement == "exactly one eigenvalue lies in the half-annulus 20.0 < |σ − (0.0 + 0.0i)| < 60.0, Re σ > 0.0"
