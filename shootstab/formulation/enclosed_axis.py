@@ -34,7 +34,7 @@ def is_enclosed(end: RegularSingularEnd, bounded: list[int]) -> bool:
 
     Raises InputError where a coefficient's series are not rational.
     """
-    if not end.integer or len(end.families) != 1:
+    if len(end.families) != 1 or any(family.exponent != round(family.exponent.real) for family in end.families):
         return False
     (family,) = end.families
     last = round(family.exponent.real) + family.count
