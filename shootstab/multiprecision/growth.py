@@ -28,7 +28,7 @@ LARGEST_NORM = 64.0  # chosen: the norm of hM in one exponential, so that nothin
 LEAST_TERM, LONGEST_EXPONENTIAL = 2.0**-60, 400  # chosen: the last term in the largest modulus, and a budget never met with LARGEST_NORM
 
 Moduli = NDArray[np.float64]
-Places = tuple[NDArray[np.intp], NDArray[np.intp]]
+EntryPlaces = tuple[NDArray[np.intp], NDArray[np.intp]]
 
 
 def log_bound(n: int, k: int, cells: Iterable[tuple[Any, MinorEntries]], start: Sequence[Any], end: Sequence[Any]) -> Any:
@@ -60,7 +60,7 @@ def _comparison(n: int, k: int, rates: Moduli) -> Moduli:
 
 
 @lru_cache
-def _structure(n: int, k: int) -> tuple[Moduli, Places, Places]:
+def _structure(n: int, k: int) -> tuple[Moduli, EntryPlaces, EntryPlaces]:
     """The rows that belong to each subset, and which entries of A^(k) beside the diagonal are which of A, up to their signs."""
     subsets = list(combinations(range(n), k))
     place = {s: i for i, s in enumerate(subsets)}
