@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterator
-from time import perf_counter
+from time import perf_counter, process_time
 
 import numpy as np
 from bench import BenchLine, at_least, at_most, duration, show
@@ -13,6 +13,8 @@ from scenes import problem
 
 import shootstab as st
 from shootstab.analyses.sweep import Swept
+
+LINES_TIMED = 3  # chosen: rounds, of which the fastest counts
 
 
 def swept(workers: int, kx: object, ky: object) -> tuple[Swept, float]:
@@ -48,12 +50,27 @@ def lines(quick: bool, map_alone: bool = False) -> Iterator[BenchLine]:
     yield BenchLine("time a point along k_y, by number of points", said, bound, max(times.values()) <= 1.3 * times[min(times)])
 
 
+def line() -> Iterator[BenchLine]:
+    """Two lines of the map by this process alone, in processor time, which hardly depends on what else runs."""
+    swept(1, 5e-4, [0.01, 0.011])  # compile
+    took = []
+    for _ in range(LINES_TIMED):
+        began = process_time()
+        found, _ = swept(1, [5e-4, 7.5e-4], np.linspace(0.0, 0.03, 61))
+        took.append(process_time() - began)
+    said = f"{sum(o.evaluations for _, o in found.rows())} values of D"
+    yield BenchLine("two lines of 61 points, one worker, processor time a point", f"{1e3 * min(took) / len(found.grid):.3g} ms; {said}")
+
+
 def main() -> int:
     """All of it, or with --quick a form that takes a minute."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="smaller grids")
     parser.add_argument("--map", action="store_true", help="the map of figure 3a by two workers, and nothing else")
+    parser.add_argument("--line", action="store_true", help="two lines of it by one worker, in processor time, and nothing else")
     options = parser.parse_args()
+    if options.line:
+        return 0 if show("A line of a sweep", "python validation/bench_sweeps.py --line", line()) else 1
     return 0 if show("Sweeps", "python validation/bench_sweeps.py", lines(options.quick, options.map)) else 1
 
 
