@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from contextlib import closing, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from time import perf_counter
 from typing import Any
@@ -49,6 +49,7 @@ PIECE_BITS = 64  # chosen: bits to begin with
 KNOWN_ON_BOUNDARY = 6  # chosen: bits of D on the contour beyond those to spare
 MORE_PIECE_BITS, MOST_PIECE_BITS = 1.4, 512  # chosen: the factor to the next number of bits, and a budget
 SQUARE_ROOM = 12.0  # chosen: nats of a square's bound above what was seen next to points on the ellipse
+ABOVE_BOUND = 0.5  # chosen: nats above a bound that is asked for again
 MOST_CUTS = 6  # chosen: how often a piece is halved
 DEAREST = 600  # chosen: enclosures and bounds above which a piece is rather halved
 FIRST_ELLIPSE = 1.5  # chosen: the first of them that is tried
@@ -145,12 +146,20 @@ class _Boundary:
                     again += self._nearer(plan)
                     continue
                 bound = largest([number_from(log) for log in logs])  # type: ignore[arg-type]
+                if not bound <= plan.allowed:
+                    again.append(self._with_more_points(plan, float(bound)))
+                    continue
                 values = [ball_from(known[job].value) for job in plan.values]  # type: ignore[arg-type]
                 values += [v.conjugate() for v in reversed(values[: plan.points - len(values)])]
                 turn, margin = ellipse_model(values, bound, arb(plan.rho)).turn(acb(-1), acb(1))
                 total, least = total + plan.piece.times * turn, min(least, margin)
             planned = again
         return total / (2 * arb.pi()), least, spent
+
+    def _with_more_points(self, plan: _Planned, bound: float) -> _Planned:
+        """The same piece and ellipse where ln |D| came to more than was allowed."""
+        allowed = bound + ABOVE_BOUND
+        return replace(plan, points=points_on_ellipse(allowed, plan.least, plan.rho), allowed=allowed)
 
     def _nearer(self, plan: _Planned) -> list[_Planned]:
         """The same piece with the next smaller ellipse, or its halves, where |D| had no bound on all squares."""

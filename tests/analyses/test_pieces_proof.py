@@ -73,6 +73,12 @@ def test_zeros_known_exactly_are_counted(D: KnownDiscriminant, region: Any, coun
     assert "E13" in proof.lemmas
 
 
+def test_points_are_added_where_the_bound_came_to_more_than_was_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pieces_proof, "factors", lambda problem: (KnownDiscriminant(root_and_two),))
+    monkeypatch.setattr(pieces_proof, "SQUARE_ROOM", -6.0)
+    assert by_pieces(STRING, HALF, 10, None, 1).count == 1
+
+
 def test_zeros_of_all_factors_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pieces_proof, "factors", lambda problem: (KnownDiscriminant(root_and_two), KnownDiscriminant(turned, real=False)))
     assert by_pieces(STRING, BOX, 10, None, 1).counts == (3, 1)
