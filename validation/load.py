@@ -22,20 +22,26 @@ from typing import Any
 import layer
 import numpy as np
 
-A = 60.0
+A = 60.0  # chosen: two modes grow
+HIGHEST = 100  # chosen: the last mode that is claimed: 3 steps of a mesh to each of its half waves stay below what verify asks at most
 OWN = 12_000  # chosen: bytes that a verdict or a point of the answer may take with its texts
 
 
 def claims(number: int) -> list[complex]:
-    """True modes, modes with a wrong digit, and numbers that are none, in turn; all different."""
-    modes = [layer.exact(A, 0.0, m) for m in range(1, 9)]
-    shifts = np.linspace(1e-9, 5e-8, number)
-    kinds: list[Callable[[float, float], complex]] = [
-        lambda z, s: z * (1 + s),
-        lambda z, s: z * (1 + 1e-4 + s),
-        lambda z, s: z + 3 + 2j + s,
-    ]
-    return [complex(kinds[i % 3](modes[i % 8], s)) for i, s in enumerate(shifts)]
+    """What a raw spectrum holds, all different: of every hundred one mode, in turn right and with a wrong digit, and numbers that are none.
+
+    The modes go from the first to number HIGHEST and begin again with another last digit; the rest is scattered over the modes' own range.
+    """
+    scattered = np.random.default_rng(1)
+    low = layer.exact(A, 0.0, HIGHEST)
+    found = []
+    for i in range(number):
+        turn, m = divmod(i // 100, HIGHEST)
+        if i % 100 == 0:
+            found.append(complex(layer.exact(A, 0.0, 1 + m) * (1 + 1e-4 * (m % 2) + 1e-9 * turn)))
+        else:
+            found.append(complex(scattered.uniform(low, A), scattered.uniform(-0.1 * abs(low), 0.1 * abs(low))))
+    return found
 
 
 def verdicts(number: int) -> dict[str, int]:

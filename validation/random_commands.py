@@ -141,8 +141,11 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="25 commands")
     options = parser.parse_args()
     os.environ["COLUMNS"] = "80"
+    from random_chutes import warm
+
     from shootstab.cli import main as cli
 
+    warm()  # a command that is stopped while it compiles says so in a traceback of the compiler
     rng = random.Random(options.seed)
     counts: dict[str, Counter[str]] = {}
     broken: Counter[str] = Counter()

@@ -19,7 +19,7 @@ from functools import cached_property
 import numpy as np
 
 from shootstab.core import polynomial
-from shootstab.core.errors import InputError, Undecidable
+from shootstab.core.errors import ConvergenceError, InputError, Undecidable
 from shootstab.core.scaled import EPSILON, TINY
 from shootstab.formulation.asymptotic_end import AsymptoticEnd
 from shootstab.formulation.evaluation import filled, on_arrays
@@ -90,7 +90,11 @@ class AsymptoticExpansion:
         )
 
     def at(self, r: float, sigma: complex, split: SpectralSplitting) -> Expanded:
+        """The decaying space at r by its series. Raises ConvergenceError where no partial sum of it is a double."""
         Y, slope, error, logarithm, log_slope = self._series(r, sigma, split)
+        if error == math.inf:
+            where = INFINITIES[self.end.direction]
+            raise ConvergenceError(f"at {where} the series in inverse powers of the coordinate overflows for sigma = {sigma:.6g}")
         scale = (r ** (np.array(self.end.shifts) / self.end.root))[:, None]
         left_out = self._left_out(r)
         return Expanded(scale * split.X, scale * split.X2, Y, slope, logarithm, log_slope, error + left_out)
@@ -129,6 +133,7 @@ class AsymptoticExpansion:
                 largest = max(largest, _distance(scaled, kept) / size)
         return largest
 
+    @np.errstate(over="ignore", invalid="ignore")  # the series ends before the first term that is no double
     def _series(self, r: float, sigma: complex, split: SpectralSplitting) -> tuple[ComplexArray, ComplexArray, float, complex, complex]:
         """Y and its σ-derivative at r, with the basis of the splitting held, the relative error, ∫ r^q tr h dr and its derivative."""
         p, Q, n = self.end.root, self.end.rank, self.size
@@ -144,7 +149,7 @@ class AsymptoticExpansion:
         h, dh = np.zeros((SERIES_TERMS, k, k), dtype=np.complex128), np.zeros((SERIES_TERMS, k, k), dtype=np.complex128)
         t, window = r ** (-1.0 / p), self._window
         sizes = np.full(SERIES_TERMS, np.inf)
-        terms = SERIES_TERMS
+        terms, overflown = SERIES_TERMS, False
         both = 0 < k < n
         for j in range(SERIES_TERMS):
             h[j] = a11[j] + _sum(a12, Y, 1, j)
@@ -164,11 +169,14 @@ class AsymptoticExpansion:
             else:
                 dh[j] = b11[j]
             sizes[j] = max(float(np.abs(Y[j]).max(initial=0.0)), float(np.abs(h[j]).max(initial=0.0)) * (j > 0)) * t**j
+            if not all(np.isfinite(part[j]).all() for part in (Y, dY, h, dh)):
+                terms, overflown = max(j, 1), True
+                break
             if j > Q + p + window and sizes[j - window + 1 : j + 1].max() <= LAST_ASYMPTOTIC:
                 terms = j + 1
                 break
         rolling = np.array([sizes[max(1, j - window + 1) : j + 1].max(initial=0.0) for j in range(terms)])
-        rolling[: min(window, terms - 1)] = np.inf
+        rolling[: window if overflown else min(window, terms - 1)] = np.inf
         terms = int(np.argmin(rolling)) + 1
         powers = t ** np.arange(terms)
         antiderivative = np.array([_power_integral(Q - j + p, p, r) for j in range(terms)])

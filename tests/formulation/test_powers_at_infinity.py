@@ -132,3 +132,18 @@ def test_a_window_reaches_over_the_terms_that_vanish() -> None:
     end = asymptotic_end(StatePencil(1, ({(0, 0): number(1)}, {}), ({(0, 0): formula}, {}), ({},), ({},), 0, 0), 1)
     assert end.window([True, False, False, False, True, False, True, False]) == 1 + 0 + 4
     assert end.window([True, False, False]) == 1 + 0 + 1
+
+
+@pytest.mark.parametrize("guess", [0.4j, 1e10j, 1e30 + 1e30j])
+def test_a_series_whose_terms_overflow_is_told_in_words(guess: complex) -> None:
+    """C = σ − iqz has no mode; its series goes in powers of σ/(qz), which a search that wanders off to |σ| = 1e18 overflows."""
+    problem = st.equations(
+        ["u"],
+        ["sigma*(d(u,2) - p*u) = i*q*z*(d(u,2) - p*u)"],
+        st.Conditions(0, ["u"]),
+        st.Infinity(),
+        parameters={"p": 0.0037, "q": 1458.0},
+    )
+    found = st.refine(problem, guess)
+    assert not found.converged
+    assert found.status.startswith("not converged: at +infinity"), found.status
