@@ -10,7 +10,7 @@ from shootstab.core.scaled import Scaled
 from shootstab.discriminants.meshing import TooLong
 from shootstab.discriminants.method import AdaptiveDiscriminant, MeshedDiscriminant
 
-COSTLIER = 8  # chosen: the longest mesh of a search, in steps of that at the guess
+COSTLIER = 3  # chosen: the longest mesh of a search, in steps of that at the guess: where that is long, a guess is refused within seconds
 ANYWAY = 4000  # chosen: steps that a mesh of a search may have anyway; a value of D on it takes some 20 ms
 
 
