@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from shootstab.core.errors import Undecidable
 from shootstab.core.regions import Region, size
 from shootstab.problems.protocol import ComplexArray
 
@@ -17,6 +18,7 @@ NEAREST_STEPS = 12  # chosen: the most steps of Gauss–Newton towards the neare
 SIGMA_ROUNDING = 1e-14  # chosen: part of |σ| and of the curve's scale; eigenvalues of a small pencil err by some 10 units of rounding
 EIGHTHS = np.arange(8) / 8.0  # derived: an arc of a circle up to this long is nowhere farther from its middle than at its ends
 SAGITTA = 0.9  # chosen: the curve lies no farther from a segment than a tenth of its length; 1 percent where σ ~ ℓ^p
+MOST_PARTS = 4000  # chosen: parts of a boundary that are looked at for one curve; they take a second or two
 SHORTEST_TOUCH = 1e-9  # chosen: the length of boundary, in the size of a region, on which a curve counts as touching it
 SLOPE_STEP = 1e-4  # chosen: the step of a central difference of a curve, in its scale: its square and the rounding over it are small
 
@@ -39,13 +41,18 @@ class Curve:
         """The distance of σ to the curve, less what rounding makes of both: 0 where σ may lie on it."""
         if not self.begin.size:
             return np.inf
-        return max(0.0, self._offset(sigma) - SIGMA_ROUNDING * (abs(sigma) + self.scale))
+        return max(0.0, self._offset(sigma) - self._rounding(sigma))
+
+    def _rounding(self, sigma: complex) -> float:
+        """What σ and the curve are not known to."""
+        return SIGMA_ROUNDING * (abs(sigma) + self.scale)
 
     def enters(self, region: Region) -> bool:
         """Whether a point of the curve lies in the region or on its boundary.
 
         A curve that is nowhere on the boundary is inside or outside as a whole. The boundary is cut until every part of it is shorter
-        than its distance to the curve.
+        than its distance to the curve, or its chord apart from every segment where the curve is these. Raises Undecidable where that takes
+        more than MOST_PARTS.
         """
         if not self.begin.size:
             return False
@@ -53,12 +60,19 @@ class Curve:
             return True
         parts = list(pairwise(np.union1d(region.corners, [*EIGHTHS, 1.0]).tolist()))
         thinnest = SHORTEST_TOUCH * size(region)
+        looked_at = 0
         while parts:
+            looked_at += 1
+            if looked_at > MOST_PARTS:
+                raise Undecidable(f"the continuous spectrum runs along the boundary, within {self.distance(here):.1e} of sigma = {here:.6g}")
             first, last = parts.pop()
             middle = 0.5 * (first + last)
-            here = region.boundary(middle)
-            length = max(abs(region.boundary(first) - here), abs(region.boundary(last) - here))
+            here, before, behind = (region.boundary(t) for t in (middle, first, last))
+            length = max(abs(before - here), abs(behind - here))
             if self._at_least(here) > length:
+                continue
+            bow = abs(here - 0.5 * (before + behind))  # of the boundary over its chord
+            if self.at is None and self._from_chord(before, behind) > 2.0 * bow + self._rounding(here):
                 continue
             distance = self.distance(here)
             if SAGITTA * distance > length:
@@ -88,7 +102,16 @@ class Curve:
         width = float(self.high[i] - self.low[i])
         return self._to_curve(self.at, sigma, float(self.low[i] + t[i] * width), width)
 
-    def _segments(self, sigma: complex) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _from_chord(self, p: complex, q: complex) -> float:
+        """The distance of the segments to the one from p to q; 0 where one crosses it."""
+        a, b = self.begin, self.end
+        if (_crossed(a - p, b - p, q - p) & _crossed(p - a, q - a, b - a)).any():
+            return 0.0
+        chord = Curve(np.array([p]), np.array([q]), np.zeros(1), np.ones(1))
+        ends = np.concatenate((a, b[-1:])) if np.array_equal(a[1:], b[:-1]) else np.concatenate((a, b))
+        return min(float(self._segments(p)[1].min()), float(self._segments(q)[1].min()), float(chord._segments(ends)[1].min()))
+
+    def _segments(self, sigma: complex | ComplexArray) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The place, from 0 to 1, of the point of each segment (m,) nearest to σ, and its distance."""
         a, d = self.begin, self.end - self.begin
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -110,6 +133,11 @@ class Curve:
                 break
             parameter += min(max(((sigma - here) / slope).real, -width), width)
         return float(best)
+
+
+def _crossed(a: ComplexArray, b: ComplexArray, along: complex | ComplexArray) -> NDArray[np.bool_]:
+    """Whether a and b lie on different sides of the line through 0 along a direction, or on it."""
+    return np.asarray((a * np.conj(along)).imag * (b * np.conj(along)).imag <= 0.0)
 
 
 def _nearest(points: list[complex], sigma: complex) -> complex:

@@ -1,4 +1,4 @@
-"""What holds at every point of an interval, in balls on pieces of it: functions are real, Hermitian forms positive by Cholesky's pivots."""
+"""What holds at every point of a domain, in balls on pieces of it: functions are real, Hermitian forms positive by Cholesky's pivots."""
 
 from __future__ import annotations
 
@@ -7,33 +7,48 @@ from fractions import Fraction
 from typing import Any
 
 from shootstab.core.balls import acb, arb, ctx
+from shootstab.formulation.domain import Domain
 from shootstab.formulation.enclosed import on_balls
 from shootstab.formulation.expression import Expression
 from shootstab.formulation.gaussian import ONE
 from shootstab.formulation.sesquilinear_form import Form
+from shootstab.formulation.stretches import Stretch, stretches
 from shootstab.multiprecision.enclosable import ball
 
 
-def real_everywhere(coefficients: Sequence[Expression], low: Fraction, high: Fraction, bits: int, halvings: int) -> bool:
-    """Whether the coefficients are finite and every function in them is real at every z in [low, high]: conjugates are then as written."""
+def real_everywhere(coefficients: Sequence[Expression], domain: Domain, bits: int, halvings: int) -> bool:
+    """Whether the coefficients are finite and every function in them is real at every z of the domain: conjugates are then as written.
+
+    Raises InputError as `stretches` does.
+    """
     factors = _factors(coefficients)
 
-    def here(z: Any) -> bool:
-        at = on_balls(z, {})
-        return all(acb(at(factor)).imag.is_zero() for factor in factors) and all(acb(at(c)).is_finite() for c in coefficients)
+    def on(part: Stretch) -> bool:
+        real, finite = [part.written(factor) for factor in factors], [part.written(c) for c in coefficients]
 
-    return _on_pieces(here, low, high, bits, halvings)
+        def here(x: Any) -> bool:
+            at = on_balls(x, {})
+            return all(acb(at(factor)).imag.is_zero() for factor in real) and all(acb(at(c)).is_finite() for c in finite)
+
+        return _on_pieces(here, part.low, part.high, bits, halvings)
+
+    return all(on(part) for part in stretches(domain, coefficients))
 
 
-def positive_everywhere(form: Form, low: Fraction, high: Fraction, bits: int, halvings: int) -> bool:
-    """Whether form > 0 in all unknowns and derivatives that it holds at every z in [low, high]."""
+def positive_everywhere(form: Form, domain: Domain, bits: int, halvings: int) -> bool:
+    """Whether form > 0 in all unknowns and derivatives that it holds at every z of the domain. Raises InputError as `stretches` does."""
     jets = sorted({jet for at in form for jet in at})
 
-    def here(z: Any) -> bool:
-        at = on_balls(z, {})
-        return _positive([[acb(at(form[u, v])) if (u, v) in form else acb(0) for v in jets] for u in jets])
+    def on(part: Stretch) -> bool:
+        written = {at: part.written(c) for at, c in form.items()}
 
-    return _on_pieces(here, low, high, bits, halvings)
+        def here(x: Any) -> bool:
+            at = on_balls(x, {})
+            return _positive([[acb(at(written[u, v])) if (u, v) in written else acb(0) for v in jets] for u in jets])
+
+        return _on_pieces(here, part.low, part.high, bits, halvings)
+
+    return all(on(part) for part in stretches(domain, list(form.values())))
 
 
 def _on_pieces(holds: Callable[[Any], bool], low: Fraction, high: Fraction, bits: int, halvings: int) -> bool:

@@ -9,7 +9,7 @@ is linear in z). With x = e^{−κ d z}, d = ±1 the direction of the end, they 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -20,7 +20,6 @@ from shootstab.formulation.atoms import Atom
 from shootstab.formulation.evaluation import on_arrays
 from shootstab.formulation.expression import VARIABLE, Expression, Z, function, held_kinds, number, of_atom
 from shootstab.formulation.far_coefficients import Text
-from shootstab.formulation.first_order import ExpressionEntries
 from shootstab.formulation.state_pencil import Powers, StatePencil
 from shootstab.formulation.substitution import substituted
 from shootstab.problems.ends import INFINITIES
@@ -45,8 +44,19 @@ class ExponentialEnd:
 
 def exponential_end(system: StatePencil, direction: int, text: Text = str) -> ExponentialEnd:
     """Raises InputError where a coefficient, shown by text, is no series in one exponential that decays towards the end."""
+    rate, changed = in_exponential([entry for part in (*system.C, *system.D) for entry in part.values()], direction, text)
+    C, D = (tuple({at: changed(entry) for at, entry in part.items()} for part in powers) for powers in (system.C, system.D))
+    return ExponentialEnd(rate, direction, C, D)
+
+
+def in_exponential(
+    entries: Sequence[Expression], direction: int, text: Text = str
+) -> tuple[Expression, Callable[[Expression], Expression]]:
+    """κ, and what writes an expression of the same functions in x = e^{−κ d z}; it raises InputError for one that grows.
+
+    Raises InputError where the entries, shown by text, are not rational in one exponential.
+    """
     where = f"at {INFINITIES[direction]}"
-    entries = [entry for part in (*system.C, *system.D) for entry in part.values()]
     for entry in entries:
         if holds_coordinate(entry):
             raise InputError(
@@ -54,7 +64,7 @@ def exponential_end(system: StatePencil, direction: int, text: Text = str) -> Ex
             )
     atoms = sorted({atom for entry in entries for atom in entry.atoms() if atom.kind == "function" and _varies(atom)})
     if not atoms:
-        return ExponentialEnd(number(1), direction, system.C, system.D)
+        return number(1), lambda entry: entry
     if any("given" in held_kinds(entry) for entry in entries):
         raise InputError(
             f"{where} the coefficients hold the base flow and {text(of_atom(atoms[0]))}: allowed is one of them in the coefficients"
@@ -64,21 +74,17 @@ def exponential_end(system: StatePencil, direction: int, text: Text = str) -> Ex
     sign = _sign(unit, where)
     ratios = [_ratio(slope, unit, where, text) for slope in slopes]
     step = _common(abs(r) * (2 if atom.name == "tanh" else 1) for atom, r in zip(atoms, ratios, strict=True))
-    rate = unit * number(step * sign)
     values = {atom: _in_x(atom, slope, -direction * ratio * sign / step) for atom, slope, ratio in zip(atoms, slopes, ratios, strict=True)}
 
-    def changed(part: ExpressionEntries) -> ExpressionEntries:
-        out = {}
-        for at, entry in part.items():
-            for atom, value in values.items():
-                entry = substituted(entry, atom, value)
-            if any(dict(monomial).get(VARIABLE, 0) < 0 for monomial in entry.terms):
-                raise InputError(f"{where} the coefficient {text(part[at])} grows: allowed are coefficients that come to a limit")
-            out[at] = entry
+    def changed(entry: Expression) -> Expression:
+        out = entry
+        for atom, value in values.items():
+            out = substituted(out, atom, value)
+        if any(dict(monomial).get(VARIABLE, 0) < 0 for monomial in out.terms):
+            raise InputError(f"{where} the coefficient {text(entry)} grows: allowed are coefficients that come to a limit")
         return out
 
-    C, D = (tuple(changed(part) for part in powers) for powers in (system.C, system.D))
-    return ExponentialEnd(rate, direction, C, D)
+    return unit * number(step * sign), changed
 
 
 def holds_coordinate(entry: Expression) -> bool:

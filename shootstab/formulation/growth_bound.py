@@ -2,7 +2,7 @@
 
 The half-planes Re(e^{−iθ} σ) ≤ b of numerical_range.py for θ = 0 and for directions on both sides of it, cut off at the floor. b is the
 smallest number with which the form is positive at samples of z, widened; then a Cholesky decomposition in balls shows that it is positive
-on every piece of the interval.
+on every piece of the domain.
 """
 
 from __future__ import annotations
@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError
 from shootstab.core.regions import Rectangle
+from shootstab.formulation.conditions import Conditions
+from shootstab.formulation.domain import Domain
 from shootstab.formulation.expression import Expression
 from shootstab.formulation.gaussian import ONE, Gaussian
 from shootstab.formulation.numerical_range import EnergyForm, energy_form, sampled
@@ -24,6 +26,7 @@ from shootstab.formulation.sesquilinear_form import Form
 from shootstab.formulation.statement import Statement
 from shootstab.formulation.system import Jet
 from shootstab.formulation.system import coefficients as powers_of
+from shootstab.problems.ends import Infinity
 
 LEMMA = "P3"
 DIRECTIONS = ((4, 3, 5), (3, 4, 5), (5, 12, 13), (7, 24, 25), (0, 1, 1))  # chosen: cos θ, sin θ as rational numbers, over the last one
@@ -37,24 +40,37 @@ RATIOS = (0.25, 4.0)  # chosen: steps with which weights of groups of equations 
 SWEEPS = 4  # chosen: rounds of these trials
 HALVINGS = 14  # chosen: halvings of the interval at most, for one piece of the proof
 BITS = 80  # chosen: precision of the balls, half as many bits again as doubles have
+SLIMMEST = 0.1  # chosen: the height of the rectangle in its width at least: a count beside real eigenvalues in a sliver is laborious
 RECTANGLE_MARGIN = 1e-9  # chosen: how much wider than the bound the rectangle is, relative, far above the rounding of its corners
 
 
 def growing_region(statement: Statement) -> Callable[..., tuple[Rectangle, str]] | None:
     """growing_region(floor) ↦ a rectangle with every σ of Re σ ≥ floor, and the lemma. None where no form bounds them.
 
-    Offered between two ends with conditions, for equations linear in the eigenvalue whose functions are formulas, finite and real on the
-    domain; and with python-flint, which the proof needs.
+    Offered between ends with conditions, or at infinity where coefficients come to their limits exponentially, for equations linear in the
+    eigenvalue whose functions are formulas, finite and real on the domain; and with python-flint, which the proof needs.
     """
-    if statement.domain.given or statement.joints or statement.denominators or not all(statement.holding):
+    if statement.domain.given or statement.joints or statement.denominators or not all(map(_told, (statement.left, statement.right))):
         return None
     try:
-        from shootstab.formulation.ball_forms import real_everywhere
+        return _region(statement)
     except InputError:
-        return None  # nothing is proved without python-flint
+        return None  # a coefficient comes to no limit, or nothing is proved without python-flint
+
+
+def _told(end: Any) -> bool:
+    """Whether an end says that solutions obey conditions, or that they decay by what the coefficients come to and nothing else."""
+    if isinstance(end, Infinity):
+        return end.decaying is None and end.start is None and end.limit is None and end.expansion is None
+    return isinstance(end, Conditions)
+
+
+def _region(statement: Statement) -> Callable[..., tuple[Rectangle, str]] | None:
+    """See `growing_region`. Raises InputError where something that it needs is not there."""
+    from shootstab.formulation.ball_forms import real_everywhere
 
     coefficients = [c for row in statement.system.rows for held in row.values() for c in powers_of(held).values()]
-    if not real_everywhere(coefficients, *_ends(statement), BITS, HALVINGS):
+    if not real_everywhere(coefficients, statement.domain, BITS, HALVINGS):
         return None
     right = _bound(statement, ONE)
     if right is None:
@@ -73,6 +89,7 @@ def growing_region(statement: Statement) -> Callable[..., tuple[Rectangle, str]]
             raise InputError("the bound on growing modes is for one value of each parameter: name a --region for an interval of them")
         heights = [min((b - c * floor) / s for c, s, b in side) for side in sides]
         margin = RECTANGLE_MARGIN * max(*map(abs, heights), abs(right - floor))
+        margin += 0.5 * max(0.0, SLIMMEST * (right - floor) - (heights[0] + heights[1]))
         low, high = sorted((-heights[0], heights[1]))  # where they cross, as where right < floor, there is nothing, and any sliver holds it
         return Rectangle(complex(floor, low - margin), complex(max(right, floor) + margin, high + margin)), LEMMA
 
@@ -84,10 +101,9 @@ def _bound(statement: Statement, direction: Gaussian) -> float | None:
     form = energy_form(statement, direction)
     if form is None:
         return None
-    low, high = statement.domain.left, statement.domain.right
-    jets = form.jets
-    z = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(np.pi * np.arange(SAMPLES) / (SAMPLES - 1))
-    S, L = (np.array([sampled(part, jets, z) for part in parts]) for parts in (form.weight, form.rotated))
+    jets, domain = form.jets, statement.domain
+    fractions = 0.5 - 0.5 * np.cos(np.pi * np.arange(SAMPLES) / (SAMPLES - 1))
+    S, L = (np.array([sampled(part, jets, domain, fractions) for part in parts]) for parts in (form.weight, form.rotated))
     if not (np.isfinite(S).all() and np.isfinite(L).all()):
         return None
     weights, b = _lightest(S, L)
@@ -95,15 +111,10 @@ def _bound(statement: Statement, direction: Gaussian) -> float | None:
         if not b < LARGEST_BOUND:
             return None
         b = WIDENED * b
-        if _proved(form, weights, b, *_ends(statement)):
+        if _proved(form, weights, b, domain):
             return b
         b = WIDER * b
     return None
-
-
-def _ends(statement: Statement) -> tuple[Fraction, Fraction]:
-    """Where the domain begins and ends, as the decimals that were typed."""
-    return Fraction(repr(statement.domain.left)), Fraction(repr(statement.domain.right))
 
 
 def _lightest(S: NDArray[np.complex128], L: NDArray[np.complex128]) -> tuple[list[float], float]:
@@ -146,15 +157,15 @@ def _smallest(weights: NDArray[np.float64], S: NDArray[np.complex128], L: NDArra
     return high
 
 
-def _proved(form: EnergyForm, weights: Sequence[float], b: float, low: Fraction, high: Fraction) -> bool:
-    """Whether S > 0 in its own jets and b S − Re(e^{−iθ} L) > 0 at every z of the interval."""
+def _proved(form: EnergyForm, weights: Sequence[float], b: float, domain: Domain) -> bool:
+    """Whether S > 0 in its own jets and b S − Re(e^{−iθ} L) > 0 at every z of the domain."""
     from shootstab.formulation.ball_forms import positive_everywhere
 
     free = [Expression({(): Gaussian.of(w)}) for w in weights]
     pairs = [(w, S, L) for w, S, L in zip(free, form.weight, form.rotated, strict=True)]
     S = _sum([(w, part) for w, part, _ in pairs])
     P = _sum([(w * Expression({(): Gaussian.of(b)}), part) for w, part, _ in pairs] + [(-w, part) for w, _, part in pairs])
-    return positive_everywhere(S, low, high, BITS, HALVINGS) and positive_everywhere(P, low, high, BITS, HALVINGS)
+    return positive_everywhere(S, domain, BITS, HALVINGS) and positive_everywhere(P, domain, BITS, HALVINGS)
 
 
 def _sum(parts: Sequence[tuple[Expression, Form]]) -> Form:

@@ -21,13 +21,16 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
+from shootstab.formulation.domain import Domain
 from shootstab.formulation.evaluation import on_arrays
 from shootstab.formulation.expression import Expression, Z, number
 from shootstab.formulation.gaussian import Gaussian
 from shootstab.formulation.sesquilinear_form import Form, NotRealError, RealPart, added, conjugated, real_part, scaled
 from shootstab.formulation.statement import Statement
+from shootstab.formulation.stretches import has_limits, stretches
 from shootstab.formulation.system import Jet, coefficients, degree
 from shootstab.formulation.vanishing import Vanishing
+from shootstab.problems.ends import Infinity
 
 MOST_PAIRED = 6  # chosen: unknowns whose assignments to equations are all tried
 PHASES = tuple(Gaussian(*x) for x in ((1, 0), (-1, 0), (0, 1), (0, -1)))  # defined: by what an equation may be multiplied
@@ -152,8 +155,12 @@ def _groups(pairing: Sequence[str], rest: dict[str, Form], constraints: Sequence
 
 
 def _nothing_at_ends(terms: Form, statement: Statement) -> bool:
-    """Whether every boundary term vanishes: one of its factors by a condition there, or its coefficient."""
-    for end, rows in ((statement.left, statement.left_rows), (statement.right, statement.right_rows)):
+    """Whether every boundary term vanishes: one of its factors by a condition there, or its coefficient, or both factors towards infinity."""
+    for end, rows, direction in ((statement.left, statement.left_rows, -1), (statement.right, statement.right_rows, 1)):
+        if isinstance(end, Infinity):
+            if not has_limits(list(terms.values()), direction):
+                return False
+            continue
         zero = {jet for _, row in rows if len(row) == 1 for jet, c in row.items() if c.constant}
         at = number(Fraction(repr(float(end.at))))  # type: ignore[union-attr]
         for (u, v), c in terms.items():
@@ -177,11 +184,15 @@ def _value(c: Expression, at: Expression) -> bool:
     return bool(total)
 
 
-def sampled(form: Form, jets: Sequence[Jet], z: NDArray[np.float64]) -> NDArray[np.complex128]:
-    """The form as matrices (m, k, k) at z (m,), k = len(jets)."""
+def sampled(form: Form, jets: Sequence[Jet], domain: Domain, fractions: NDArray[np.float64]) -> NDArray[np.complex128]:
+    """The form as matrices (m, k, k), k = len(jets), at these fractions of every stretch of the domain. Raises InputError as `stretches`."""
     where = {jet: i for i, jet in enumerate(jets)}
-    out = np.zeros((len(z), len(jets), len(jets)), dtype=np.complex128)
-    at = on_arrays(z, {})
-    for (u, v), c in form.items():
-        out[:, where[u], where[v]] = at(c)
-    return out
+    out = []
+    for part in stretches(domain, list(form.values())):
+        x = float(part.low) + float(part.high - part.low) * fractions
+        matrices = np.zeros((len(x), len(jets), len(jets)), dtype=np.complex128)
+        at = on_arrays(x, {})
+        for (u, v), c in form.items():
+            matrices[:, where[u], where[v]] = at(part.written(c))
+        out.append(matrices)
+    return np.concatenate(out)

@@ -10,7 +10,9 @@ import pytest
 
 import shootstab as st
 from shootstab.core.errors import Undecidable
+from shootstab.core.regions import Disc, Rectangle
 from shootstab.essential_spectrum.barrier import Barrier, barrier_of
+from shootstab.essential_spectrum.curves import Curve, curve_through
 
 MOVING = np.array([[0, 0], [1, 0]])
 
@@ -98,3 +100,23 @@ def test_claims_on_a_dispersive_spectrum_are_its_own() -> None:
     for size, pencil, claims in ((3, kdv, [1e-7j, 5e-6j, 1e-5j, 0.3j]), (4, nls, [1j, 1.5j])):
         report = st.verify(whole_line(size, pencil), claims, region=st.Rectangle(0.5 - 1j, 1 + 1j))
         assert [v.verdict for v in report.verdicts] == ["continuum"] * len(claims)
+
+
+def test_a_boundary_beside_a_curve_is_told_apart_from_it() -> None:
+    """Segments of iR from −1 to 1: a boundary parallel to them, a bow around their end, and ones that cross or touch them."""
+    z = np.linspace(-1.0, 1.0, 900)
+    curve = curve_through(1j * z, z)
+    assert not any(curve.enters(Rectangle(gap - 0.9j, 0.5 + 0.9j)) for gap in (1e-2, 1e-8, 1e-12))
+    assert not curve.enters(Disc(1.25 + 0.1j, 1.25 * (1 - 1e-6)))
+    assert curve.enters(Disc(1.25 + 0.1j, 1.25 * (1 + 1e-6)))
+    assert curve.enters(Rectangle(-1e-8 - 0.9j, 0.5 + 0.9j))
+    assert curve.enters(Rectangle(0.0 - 0.9j, 0.5 + 0.9j))
+    assert curve.enters(Rectangle(-0.5 - 0.5j, 0.5 - 0.4999j))  # between two of the points
+
+
+def test_a_curve_known_by_a_formula_along_a_boundary_is_refused_soon() -> None:
+    z = np.linspace(-1.0, 1.0, 40)
+    points = 1j * z
+    curve = Curve(points[:-1], points[1:], z[:-1], z[1:], lambda t: [1j * t])
+    with pytest.raises(Undecidable, match="runs along the boundary, within 1.0e-08"):
+        curve.enters(Rectangle(1e-8 - 0.9j, 0.5 + 0.9j))

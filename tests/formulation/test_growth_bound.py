@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import shootstab as st
+from shootstab.formulation.domain import Domain
 from shootstab.formulation.evaluation import on_arrays
 from shootstab.formulation.expression import Z, number
 from shootstab.formulation.gaussian import ONE
@@ -55,7 +56,7 @@ def test_a_form_and_its_real_part_have_the_same_integral() -> None:
     ends = value(found.at_ends, np.array([-1.0, 1.0])).real
     assert np.sum(weights * value(form, z)).real == pytest.approx(np.sum(weights * value(found.entries, z)).real + ends[1] - ends[0])
     jets = sorted({jet for at_ in found.entries for jet in at_})
-    matrices = sampled(found.entries, jets, z)
+    matrices = sampled(found.entries, jets, Domain(-1.0, 1.0, {}), np.linspace(0.0, 1.0, 7))
     assert matrices == pytest.approx(matrices.conj().transpose(0, 2, 1))
 
 
@@ -167,3 +168,53 @@ def test_growing_modes_are_counted_by_theorem_in_a_moment() -> None:
     assert found.radius < 2.0
     assert st.count_unstable(primitive(R=5000)).count == 0
     assert Fraction(found.floor) > 0
+
+
+LINE = st.Infinity(), st.Infinity()
+
+
+def flow(U: str, a: float, R: float, *ends):
+    return st.equations(["v"], [STREAMFUNCTION], *(ends or LINE), parameters={"R": R, "a": a}, where={"U": U})
+
+
+@pytest.mark.parametrize(
+    ("problem", "guess", "count"),
+    [
+        (flow("sech(z)**2", 0.8, 100.0), 0.14 - 0.32j, 1),
+        (flow("tanh(z)", 0.4, 50.0), 0.15, 1),
+        (flow("1 - exp(-z)", 0.1555, 6e4, st.Conditions(0, ["v", "d(v)"]), st.Infinity()), 1e-4 - 0.0228j, None),
+        (st.equations(["y"], ["d(y,2) + 6*sech(z)**2*y - sigma*y"], *LINE), 3.9, 2),
+        (st.equations(["y"], ["d(y,2) + 6*sech(z - 3)**2*y - sigma*y"], st.Conditions(-2, ["d(y)"]), st.Infinity()), 3.9, 2),
+        (st.equations(["y"], ["d(y,2) + 6*sech(z + 3)**2*y - sigma*y"], st.Infinity(), st.Conditions(-1, ["y"])), 3.9, 2),
+        (st.equations(["f"], ["(sigma + 0.45*i*tanh(z))*(d(f,2) - 0.2025*f) + 0.9*i*tanh(z)*sech(z)**2*f"], *LINE), 0.19, 1),
+    ],
+    ids=["jet", "layer", "boundary layer", "well", "half a line", "the other half", "inviscid"],
+)
+def test_growing_modes_on_lines_lie_within_the_bound_and_are_counted(problem, guess, count) -> None:
+    """−u″ − 6 sech² u has the eigenvalues −4 and −1; the others are refined by themselves."""
+    region, lemma = problem.growing_region(1e-6)
+    assert lemma == LEMMA
+    mode = st.refine(problem, guess)
+    assert mode.converged
+    assert region.contains(complex(mode.sigma))
+    if count is not None:
+        found = st.count_unstable(problem, 1e-6)
+        assert (found.count, found.lemma) == (count, LEMMA)
+
+
+def test_the_limit_at_infinity_bounds_as_any_other_place() -> None:
+    """y″ + tanh(z) y = σ y: the essential spectrum of +∞ ends at 1, and no mode lies right of it."""
+    region, _ = st.equations(["y"], ["d(y,2) + tanh(z)*y - sigma*y"], *LINE).growing_region(1e-8)
+    assert 1.0 <= region.upper_right.real < 1.1
+
+
+@pytest.mark.parametrize(
+    ("equation", "end"),
+    [
+        ("d(y,2) - z**2*y - sigma*y", st.Infinity(start=8)),
+        ("d(y,2) + sech(z)**2*y - sigma*y", st.Infinity(start=8)),  # a decaying space that is not that of the limits
+        ("d(y,2) + sech(z + i)**2*y - sigma*y", st.Infinity()),  # its conjugate is another function
+    ],
+)
+def test_no_theorem_at_infinity_is_no_bound(equation: str, end: st.Infinity) -> None:
+    assert st.equations(["y"], [equation], st.Conditions(0, ["y"]), end).growing_region is None
