@@ -43,17 +43,22 @@ def displacement(variant: Discriminant, value: Value) -> float:
     return abs(shift(variant, value))
 
 
-def integration_error(coarse: MeshedDiscriminant, coarse_value: Value, fine_value: Value) -> float:
+def integration_error(coarse: MeshedDiscriminant, coarse_value: Value, fine: MeshedDiscriminant, fine_value: Value) -> float:
     """The error that integration leaves in the zero on the halved mesh, from the values on both at one σ.
 
     The zeros of the two differ by Σ c_j over the steps. Where these cancel by chance, the sum tells nothing of the halved mesh, whose own
-    sum need not: with about half of the steps halved, drawn at random, the zero moves by Σ over these, and twice that less the whole is
-    Σ ± c_j, a sample of √Σ |c_j|².
+    sum need not: with half of the steps halved the zero moves by Σ over these, and twice that less the whole is Σ ± c_j. By two halves that
+    part the four steps of the largest local errors from each other, no two of these cancel in all three sums. How much of c_j is left on
+    the halved mesh is told by the local errors on both.
     """
     whole = coarse_value.newton_step - fine_value.newton_step
-    drawn = 2 * shift(coarse.partly_refined(1), coarse_value) - whole
-    sample = abs(drawn) if cmath.isfinite(drawn) else math.inf
-    return float(max(abs(whole) / HALVING, SAFETY * sample / STEP_HALVING))
+    parts = [coarse.partly_refined(digit, coarse_value.sigma) for digit in (0, 1)]
+    drawn = [2 * shift(part, coarse_value) - whole for part in parts]
+    sample = max(abs(d) if cmath.isfinite(d) else math.inf for d in drawn)
+    before, left = coarse.local_error(coarse_value.sigma), fine.local_error(fine_value.sigma)
+    known = 0.0 < left < math.inf and before < math.inf
+    fallen = min(max(before / left, HALVING), STEP_HALVING) if known else HALVING
+    return float(max(abs(whole) / HALVING, SAFETY * sample / fallen))
 
 
 def budget(
@@ -64,7 +69,7 @@ def budget(
     scale is the separation |2D′/D″|, over which D is linear: Newton's step δ leaves δ²/scale. What far field and steady flow do to the
     zero is measured on the coarse mesh: a sensitivity needs few digits.
     """
-    integration = integration_error(coarse, coarse_value, fine_value)
+    integration = integration_error(coarse, coarse_value, fine, fine_value)
     far = _far(coarse, coarse_value, integration) + _approximate_walls(problem, coarse, coarse_value)
     step = abs(fine_value.newton_step)
     root = SAFETY * step * (step / scale) if scale > 0.0 else math.inf  # the square of a step beyond 1e154 would be an OverflowError

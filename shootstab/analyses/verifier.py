@@ -203,7 +203,7 @@ class Verifier:
         # ln D is flat between two zeros of a row, but beside the row it is as steep as they are dense
         places = (claim, claim + 1j * wide * (claim / abs(claim) if claim != 0.0 else 1.0))
         slope = max(abs(self.loose.at(s).discriminant.with_derivative(s).logarithmic_derivative) for s in places)
-        return max(radius, min(wide, FIRST_CHANGE / slope))
+        return max(radius, FIRST_CHANGE / slope if slope * wide > FIRST_CHANGE else wide)  # slope may be 0: D is then constant
 
     def _grown(self, claim: complex, radius: float, zeros: Zeros, wide: float) -> tuple[float, Zeros]:
         """Larger circles, up to the wide one, as long as there is no zero in them and they can be counted."""

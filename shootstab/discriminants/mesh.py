@@ -75,12 +75,11 @@ def halved(nodes: NDArray[np.complex128], seed: int | None = None) -> NDArray[np
     return np.asarray(out[np.append(True, out[1:] != out[:-1])])  # two neighbouring numbers have no middle
 
 
-def partly_halved(nodes: NDArray[np.complex128], seed: int) -> NDArray[np.complex128]:
-    """Nodes from nodes (N + 1,): about half of the steps, drawn at random, cut in the middle, as all of them are on the halved mesh."""
-    drawn = np.random.default_rng(seed).random(len(nodes) - 1) < 0.5
+def partly_halved(nodes: NDArray[np.complex128], cut: NDArray[np.bool_]) -> NDArray[np.complex128]:
+    """Nodes from nodes (N + 1,): the steps named in cut (N,) are cut in the middle, as all of them are on the halved mesh."""
     out = np.empty(2 * len(nodes) - 1, dtype=np.complex128)
     out[::2] = nodes
-    out[1::2] = np.where(drawn, nodes[:-1] + 0.5 * (nodes[1:] - nodes[:-1]), nodes[:-1])
+    out[1::2] = np.where(cut, nodes[:-1] + 0.5 * (nodes[1:] - nodes[:-1]), nodes[:-1])
     return np.asarray(out[np.append(True, out[1:] != out[:-1])])
 
 

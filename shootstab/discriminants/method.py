@@ -74,6 +74,10 @@ class MeshedDiscriminant(Discriminant, Protocol):
         """The relative error of the far-field frame at σ."""
         ...
 
+    def local_error(self, sigma: complex) -> float:
+        """The sum of the local errors of all steps at σ, from the values of D with derivative."""
+        ...
+
     def vanishing_at(self, sigma: complex) -> MeshedDiscriminant:
         """D of the one independent subsystem whose zero is nearest to σ; itself where there are no subsystems."""
         ...
@@ -90,8 +94,8 @@ class MeshedDiscriminant(Discriminant, Protocol):
         """D, of another problem if one is given, on a mesh with every step halved; with a seed, cut a little off the middle."""
         ...
 
-    def partly_refined(self, seed: int) -> MeshedDiscriminant:
-        """D on a mesh with about half of the steps halved, drawn at random."""
+    def partly_refined(self, digit: int, sigma: complex) -> MeshedDiscriminant:
+        """D on a mesh with half of the steps halved: those whose rank by local error at σ has a 0 as this binary digit."""
         ...
 
     def at_other_points(self, seed: int) -> MeshedDiscriminant:

@@ -58,6 +58,10 @@ class Product:
     def serves(self, sigma: complex, tangent: bool = True) -> bool:
         return all(member.serves(sigma, tangent) for member in self.members)
 
+    def local_error(self, sigma: complex) -> float:
+        """The sum of the local errors of all steps of all subsystems at σ."""
+        return sum(member.local_error(sigma) for member in self.members)
+
     def far_error(self, sigma: complex) -> float:
         """The relative error of the far-field frame at σ, the largest of the subsystems'."""
         return max(member.far_error(sigma) for member in self.members)
@@ -77,8 +81,8 @@ class Product:
             return self._each(lambda member: member.refined(seed))
         return self._of_another(problem, lambda member, other: member.refined(seed, other))
 
-    def partly_refined(self, seed: int) -> Product:
-        return self._each(lambda member: member.partly_refined(seed))
+    def partly_refined(self, digit: int, sigma: complex) -> Product:
+        return self._each(lambda member: member.partly_refined(digit, sigma))
 
     def at_other_points(self, seed: int) -> Product:
         return self._each(lambda member: member.at_other_points(seed))

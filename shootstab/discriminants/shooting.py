@@ -50,7 +50,7 @@ class Shooting:
         self._known: OrderedDict[tuple[complex, bool], tuple[Propagation, float]] = OrderedDict()
         self._systems: dict[tuple[Problem, bool, int | None], SampledSystem] = {}
         self._perturbed: dict[tuple[int, float], SampledSystem] = {}
-        self._mixed: dict[int, SampledSystem] = {}
+        self._mixed: dict[tuple[int, complex], SampledSystem] = {}
 
     def __call__(self, sigma: complex) -> Scaled:
         return self.propagated(complex(sigma), False).value.D
@@ -92,12 +92,17 @@ class Shooting:
         problem = self.problem if problem is None else problem
         return self._variant(lambda far: far, self._system(problem, True, seed), problem)
 
-    def partly_refined(self, seed: int) -> Shooting:
-        """D(σ) on a mesh with about half of the steps halved, drawn at random: these err by one sum, which the others may cancel."""
-        if seed not in self._mixed:
+    def partly_refined(self, digit: int, sigma: complex) -> Shooting:
+        """D(σ) on a mesh with half of the steps halved: those whose rank by local error at σ has a 0 as this binary digit.
+
+        So the two largest steps are parted by digit 0, the four largest from each other by digits 0 and 1.
+        """
+        key = (digit, complex(sigma))
+        if key not in self._mixed:
+            ranks = np.argsort(np.argsort(-self.propagated(complex(sigma), True).errors, kind="stable"))
             fine = self._system(self.problem, True, None)
-            self._mixed[seed] = mixed(self.problem, partly_halved(self.sampled.nodes, seed), self.sampled, fine)
-        return self._variant(lambda far: far, self._mixed[seed], self.problem)
+            self._mixed[key] = mixed(self.problem, partly_halved(self.sampled.nodes, (ranks >> digit) % 2 == 0), self.sampled, fine)
+        return self._variant(lambda far: far, self._mixed[key], self.problem)
 
     def at_other_points(self, seed: int) -> Shooting:
         """D(σ) on a mesh with its nodes moved by so little that only mesh and samples round otherwise."""
@@ -152,6 +157,10 @@ class Shooting:
     def vanishing_at(self, sigma: complex) -> Shooting:
         """Itself: it has no subsystems."""
         return self
+
+    def local_error(self, sigma: complex) -> float:
+        """The sum of the local errors of all steps at σ, from the values of D with derivative."""
+        return float(self.propagated(complex(sigma), True).errors.sum())
 
     def far_error(self, sigma: complex) -> float:
         """The relative error of the far-field frame at σ."""

@@ -63,11 +63,12 @@ class Curve:
         looked_at = 0
         while parts:
             looked_at += 1
-            if looked_at > MOST_PARTS:
-                raise Undecidable(f"the continuous spectrum runs along the boundary, within {self.distance(here):.1e} of sigma = {here:.6g}")
             first, last = parts.pop()
             middle = 0.5 * (first + last)
             here, before, behind = (region.boundary(t) for t in (middle, first, last))
+            if looked_at > MOST_PARTS:
+                near = f"within {self.distance(here):.1e} of sigma = {here:.6g}"
+                raise Undecidable(f"the continuous spectrum runs along the boundary, {near}")
             length = max(abs(before - here), abs(behind - here))
             if self._at_least(here) > length:
                 continue

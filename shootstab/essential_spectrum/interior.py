@@ -16,6 +16,7 @@ from shootstab.essential_spectrum.curves import SLOPE_STEP
 from shootstab.problems.capabilities import INTERIOR, Continuum
 from shootstab.problems.protocol import ComplexArray, Problem
 
+NO_LENGTH = 1e-200  # chosen: a segment no longer than this is a point: the inverse of its length times any |σ| would overflow
 CURVE_SAMPLES = 2001  # chosen: samples of the curve; its scale and slope are differences of them
 CURVE_NEWTON_STEPS = 30  # chosen: the most steps of Newton; each is held to half the curve's scale
 SINGULAR_SETTLED = 1e-12  # chosen: the last step to a singular point, in the scale of the curve
@@ -77,6 +78,8 @@ class SampledContinuum:
 
     def passes(self, sigma: complex, radius: float) -> list[float]:
         """One height for each time that the curve comes nearer to σ than radius: of each run of segments, the nearest."""
+        if radius <= 0.0:  # nothing is nearer than that, and a point of the curve would be looked at ever more closely
+            return []
         offsets, z = self.resolved(sigma, radius)._offsets(sigma)
         inside = np.flatnonzero(offsets < radius)
         if inside.size == 0:
@@ -145,10 +148,10 @@ class SampledContinuum:
 
     @cached_property
     def _segments(self) -> tuple[ComplexArray, ComplexArray, NDArray[np.float64]]:
-        """The length d of each segment, a complex number, d*/|d|² (0 where it has no length), and its height."""
+        """The length d of each segment, a complex number, d*/|d|² (0 where it has NO_LENGTH), and its height."""
         along = np.diff(self.sigma)
         inverse = np.zeros_like(along)
-        np.divide(1.0, along, out=inverse, where=along != 0.0)
+        np.divide(1.0, along, out=inverse, where=np.abs(along) > NO_LENGTH)
         return along, inverse, np.diff(self.z)
 
 

@@ -155,7 +155,7 @@ def _groups(pairing: Sequence[str], rest: dict[str, Form], constraints: Sequence
 
 
 def _nothing_at_ends(terms: Form, statement: Statement) -> bool:
-    """Whether every boundary term vanishes: one of its factors by a condition there, or its coefficient, or both factors towards infinity."""
+    """Whether every boundary term vanishes: a factor of it by a condition there, or its coefficient, or all factors towards infinity."""
     for end, rows, direction in ((statement.left, statement.left_rows, -1), (statement.right, statement.right_rows, 1)):
         if isinstance(end, Infinity):
             if not has_limits(list(terms.values()), direction):
@@ -185,7 +185,10 @@ def _value(c: Expression, at: Expression) -> bool:
 
 
 def sampled(form: Form, jets: Sequence[Jet], domain: Domain, fractions: NDArray[np.float64]) -> NDArray[np.complex128]:
-    """The form as matrices (m, k, k), k = len(jets), at these fractions of every stretch of the domain. Raises InputError as `stretches`."""
+    """The form as matrices (m, k, k), k = len(jets), at these fractions of every stretch of the domain.
+
+    Raises InputError as `stretches` does.
+    """
     where = {jet: i for i, jet in enumerate(jets)}
     out = []
     for part in stretches(domain, list(form.values())):

@@ -112,8 +112,11 @@ class KnownPolynomial:
     def refined(self) -> KnownPolynomial:
         return KnownPolynomial(self.zeros)
 
-    def partly_refined(self, seed: int) -> KnownPolynomial:
+    def partly_refined(self, digit: int, sigma: complex) -> KnownPolynomial:
         return self
+
+    def local_error(self, sigma: complex) -> float:
+        return 0.0
 
     def at(self, sigma: complex) -> KnownPolynomial:
         return self

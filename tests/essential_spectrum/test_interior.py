@@ -79,3 +79,14 @@ def test_a_pole_at_the_wall_is_followed_from_next_to_it() -> None:
     curve = continuum_of(problem)
     assert abs(curve.sigma[0]) == pytest.approx(0.23 / (0.01 * 1e-8), rel=1e-3)
     assert curve.distance(0.2 - 0.03j) == pytest.approx(abs(0.03 + 0.029j), rel=2e-2)
+
+
+@pytest.mark.parametrize("p", [0.0, 1.0])
+def test_claims_next_to_the_end_of_a_curve_at_zero_are_answered(p: float) -> None:
+    """σ_c = iqz begins at 0; D does not depend on σ. Points of the curve were looked at down to 1e-308, and a slope of 0 divided by."""
+    problem = st.equations(
+        ["u"], ["(sigma - i*q*z)*(d(u,2) - p*u)"], st.Conditions(0, ["u"]), st.Conditions(1, ["u"]), parameters={"p": p, "q": 0.018}
+    )
+    found = st.verify(problem, [0.0, 1e-300, 0.3, 1e8, 1e200], missing="none")
+    assert found.summary["confirmed"] == found.summary["inaccurate"] == 0
+    assert [v.verdict for v in found.verdicts[2:]] == ["spurious"] * 3

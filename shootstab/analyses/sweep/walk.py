@@ -191,7 +191,7 @@ class _Walk:
             coarse = here.at(sigma)
             fine = coarse.refined()
             value = fine.with_derivative(sigma)
-            left, step = integration_error(coarse, coarse.with_derivative(sigma), value), value.newton_step
+            left, step = integration_error(coarse, coarse.with_derivative(sigma), fine, value), value.newton_step
             sigma += step
             rest = abs(fine.with_derivative(sigma).newton_step) if abs(step) > NEGLIGIBLE_STEP * self._rtol * abs(sigma) else 0.0
         except ConvergenceError as error:
