@@ -18,7 +18,7 @@ NEAREST_STEPS = 12  # chosen: the most steps of Gauss–Newton towards the neare
 SIGMA_ROUNDING = 1e-14  # chosen: part of |σ| and of the curve's scale; eigenvalues of a small pencil err by some 10 units of rounding
 EIGHTHS = np.arange(8) / 8.0  # derived: an arc of a circle up to this long is nowhere farther from its middle than at its ends
 SAGITTA = 0.9  # chosen: the curve lies no farther from a segment than a tenth of its length; 1 percent where σ ~ ℓ^p
-MOST_PARTS = 4000  # chosen: parts of a boundary that are looked at for one curve; they take a second or two
+MOST_BOUNDARY_PARTS = 4000  # chosen: parts of a boundary that are looked at for one curve; they take a second or two
 SHORTEST_TOUCH = 1e-9  # chosen: the length of boundary, in the size of a region, on which a curve counts as touching it
 SLOPE_STEP = 1e-4  # chosen: the step of a central difference of a curve, in its scale: its square and the rounding over it are small
 
@@ -52,7 +52,7 @@ class Curve:
 
         A curve that is nowhere on the boundary is inside or outside as a whole. The boundary is cut until every part of it is shorter
         than its distance to the curve, or its chord apart from every segment where the curve is these. Raises Undecidable where that takes
-        more than MOST_PARTS.
+        more than MOST_BOUNDARY_PARTS.
         """
         if not self.begin.size:
             return False
@@ -66,7 +66,7 @@ class Curve:
             first, last = parts.pop()
             middle = 0.5 * (first + last)
             here, before, behind = (region.boundary(t) for t in (middle, first, last))
-            if looked_at > MOST_PARTS:
+            if looked_at > MOST_BOUNDARY_PARTS:
                 near = f"within {self.distance(here):.1e} of sigma = {here:.6g}"
                 raise Undecidable(f"the continuous spectrum runs along the boundary, {near}")
             length = max(abs(before - here), abs(behind - here))

@@ -19,7 +19,7 @@ from shootstab.formulation.evaluation import on_arrays
 from shootstab.formulation.exponentials import in_exponential
 from shootstab.formulation.expression import Expression
 
-OUTWARDS = 1.0 + 1e-9  # chosen: how much farther than e^{−κ d z} in doubles a stretch reaches, a million times the rounding of it
+STRETCH_MARGIN = 1.0 + 1e-9  # chosen: how much farther than e^{−κ d z} in doubles a stretch reaches, a million times the rounding of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,7 @@ def stretches(domain: Domain, coefficients: Sequence[Expression]) -> tuple[Stret
     for end, at, direction in ((left, inner[0], -1), (right, inner[1], 1)):
         if not math.isfinite(end):
             rate, written = in_exponential(coefficients, direction)
-            reach = math.exp(-_at_zero(rate).real * direction * at) * OUTWARDS
+            reach = math.exp(-_at_zero(rate).real * direction * at) * STRETCH_MARGIN
             found.append(Stretch(Fraction(0), Fraction(reach), written))
     return tuple(found)
 
