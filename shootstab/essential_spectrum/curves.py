@@ -72,7 +72,7 @@ class Curve:
             length = max(abs(before - here), abs(behind - here))
             if self._at_least(here) > length:
                 continue
-            bow = abs(here - 0.5 * (before + behind))  # of the boundary over its chord
+            bow = abs(here - 0.5 * (before + behind))  # the height of the boundary over its chord
             if self.at is None and self._from_chord(before, behind) > 2.0 * bow + self._rounding(here):
                 continue
             distance = self.distance(here)
