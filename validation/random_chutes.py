@@ -120,6 +120,9 @@ def limited(tally: Tally, what: str, seconds: float = TIME) -> Iterator[None]:
         tally.faults.append((BIG, what))
     except st.ShootstabError as error:
         tally.faults.append((REFUSED, f"{what}: {error}"))
+    except SystemError as error:  # what a compiled kernel makes of an exception that is raised in it from outside
+        ended = isinstance(error.__cause__, OverTimeError) or isinstance(error.__context__, OverTimeError)
+        tally.faults.append((SLOW, what) if ended else (RAISED, f"{what}: {error}"))
     except Exception as error:  # whatever it is, it is reported and the next question asked
         tally.faults.append((RAISED, f"{what}: {type(error).__name__}: {error}"))
     finally:

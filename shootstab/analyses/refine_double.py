@@ -30,7 +30,7 @@ from shootstab.roots.winding import count_around
 
 TIGHTEST = 1e-13  # measured (validation/calibration.py): the local error below which rounding takes over
 LOOSEST = 1e-5  # chosen: the largest local error with which halving the steps still tells the error
-LOCAL_ERROR = 1.0  # chosen: the local error to begin with, in the accuracy of the mode, whose bound is then some percent of that at most
+LOCAL_ERROR = 0.1  # chosen: the local error to begin with, in the accuracy of the mode; with the whole of it three modes in 2e-7 were lost
 OF_LOCAL_ERRORS = 10.0  # chosen: a zero is off by so many local errors at most, in |σ|, where nothing has been measured yet
 TIGHTENED = 1e-2  # chosen: the next local error, in the last one
 CIRCLE_OF_PROOF = 1e-2  # chosen: the circle of the proof at least, in the accuracy asked for

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 def options(parser: argparse.ArgumentParser, guess: Callable[[str], complex], numbers: Any) -> None:
     """Add what `prove` takes."""
-    what_for = "--guess | --disc | --region | --half-annulus | --growing"
+    what_for = "--guess | a region | --growing"
     parser.usage = f"{parser.prog} [options] SCENE ({what_for})"  # its own would not fit on a page
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("--guess", type=guess, metavar="RE[,IM]", help="exactly one eigenvalue in a small disc about the mode next to it")

@@ -82,10 +82,10 @@ def test_many_digits_do_not_take_what_newton_has_not_settled(steps: int, flows: 
         for module in (multiprecision_flow, multiprecision_problem):
             monkeypatch.setattr(module, "FLOW_NEWTONS", steps)
         if steps > 1:
-            assert set(integration.farther(sigma, combination, arithmetic.number(50)))
+            assert set(integration.farther(sigma, combination, arithmetic.number(0), arithmetic.number(50)))
             return
         with pytest.raises(ConvergenceError, match="no volume fraction is found at a distance of 50 above the start"):
-            integration.farther(sigma, combination, arithmetic.number(50))
+            integration.farther(sigma, combination, arithmetic.number(0), arithmetic.number(50))
         with pytest.raises(ConvergenceError, match="the base of the flow cannot be located: its energy condition is met by grazing"):
             digits.base(arithmetic, settings, lambda: None)
 
