@@ -313,7 +313,7 @@ def region(p: DrawnPencil, seed: int) -> tuple[Any, list[complex], list[complex]
         size = abs(centre) * rng.uniform(0.05, 1.2) + 1e-3
         a = centre - size * complex(rng.uniform(0.1, 1), rng.uniform(0.1, 1))
         b = centre + size * complex(rng.uniform(0.1, 1), rng.uniform(0.1, 1))
-        if a.real <= p.right_of + 0.05:
+        if a.real <= p.right_of + 0.05 or max(map(abs, st.Rectangle(a, b).hull)) >= LARGEST:  # modes beyond are not in the two spectra
             continue
 
         def depth(v: Array, lower: complex = a, upper: complex = b) -> Array:

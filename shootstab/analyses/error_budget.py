@@ -24,7 +24,7 @@ SAFETY = 3.0  # chosen: factor on what a random sample of far frame or steps sho
 NOISE = 5.0  # chosen: factor on samples of the transport's rounding; validation/calibration.py measures that no error passes its bound
 # The factor on two flows computed anew, with every rounding on the way from the inputs over the flow to the system: with 6 one bound of
 # 3,000 on chutes drawn at random was broken, by a fortieth.
-FLOW_NOISE = 10.0  # measured (validation/random_chutes.py, draw 697)
+FLOW_NOISE = 10.0  # measured (validation/random_chutes.py): draw 697
 SYSTEM_PROBE = 1e-11  # chosen: relative change of the system's entries by which their rounding is measured: far above it, and small
 # the factor on two samples of what one rounding of every entry does: the step rounds its sums too; validation/calibration.py tries it
 SYSTEM_NOISE = 4.0  # chosen
