@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
 
 from shootstab.analyses.disc_proof import MORE_BITS, disc
-from shootstab.analyses.proof import Proof, lemmas, premise, shape_of
+from shootstab.analyses.proof import Proof, gathered, lemmas, premise
 from shootstab.core.balls import acb, arb
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.progress import Progress
@@ -56,17 +56,7 @@ def along(forms: tuple[Enclosable, ...], region: Rectangle, spare: int, progress
     """
     began = perf_counter()
     found = [_followed(form, region, spare, progress) for form in forms]
-    return Proof(
-        tuple(part.count for part in found),
-        shape_of(region),
-        min(part.margin for part in found),
-        max(part.bits for part in found),
-        max(part.points for part in found),
-        sum(part.evaluations for part in found),
-        perf_counter() - began,
-        lemmas(forms),
-        premise=premise(forms),
-    )
+    return replace(gathered(found, region, perf_counter() - began, lemmas(forms)), premise=premise(forms))
 
 
 def _followed(form: Enclosable, region: Rectangle, spare: int, progress: Progress | None) -> _Followed:

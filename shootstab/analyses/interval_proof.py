@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from time import perf_counter
 from typing import Any
 
 from shootstab.analyses.contour_proof import LEAST_CONTOUR_BITS, RECTANGLE_SLACK, RIM, along, settings
 from shootstab.analyses.disc_proof import MOST_BITS, disc
-from shootstab.analyses.proof import Proof, lemmas, shape_of
+from shootstab.analyses.proof import Proof, gathered, lemmas
 from shootstab.core.balls import acb, arb
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.progress import TOTAL, Progress
@@ -63,17 +63,8 @@ def over(make: EnclosableAt, name: str, low: Fraction, high: Fraction, region: R
         raise AssertionError("proved counts differ between subintervals of an interval and its ends: one of them is computed wrongly")
     with at_bits(LEAST_CONTOUR_BITS):
         own = lemmas([make(acb(ball(low)))])
-    return Proof(
-        (found[0].count,),
-        shape_of(region),
-        min(subinterval.margin for subinterval in found),
-        max(subinterval.bits for subinterval in found),
-        max(subinterval.points for subinterval in found),
-        sum(subinterval.evaluations for subinterval in found),
-        perf_counter() - began,
-        (*own, "E10"),
-        interval={"name": name, "low": str(low), "high": str(high), "pieces": len(found)},
-    )
+    whole = gathered(found, region, perf_counter() - began, (*own, "E10"))
+    return replace(whole, counts=whole.counts[:1], interval={"name": name, "low": str(low), "high": str(high), "pieces": len(found)})
 
 
 def _at(make: EnclosableAt, value: Fraction, region: Rectangle, spare: int) -> int:

@@ -29,7 +29,7 @@ from shootstab.analyses.enclosed_jobs import (
     number_from,
     on_ellipse,
 )
-from shootstab.analyses.proof import Proof, in_order, lemmas, premise, shape_of
+from shootstab.analyses.proof import Proof, gathered, in_order, lemmas, premise
 from shootstab.analyses.workers import parcel, spread
 from shootstab.core.balls import acb, arb
 from shootstab.core.errors import ConvergenceError
@@ -195,17 +195,7 @@ def by_pieces(problem: Problem, region: Bounded, spare: int, progress: Progress 
     """
     began, forms = perf_counter(), factors(problem)
     found = [_counted(problem, place, form, region, spare, progress, workers) for place, form in enumerate(forms)]
-    return Proof(
-        tuple(part.count for part in found),
-        shape_of(region),
-        min(part.margin for part in found),
-        max(part.bits for part in found),
-        max(part.points for part in found),
-        sum(part.evaluations for part in found),
-        perf_counter() - began,
-        in_order((*lemmas(forms), "E13")),
-        premise=premise(forms),
-    )
+    return replace(gathered(found, region, perf_counter() - began, in_order((*lemmas(forms), "E13"))), premise=premise(forms))
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context, Decimal
-from typing import Any
+from typing import Any, Protocol
 
 import mpmath
 
@@ -65,6 +65,39 @@ class Proof:
             return f"{before}{subject} in the half-annulus {radii.format(_shown(centre))}, Re σ > {centre['re']}"
         low, high = self.region["corners"]
         return f"{before}{subject} in the rectangle from {_shown(low)} to {_shown(high)}"
+
+
+class ProvedPart(Protocol):
+    """What was proved of one factor of D, or on one subinterval of a parameter; see Proof."""
+
+    @property
+    def count(self) -> int: ...
+
+    @property
+    def margin(self) -> float: ...
+
+    @property
+    def bits(self) -> int: ...
+
+    @property
+    def points(self) -> int: ...
+
+    @property
+    def evaluations(self) -> int: ...
+
+
+def gathered(parts: Sequence[ProvedPart], region: Rectangle | HalfAnnulus, seconds: float, relied: tuple[str, ...]) -> Proof:
+    """The proof on a region that its parts are, each with a count of its own: the least margin, the most bits, all evaluations."""
+    return Proof(
+        tuple(part.count for part in parts),
+        shape_of(region),
+        min(part.margin for part in parts),
+        max(part.bits for part in parts),
+        max(part.points for part in parts),
+        sum(part.evaluations for part in parts),
+        seconds,
+        relied,
+    )
 
 
 def lemmas(forms: Sequence[Enclosable]) -> tuple[str, ...]:

@@ -22,8 +22,7 @@ WORST_START = 1e-11  # chosen: relative error of a frame beyond which nothing is
 LAST_TERM = 1e-19  # chosen: the series ends where its terms are so small against the first ones
 TERM_ROUNDING = 4e-16  # chosen: the relative rounding of one term of the series, two units
 FIRST_ROUNDING = 2e-15  # chosen, some ten units: first coefficients below this part of the largest are zeros that rounding has left
-# chosen: the hair, in x: powers x^0.1 of it are far below all rounding, and x⁻¹ has no double's range left
-AT_THE_END = 1e-200
+AT_THE_END = 1e-200  # chosen: the hair, in x: powers x^0.1 of it are far below all rounding, and x⁻¹ is a double still
 AT_THE_END_OF_POLES = 1e-60  # chosen: the same where states go as higher inverse powers, down to x⁻⁵
 NEARER_START = 0.7  # chosen: the next place of the start, in the distance of the last
 

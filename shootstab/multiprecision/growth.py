@@ -20,8 +20,8 @@ from shootstab.core.balls import arb
 from shootstab.multiprecision.minors import MinorEntries
 from shootstab.multiprecision.tailed_series import NO_TAIL
 
-# derived: it exceeds the rounding of LONGEST_EXPONENTIAL terms, each of as many factors as its order, sums of 10⁴ numbers
-ROUNDED_UP = 1 + 2.0**-30
+# It exceeds the rounding of LONGEST_EXPONENTIAL terms, each of as many factors as its order, sums of 10⁴ numbers.
+ROUNDED_UP = 1 + 2.0**-30  # derived: see above
 UPWARDS = 2.0**-50  # derived: it exceeds the rounding of a ball's upper bound to a double
 FAINTEST = 2.0**-100  # chosen: the least of the moduli, in the largest; raised so far, what underflows is below ROUNDED_UP of each
 LARGEST_NORM = 64.0  # chosen: the norm of hM in one exponential, so that nothing overflows

@@ -26,8 +26,7 @@ TAIL_NATS = 7.0  # chosen: the rest of a Taylor series on a circle lies below D 
 LEAST_POINTS, SPARE_POINTS = 2, 4
 FIRST_LENGTH, SHORTEST_LENGTH = 1 / 64, 2.0**-48  # chosen: parts of a side of a polygon
 STEP_OF_MARGIN = 0.7  # chosen: the next step over the last one, in the margin of that
-# derived: bits a degree, more than the 2 log2(1 + √2) that powers of u lose where p is a sum of Chebyshev's polynomials, forth and back
-CONDITION_BITS = 3
+CONDITION_BITS = 3  # derived: bits a degree, above the 2 log2(1 + √2) that powers of u lose where p is a sum of Chebyshev's, forth and back
 EnclosedDiscriminant = Callable[[Any], Any]  # σ ↦ an enclosure of D(σ)
 
 

@@ -96,18 +96,17 @@ class PlateFlow:
 
     def at(self, y: ComplexArray) -> ComplexArray:
         """f, U, S, T, Q (5, m) at points y (m,); f, which nothing needs there, is 0 in the free stream."""
-        real = np.minimum(y.real, self.end)
-        interval = np.floor(real / self.length).astype(np.int64)
-        inside = np.clip(interval, 0, len(self.coefficients) - 1)
+        beyond = y.real >= self.end  # asked of y itself: the end over the length of an interval may round to less than their number
+        inside = np.clip(np.floor(np.minimum(y.real, self.end) / self.length).astype(np.int64), 0, len(self.coefficients) - 1)
         with np.errstate(invalid="ignore"):
-            x = np.where(np.isfinite(y), 2 * (y / self.length - inside) - 1, 0.0)
+            x = np.where(beyond | ~np.isfinite(y), 0.0, 2 * (y / self.length - inside) - 1)
         below = above = np.zeros((len(y), 5), dtype=x.dtype)
         for k in range(self.coefficients.shape[1] - 1, 0, -1):  # Clenshaw
             below, above = self.coefficients[inside, k] + 2 * x[:, None] * below - above, below
         state = (self.coefficients[inside, 0] + x[:, None] * below - above).T
         state[2] = np.exp(state[2])
         free = np.array([0.0, 1.0, 0.0, 1.0, 0.0])[:, None]
-        return np.asarray(np.where(interval >= len(self.coefficients), free, state))
+        return np.asarray(np.where(beyond, free, state))
 
     def shortened(self, accuracy: float) -> PlateFlow:
         """The flow with as few coefficients as leave out no more than this, relative to the largest, and each off by as much as that."""

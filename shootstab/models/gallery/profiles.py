@@ -30,14 +30,14 @@ class Piecewise:
     def __call__(self, y: ComplexArray) -> ComplexArray:
         """Values (m,) at points y (m,)."""
         at = np.asarray(y)
-        piece = np.floor(np.minimum(at.real, self.end) / self.h).astype(np.int64)
-        inside = np.clip(piece, 0, len(self.coefficients) - 1)
+        beyond = at.real >= self.end  # asked of y itself: the end over the length of a piece may round to less than their number
+        inside = np.clip(np.floor(np.minimum(at.real, self.end) / self.h).astype(np.int64), 0, len(self.coefficients) - 1)
         with np.errstate(invalid="ignore"):
-            x = np.where(np.isfinite(at), at - inside * self.h, 0.0)
+            x = np.where(beyond | ~np.isfinite(at), 0.0, at - inside * self.h)
         value = np.zeros_like(x)
         for column in self.coefficients.T[::-1]:
             value = value * x + column[inside]
-        return np.asarray(np.where(piece >= len(self.coefficients), self.limit, value))
+        return np.asarray(np.where(beyond, self.limit, value))
 
     def derivative(self) -> Piecewise:
         """d/dy; its limit is 0."""

@@ -11,8 +11,9 @@ import sympy as sp
 import shootstab as st
 from shootstab.core.errors import InputError
 from shootstab.models.gallery.plate import MACK, STOKES, malik_3, malik_6, plate_temporal, stagnation
-from shootstab.models.gallery.plate_flow import Gas, plate_flow
+from shootstab.models.gallery.plate_flow import Gas, PlateFlow, plate_flow
 from shootstab.models.gallery.plate_system import background, system
+from shootstab.models.gallery.profiles import Piecewise
 
 GAS = Gas(2.5, 148.0)
 NAMES = ("u", "v", "w", "p", "theta")
@@ -50,6 +51,16 @@ def test_the_flow_solves_its_equations(gas: Gas) -> None:
         assert np.sum(w * U * (total - total[-1]) / T) == pytest.approx(0.0, abs=1e-11)
     else:
         assert flow.wall[0] == pytest.approx(gas.wall, abs=1e-13)
+
+
+@pytest.mark.parametrize("pieces", range(1, 60))
+def test_beyond_its_last_piece_a_flow_is_its_limit(pieces: int) -> None:
+    """N h/h is below N for some N and h in doubles: the end was then taken for a point of the last piece."""
+    h = 0.7151617008005242
+    far = h * pieces * np.array([1.0, 1.0 + 1e-12, 1.5, 4.0, np.inf]) + 0j
+    assert (Piecewise(h, np.ones((pieces, 3)), 7.0)(far) == 7.0).all()
+    flow = PlateFlow(Gas(2.5, 148.0), h, np.ones((pieces, 4, 5)))
+    assert (flow.at(far) == np.array([0.0, 1.0, 0.0, 1.0, 0.0])[:, None]).all()
 
 
 def test_no_such_flow() -> None:
