@@ -19,6 +19,7 @@ SIGMA_ROUNDING = 1e-14  # chosen: part of |σ| and of the curve's scale; eigenva
 EIGHTHS = np.arange(8) / 8.0  # derived: an arc of a circle up to this long is nowhere farther from its middle than at its ends
 SAGITTA = 0.9  # chosen: the curve lies no farther from a segment than a tenth of its length; 1 percent where σ ~ ℓ^p
 MOST_BOUNDARY_PARTS = 4000  # chosen: parts of a boundary that are looked at for one curve; they take a second or two
+SEGMENT_CUTS = 8  # chosen: parts into which a segment is cut that is too long for its chord
 SHORTEST_TOUCH = 1e-9  # chosen: the length of boundary, in the size of a region, on which a curve counts as touching it
 SLOPE_STEP = 1e-4  # chosen: the step of a central difference of a curve, in its scale: its square and the rounding over it are small
 
@@ -73,7 +74,7 @@ class Curve:
             if self._at_least(here) > length:
                 continue
             bow = abs(here - 0.5 * (before + behind))  # the height of the boundary over its chord
-            if self.at is None and self._from_chord(before, behind) > 2.0 * bow + self._rounding(here):
+            if self._clear_of(before, behind, 2.0 * bow + self._rounding(here)):
                 continue
             distance = self.distance(here)
             if SAGITTA * distance > length:
@@ -103,14 +104,41 @@ class Curve:
         width = float(self.high[i] - self.low[i])
         return self._to_curve(self.at, sigma, float(self.low[i] + t[i] * width), width)
 
-    def _from_chord(self, p: complex, q: complex) -> float:
-        """The distance of the segments to the one from p to q; 0 where one crosses it."""
+    def _clear_of(self, p: complex, q: complex, margin: float) -> bool:
+        """Whether the curve is seen to keep more than a margin from the chord from p to q.
+
+        It keeps within a tenth of a segment's length of it. Segments too long for that are cut where `at` has the curve between their ends,
+        as long as there are no more of them than MOST_BOUNDARY_PARTS.
+        """
+        distances = self._from_chord(p, q)
+        if self.at is None:
+            return bool(distances.min() > margin)
+        lengths = np.abs(self.end - self.begin)
+        near = np.flatnonzero(distances <= (1.0 - SAGITTA) * lengths + margin)
+        if near.size == 0:
+            return True
+        if near.size * SEGMENT_CUTS > MOST_BOUNDARY_PARTS or lengths[near].min() < margin:
+            return False
+        return self._cut(near)._clear_of(p, q, margin)
+
+    def _cut(self, which: NDArray[np.intp]) -> Curve:
+        """The segments of these indices in SEGMENT_CUTS parts each, with the points of the curve that are nearest to theirs."""
+        assert self.at is not None
+        t = np.arange(SEGMENT_CUTS + 1) / SEGMENT_CUTS
+        places = self.low[which, None] + (self.high - self.low)[which, None] * t
+        sigma = self.begin[which, None] + (self.end - self.begin)[which, None] * t
+        for i, j in np.ndindex(len(which), SEGMENT_CUTS - 1):
+            sigma[i, j + 1] = _nearest(self.at(float(places[i, j + 1])), complex(sigma[i, j + 1]))
+        low, high = places[:, :-1].ravel(), places[:, 1:].ravel()
+        return Curve(sigma[:, :-1].ravel(), sigma[:, 1:].ravel(), low, high, self.at, self.scale)
+
+    def _from_chord(self, p: complex, q: complex) -> NDArray[np.float64]:
+        """The distance of each segment (m,) to the one from p to q; 0 where it crosses it."""
         a, b = self.begin, self.end
-        if (_crossed(a - p, b - p, q - p) & _crossed(p - a, q - a, b - a)).any():
-            return 0.0
         chord = Curve(np.array([p]), np.array([q]), np.zeros(1), np.ones(1))
-        ends = np.concatenate((a, b[-1:])) if np.array_equal(a[1:], b[:-1]) else np.concatenate((a, b))
-        return min(float(self._segments(p)[1].min()), float(self._segments(q)[1].min()), float(chord._segments(ends)[1].min()))
+        ends = [chord._segments(end)[1] for end in (a, b)]
+        nearest = np.min([*ends, self._segments(p)[1], self._segments(q)[1]], axis=0)
+        return np.where(_crossed(a - p, b - p, q - p) & _crossed(p - a, q - a, b - a), 0.0, nearest)
 
     def _segments(self, sigma: complex | ComplexArray) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The place, from 0 to 1, of the point of each segment (m,) nearest to σ, and its distance."""

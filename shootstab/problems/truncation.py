@@ -169,7 +169,12 @@ def frozen_error(
 
 
 def _relative(split: SpectralSplitting, moved: NDArray[np.float64]) -> float:
-    """|V| moved against the size of X, row by row; rows of X that are as good as zero count as ZERO_ROW of the largest."""
+    """|V| moved against the size of X, row by row; rows of X that are as good as zero count as ZERO_ROW of the largest.
+
+    It is 0 where nothing decays.
+    """
+    if split.X.shape[1] == 0:
+        return 0.0
     rows = np.linalg.norm(split.X, axis=1)
     change = (np.abs(np.concatenate((split.X, split.X2), axis=1)) @ moved).max(axis=1)
     return float((change / np.maximum(rows, ZERO_ROW * rows.max())).max())

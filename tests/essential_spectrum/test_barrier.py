@@ -114,6 +114,31 @@ def test_a_boundary_beside_a_curve_is_told_apart_from_it() -> None:
     assert curve.enters(Rectangle(-0.5 - 0.5j, 0.5 - 0.4999j))  # between two of the points
 
 
+@pytest.mark.parametrize("gap", [1e-4, 1e-6, 1e-8])
+def test_a_curve_that_grazes_a_boundary_is_told_apart(gap: float) -> None:
+    """σ = −ℓ² + 3iℓ, by 200 segments: its tip at 0 lies beside a straight boundary, or on its other side."""
+    ell = np.linspace(-2.0, 2.0, 201) + 0.003
+    points = -(ell**2) + 3j * ell
+    curve = Curve(points[:-1], points[1:], ell[:-1], ell[1:], lambda t: [complex(-t * t, 3 * t)])
+    assert not curve.enters(Rectangle(gap - 5j, 3 + 5j))
+    assert curve.enters(Rectangle(-gap - 5j, 3 + 5j))
+
+
+def test_an_advected_well_has_one_growing_mode() -> None:
+    """y = e^{−3z/2} w: σ + 9/4 = 4 or 1 of the well, and growing is 7/4; its essential spectrum grazes the imaginary axis at 0.
+
+    A reference inside the parabola has two decaying solutions at one end and none at the other, and no mode.
+    """
+    equation = "d(y,2) + 3*d(y) + 6*sech(z)**2*y - sigma*y"
+    line = st.Infinity(), st.Infinity()
+    found = st.count_unstable(st.equations(["y"], [equation], *line), 1e-4)
+    assert (found.count, found.lemma) == (1, "P3")
+    inside = st.equations(["y"], [equation], *line, reference=-3.0)
+    assert st.count(inside, Disc(-3.0, 0.1)) == 0
+    with pytest.raises(Undecidable, match="beyond the continuous spectrum of an end at infinity"):
+        st.count_unstable(inside, 1e-4)
+
+
 def test_a_curve_known_by_a_formula_along_a_boundary_is_refused_soon() -> None:
     z = np.linspace(-1.0, 1.0, 40)
     points = 1j * z
