@@ -14,6 +14,7 @@ def require_count(first: FirstOrder, statement: Statement, conditions: list[list
     left, right = len(statement.left_rows), len(statement.right_rows)
     names = statement.names
     at_joints = [c for joint in statement.joints for _, row in joint.rows for c in row.values()]
+    at_joints += [c for _, row in statement.coupled for c in row.values()]
     held = [*first.C.values(), *first.D.values(), *(c for rows in conditions for row in rows for c in row.values()), *at_joints]
     if not any(degree(c) for c in held):
         raise InputError(

@@ -36,7 +36,15 @@ class Periodic:
     at: float
 
 
-End = Conditions | Infinity | Axis | Periodic
+@dataclass(frozen=True, eq=False)
+class CoupledEnd:
+    """One of two finite ends that conditions couple: see coupled_ends.py. Its own are those that hold at it alone."""
+
+    at: float
+    conditions: Sequence[Any]
+
+
+End = Conditions | Infinity | Axis | Periodic | CoupledEnd
 
 
 def end_of(given: Any, side: str) -> End:
@@ -60,7 +68,7 @@ def end_of(given: Any, side: str) -> End:
 
 def rows_of(end: End, side: str, names: Names) -> tuple[tuple[tuple[str, EquationRow], ...], Denominators]:
     """The conditions as the user means them, each with what errors call it, and the denominators that they were multiplied by."""
-    if not isinstance(end, Conditions):
+    if not isinstance(end, Conditions | CoupledEnd):
         return (), ()
     rows: list[tuple[str, EquationRow]] = []
     denominators: list[tuple[str, Expression]] = []

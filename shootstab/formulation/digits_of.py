@@ -12,7 +12,8 @@ from shootstab.core.errors import InputError
 from shootstab.formulation.asymptotic_end import asymptotic_end
 from shootstab.formulation.axis import RegularSpace
 from shootstab.formulation.base_digits import FlowDigits
-from shootstab.formulation.conditions import Axis, Conditions, Periodic
+from shootstab.formulation.conditions import Axis, Conditions, CoupledEnd, Periodic
+from shootstab.formulation.coupled_ends import over_both_ends
 from shootstab.formulation.digit_beginnings import AtInfinity, AtSingularEnd, AtWall, AugmentedBeginning, Begin
 from shootstab.formulation.equation_digits import EquationDigits
 from shootstab.formulation.evaluation import on_mpmath
@@ -29,6 +30,7 @@ from shootstab.formulation.state_pencil import Powers, StatePencil, by_powers
 from shootstab.formulation.stated_unknowns import shown_in_states
 from shootstab.formulation.statement import Statement
 from shootstab.formulation.subdomain_digits import ArrivalConditions, DigitSubdomain, SubdomainDigits
+from shootstab.formulation.system import EquationRow
 from shootstab.formulation.vanishing import AGREEING, EVALUATED
 from shootstab.multiprecision.integration import MultiprecisionProblem
 from shootstab.problems.decaying_space import StartingSpace
@@ -37,9 +39,16 @@ from shootstab.problems.two_point import TwoPointReduction
 
 
 def digits_of(
-    statement: Statement, system: StatePencil, layers: Sequence[ReducedLayer], reduction: TwoPointReduction
+    statement: Statement,
+    system: StatePencil,
+    layers: Sequence[ReducedLayer],
+    reduction: TwoPointReduction,
+    coupled: Sequence[EquationRow] = (),
 ) -> MultiprecisionProblem:
-    """The problem in any precision. Raises InputError, with the reason, where there is no such way."""
+    """The problem in any precision; coupled are all conditions of coupled ends.
+
+    Raises InputError, with the reason, where there is no such way.
+    """
     try:
         if statement.doubles_only:
             raise InputError(f"{', '.join(statement.doubles_only)} are given to doubles only: allowed are formulas")
@@ -47,6 +56,11 @@ def digits_of(
             shown = shown_in_states(statement.names.unknowns, layers[0].first_order)
             return _between_periodic_ends(statement, system, shown, (statement.left.at, statement.right.at))
         flow = None if statement.base is None else FlowDigits(statement.base)
+        if isinstance(statement.left, CoupledEnd):
+            shown = shown_in_states(statement.names.unknowns, layers[0].first_order)
+            begin, target = _place(statement.left), _place(statement.right)
+            arrival = ArrivalConditions(over_both_ends(coupled, layers[0].first_order), system.size, target)
+            return SubdomainDigits([DigitSubdomain(system, AugmentedBeginning(begin), target, shown)], [arrival], flow)
         if statement.joints:
             return _in_layers(statement, system, layers, reduction, flow)
         places = [_place(end) for end in (statement.left, statement.right) if not isinstance(end, Infinity)]
@@ -180,5 +194,5 @@ def _sides(reduction: TwoPointReduction) -> list[int]:
 
 
 def _place(end: object) -> Fraction:
-    assert isinstance(end, Conditions | Axis)
+    assert isinstance(end, Conditions | Axis | CoupledEnd)
     return Fraction(Gaussian.of(end.at).re)

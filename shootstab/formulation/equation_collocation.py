@@ -22,7 +22,8 @@ from shootstab.core.errors import InputError
 from shootstab.formulation.collocation_blocks import LayerBlock, UnknownColumns, highest_power, sampled
 from shootstab.formulation.collocation_counts import ADVICE, Counts, conditions_needed, counts, without
 from shootstab.formulation.collocation_length import DRIFT_COUNTED, PROBE, TAIL_COUNTED, best_length, centre, digits_held, largest_step
-from shootstab.formulation.conditions import Conditions, Periodic
+from shootstab.formulation.conditions import Conditions, CoupledEnd, Periodic
+from shootstab.formulation.coupled_ends import END_SIDES
 from shootstab.formulation.joints import INTERFACE_SIDES
 from shootstab.formulation.statement import Statement
 from shootstab.formulation.system import EquationRow
@@ -140,9 +141,14 @@ class EquationCollocation:
         parts = [rows for block in blocks for rows in block.equations(shape)]
         ends = (statement.left, statement.left_rows, blocks[0], -1), (statement.right, statement.right_rows, blocks[-1], 1)
         for end, conditions, block, side in ends:
-            if isinstance(end, Conditions):
+            if isinstance(end, Conditions | CoupledEnd):
                 at = block.basis.end(side)
                 parts += [sampled(row, at.z, block.columns(at), shape, given) for _, row in conditions]
+        if statement.coupled:
+            (block,) = blocks
+            sides = zip(END_SIDES, (-1, 1), strict=True)
+            both = {f"{word}({name})": at for word, side in sides for name, at in block.columns(block.basis.end(side)).items()}
+            parts += [sampled(row, np.zeros(1), both, shape, given) for _, row in statement.coupled]
         for joint, before, behind in zip(statement.joints, blocks[:-1], blocks[1:], strict=True):
             columns: dict[str, UnknownColumns] = {}
             for word, block, side in zip(INTERFACE_SIDES, (before, behind), (1, -1), strict=True):
@@ -158,7 +164,8 @@ class EquationCollocation:
         statement = self.statement
         of_places = [row for _, row in (*statement.left_rows, *statement.right_rows)]
         of_joints = [row for joint in statement.joints for _, row in joint.rows]
-        return [*(row for layer in statement.layers for row in layer.system.rows), *of_places, *of_joints]
+        of_both = [row for _, row in statement.coupled]
+        return [*(row for layer in statement.layers for row in layer.system.rows), *of_places, *of_both, *of_joints]
 
 
 def offered(statement: Statement) -> tuple[EquationCollocation | None, Mapping[str, str]]:
@@ -176,9 +183,9 @@ def collocation(statement: Statement) -> EquationCollocation:
     if isinstance(statement.left, Periodic):
         return EquationCollocation(statement, tuple(without(one, n) for one, n in zip(found, needed, strict=True)))
     joints = sum(len(joint.rows) - len(joint.amplitudes) for joint in statement.joints)
-    held = len(statement.left_rows) + len(statement.right_rows) + joints
+    held = len(statement.left_rows) + len(statement.right_rows) + len(statement.coupled) + joints
     # the basis does what conditions would at ends that have none; two such ends, in two layers, take as many each
-    open_layers = sorted({j for j, holds in zip((0, len(found) - 1), statement.holding, strict=True) if not holds})
+    open_layers = sorted({j for j, closed in zip((0, len(found) - 1), statement.closed, strict=True) if not closed})
     fewer = sum(needed) - held
     share = fewer // max(len(open_layers), 1)
     if fewer < 0 or share * len(open_layers) != fewer:

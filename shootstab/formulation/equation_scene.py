@@ -11,7 +11,8 @@
 An end is {at, conditions}; {axis = its place} where the equations have a regular singular point; {periodic = its place}, both ends;
 "infinity"; or, where the coefficients neither have a limit there nor go as powers, {infinity = true, start = …}.
 interfaces = [{ at, conditions, amplitudes }] divides the domain into layers, in which parameters and definitions that are lists have one
-value each. base is a flow that solves equations of its own: see base_table.py. Further keys: eigenvalue and variable, their names (by
+value each. coupled = [conditions that hold left(f) and right(f)] joins two finite ends, which may be { at = ... } alone. base is a flow
+that solves equations of its own: see base_table.py. Further keys: eigenvalue and variable, their names (by
 default sigma and z), fold, reference = [re, im], and knots = [places at which coefficients are not smooth, or hardly].
 """
 
@@ -28,7 +29,18 @@ from shootstab.problems.ends import Infinity
 
 # chosen: the keys of [problem], as the docstring says
 NEEDED = ("unknowns", "equations", "left", "right")
-OPTIONAL = ("interfaces", "parameters", "where", "base", "eigenvalue", "variable", "fold", "reference", "knots")  # chosen likewise
+OPTIONAL = (
+    "interfaces",
+    "coupled",
+    "parameters",
+    "where",
+    "base",
+    "eigenvalue",
+    "variable",
+    "fold",
+    "reference",
+    "knots",
+)  # chosen likewise
 
 
 def from_table(table: Mapping[str, Any]) -> EquationProblem:
@@ -43,9 +55,10 @@ def from_table(table: Mapping[str, Any]) -> EquationProblem:
     return equations(
         _texts(table, "unknowns"),
         _texts(table, "equations"),
-        _end(table["left"], "left"),
-        _end(table["right"], "right"),
+        _end(table["left"], "left", "coupled" in table),
+        _end(table["right"], "right", "coupled" in table),
         interfaces=_interfaces(table),
+        coupled=_texts(table, "coupled") if "coupled" in table else (),
         parameters=_table(table, "parameters"),
         where=_table(table, "where"),
         base=table.get("base"),
@@ -57,7 +70,7 @@ def from_table(table: Mapping[str, Any]) -> EquationProblem:
     )
 
 
-def _end(given: Any, side: str) -> End:
+def _end(given: Any, side: str, coupled: bool) -> End:
     allowed = (
         'allowed is { at = ..., conditions = [...] }, { axis = ... }, { periodic = ... }, "infinity" or { infinity = true, start = ... }'
     )
@@ -76,6 +89,8 @@ def _end(given: Any, side: str) -> End:
         if decaying is not None and (not isinstance(decaying, int) or isinstance(decaying, bool)):
             raise InputError(f"[problem] {side}: decaying = {shortened(decaying)}: allowed is a count")
         return Infinity(decaying=decaying, start=None if start is None else float(start))
+    if coupled and set(given) == {"at"}:
+        return Conditions(given["at"], [])
     if set(given) != {"at", "conditions"}:
         raise InputError(f"[problem] {side} has the keys {', '.join(given)[:LISTED] or 'none'}: {allowed}")
     return Conditions(given["at"], given["conditions"])

@@ -10,9 +10,10 @@ from typing import Any
 
 from shootstab.formulation.base_flow import highest_derivatives
 from shootstab.formulation.base_solution import found_values, limit_of
-from shootstab.formulation.conditions import Axis, Conditions, Periodic
+from shootstab.formulation.conditions import Axis, Conditions, CoupledEnd, Periodic
 from shootstab.formulation.constraints import constraints
 from shootstab.formulation.continuous_spectrum import InteriorSpectrum
+from shootstab.formulation.coupled_ends import row_texts
 from shootstab.formulation.dispersion import FlowLimit, dispersion_relation, free_name, zero_in_sigma
 from shootstab.formulation.expression import VARIABLE, Expression, number
 from shootstab.formulation.joint_conditions import rows_over_states
@@ -21,7 +22,7 @@ from shootstab.formulation.names import Names
 from shootstab.formulation.reduced_layers import ReducedLayer
 from shootstab.formulation.state_pencil import Condition, StatePencil, independent_states
 from shootstab.formulation.statement import Statement
-from shootstab.formulation.system import coefficients, degree, shown
+from shootstab.formulation.system import EquationRow, coefficients, degree, shown
 from shootstab.problems.ends import INFINITIES
 
 Lines = list[tuple[str, str]]
@@ -32,8 +33,11 @@ def explanation(
     layers: Sequence[ReducedLayer],
     conditions: tuple[list[Condition], list[Condition]],
     system: StatePencil,
+    coupled: Sequence[EquationRow] = (),
 ) -> Lines:
-    """Pairs of a heading and what belongs to it; formulas in the user's names, parameters by their values."""
+    """Pairs of a heading and what belongs to it; formulas in the user's names, parameters by their values. coupled are all conditions of
+    coupled ends.
+    """
     names, first = statement.names, layers[0].first_order
 
     text, row_text = names.text, names.row_text
@@ -46,7 +50,7 @@ def explanation(
         ("order", f"{first.order}: as many conditions, or solutions that decay, are needed in all"),
         ("states", ", ".join(map(shown, first.states))),
     ]
-    apart = [] if statement.joints else independent_states(system)
+    apart = [] if statement.joints or coupled else independent_states(system)
     if len(apart) > 1:
         told = "; ".join(", ".join(shown(first.states[j]) for j in part) for part in apart)
         lines.append(("subsystems", f"{len(apart)}, which no equation or condition connects: {told}"))
@@ -90,6 +94,8 @@ def explanation(
             lines += [(f"{side}, {names.variable} = {end.at:g}", condition_text(row)) for row in rows]
         elif isinstance(end, Axis):
             lines.append((f"{side}, {names.variable} = {end.at:g}", "a regular singular end: solutions are regular"))
+        elif isinstance(end, CoupledEnd):
+            lines.append((f"{side}, {names.variable} = {end.at:g}", "coupled to the other end"))
         elif isinstance(end, Periodic):
             lines.append((f"{side}, {names.variable} = {end.at:g}", "periodic: every state is the same at both ends"))
         else:
@@ -98,6 +104,7 @@ def explanation(
             direction = -1 if side == "left" else 1
             limit = None if statement.base is None else partial(limit_of, statement.base, direction)
             lines += _essential(layer.states, direction, limit, names, text)
+    lines += [("ends", told) for told in row_texts(coupled, names)]
     return lines
 
 

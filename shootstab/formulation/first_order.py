@@ -60,18 +60,22 @@ class FirstOrder:
 
     def in_states(self, row: EquationRow, beside: Iterable[Jet] = ()) -> EquationRow:
         """The same in terms of the states, and of what may stand beside them, up to a factor that vanishes for single σ at most."""
-        return reduced_to(row, {*self.states, *beside}, self.rules, self.vanishing)
+        return reduced_to(row, {*self.states, *beside}, self.rule, self.vanishing)
+
+    def rule(self, at: Jet) -> EquationRow:
+        """The row that finds this jet from lower ones."""
+        (_, top), row = self.rules[at[0]]
+        return differentiated(row, at[1] - top, self.vanishing)
 
 
-def reduced_to(row: EquationRow, states: Set[Jet], rules: Mapping[str, tuple[Jet, EquationRow]], vanishing: Vanishing) -> EquationRow:
-    """A row in terms of the states alone, by rules of which each finds a jet and its derivatives from lower ones."""
+def reduced_to(row: EquationRow, states: Set[Jet], rule_for: Callable[[Jet], EquationRow], vanishing: Vanishing) -> EquationRow:
+    """A row in terms of the states alone, by rules of which each finds a jet from lower ones."""
     for _ in range(MOST_SUBSTITUTIONS):
         foreign = [at for at in row if at not in states]
         if not foreign:
             return row
         name, order = max(foreign, key=lambda at: at[1])
-        (_, top), rule = rules[name]
-        rule = differentiated(rule, order - top, vanishing)
+        rule = rule_for((name, order))
         pivot, x = rule[name, order], row[name, order]
         p, x = (number(1), x / pivot) if degree(pivot) == 0 else (pivot, x)
         row = combined([(p, row), (-x, rule)], vanishing)

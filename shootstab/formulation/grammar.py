@@ -44,14 +44,25 @@ def read(text: str, where: str, scope: Scope, known: Callable[[], str]) -> Expre
 class FormulaReader:
     """One pass over one formula."""
 
-    def __init__(self, text: str, where: str, scope: Scope, known: Callable[[], str], sides: Mapping[str, Scope] | None = None) -> None:
-        """sides, at an interface: the scopes of before(f) and behind(f)."""
+    def __init__(
+        self,
+        text: str,
+        where: str,
+        scope: Scope,
+        known: Callable[[], str],
+        sides: Mapping[str, Scope] | None = None,
+        placed: Mapping[str, Callable[[Expression], Expression]] | None = None,
+    ) -> None:
+        """sides: the scopes of before(f) and behind(f) at an interface, of left(f) and right(f) at coupled ends, where placed takes f
+        to its end.
+        """
         if not isinstance(text, str):
             raise InputError(f"{where} = {shortened(text)}: allowed is a formula, that is text, a number or an expression of SymPy")
         if len(text) > LONGEST_FORMULA:
             raise InputError(f"{where} has {len(text)} characters: allowed are up to {LONGEST_FORMULA}")
         self._text, self._where, self._scope, self._known = text, where, scope, known
-        self._sides = sides or {}
+        self._sides, self._placed = sides or {}, placed or {}
+        self._sided = False  # whether what is read stands in the parenthesis of a side
         self._tokens = self._split()
         self._at = 0
         self._depth = 0
@@ -167,16 +178,18 @@ class FormulaReader:
             raise self._error(f"unknown name {name!r}: allowed are {self._known()}", at) from None
 
     def _one_sided(self, side: str) -> Expression:
-        """What stands in the parenthesis, on one side of an interface."""
-        outside, self._scope = self._scope, self._sides[side]
+        """What stands in the parenthesis, on one side of an interface or at one of two coupled ends."""
+        if self._sided:
+            raise self._error(f"{side} of what has a side: allowed is one side")
+        outside, self._scope, self._sided = self._scope, self._sides[side], True
         value = self._item()
-        self._scope = outside
-        return value
+        self._scope, self._sided = outside, False
+        return self._placed[side](value) if self._placed else value
 
     def _call(self, name: str, at: int) -> Expression:
         if name in self._sides:
             return self._one_sided(name)
-        if name == "jump" and self._sides:
+        if name == "jump" and "before" in self._sides:
             begin = self._at
             before = self._one_sided("before")
             self._at = begin
@@ -212,6 +225,8 @@ class FormulaReader:
         if len(arguments) > 2 or order is None or order.im or not 0 <= order.re <= MOST_DERIVATIVES or order.re != int(order.re):
             raise self._error(f"allowed is d(f) or d(f, n) with n from 0 to {MOST_DERIVATIVES}", at)
         value = arguments[0]
+        if self._placed and not self._sided and any(atom.kind == "jet" for atom in value.atoms()):
+            raise self._error("a derivative of what is taken at one end: allowed is left(d(f)) or right(d(f))", at)
         for _ in range(int(order.re)):
             value = value.derivative()
         return value

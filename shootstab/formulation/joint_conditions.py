@@ -33,13 +33,18 @@ def rows_over_states(joint: Joint, layers: tuple[FirstOrder, FirstOrder]) -> lis
     """The rows over the states of both sides. Raises InputError where they are too many, too few, or say nothing."""
     states = {on_side(side, state) for side, layer in zip(INTERFACE_SIDES, layers, strict=True) for state in layer.states}
     states |= {(name, 0) for name in joint.amplitudes}
-    rules = {
-        on_side(side, (name, 0))[0]: (on_side(side, at), {on_side(side, key): c for key, c in rule.items()})
+    sided = {
+        on_side(side, (name, 0))[0]: (side, name, layer)
         for side, layer in zip(INTERFACE_SIDES, layers, strict=True)
-        for name, (at, rule) in layer.rules.items()
+        for name in layer.rules
     }
+
+    def rule_for(at: Jet) -> EquationRow:
+        side, name, layer = sided[at[0]]
+        return {on_side(side, key): c for key, c in layer.rule((name, at[1])).items()}
+
     vanishing = Vanishing(joint.at, joint.at, layers[0].vanishing.given)
-    reduced = [(where, reduced_to(row, states, rules, layers[0].vanishing)) for where, row in joint.rows]
+    reduced = [(where, reduced_to(row, states, rule_for, layers[0].vanishing)) for where, row in joint.rows]
     rows = [{at: _here(joint, where, c) for at, c in row.items()} for where, row in reduced]
     rows = [{at: c for at, c in row.items() if not vanishing(c)} for row in rows]
     for (where, _), row in zip(joint.rows, rows, strict=True):

@@ -12,7 +12,7 @@ import math
 from collections.abc import Sequence
 from fractions import Fraction
 
-from shootstab.formulation.conditions import Axis
+from shootstab.formulation.conditions import Axis, CoupledEnd
 from shootstab.formulation.expression import VARIABLE, Expression, Z, number
 from shootstab.formulation.statement import Statement
 from shootstab.formulation.substitution import substituted
@@ -50,7 +50,7 @@ def mirror_signs(statement: Statement) -> tuple[Fraction, dict[str, int]] | None
 
 def _middle(statement: Statement) -> Fraction | None:
     left, right = statement.domain.left, statement.domain.right
-    if isinstance(statement.left, Axis) or isinstance(statement.right, Axis):
+    if isinstance(statement.left, Axis | CoupledEnd) or isinstance(statement.right, Axis):
         return None
     if math.isinf(left) and math.isinf(right):
         return Fraction(0)

@@ -16,8 +16,9 @@ from shootstab.core.errors import InputError
 from shootstab.core.regions import Rectangle
 from shootstab.formulation.base_solution import functions
 from shootstab.formulation.condition_count import require_count
-from shootstab.formulation.conditions import Axis, Conditions, Periodic
+from shootstab.formulation.conditions import CoupledEnd
 from shootstab.formulation.continuous_spectrum import InteriorSpectrum
+from shootstab.formulation.coupled_ends import coupled_rows
 from shootstab.formulation.digits_of import digits_of
 from shootstab.formulation.enclosed_problems import enclosed, varied
 from shootstab.formulation.equation_collocation import EquationCollocation, offered
@@ -25,23 +26,21 @@ from shootstab.formulation.equation_family import EquationFamily, family_around
 from shootstab.formulation.evaluation import Given
 from shootstab.formulation.explanation import Lines, explanation, rates_at
 from shootstab.formulation.first_order import FirstOrder
-from shootstab.formulation.joint_conditions import between
-from shootstab.formulation.limits import with_limit
+from shootstab.formulation.laid_out import laid_out
 from shootstab.formulation.recorded_states import recorded_pencil
 from shootstab.formulation.reduced_layers import ReducedLayer, curves_along, pencil_of, reduced_layers
-from shootstab.formulation.singular_ends import between_periodic_ends, between_singular_ends, singular_end
 from shootstab.formulation.state_pencil import Condition, StatePencil, in_states, state_pencil
 from shootstab.formulation.stated_unknowns import unknowns_of
 from shootstab.formulation.statement import Statement, stated
-from shootstab.formulation.walls import require_finite, require_independent_ends, wall_at
-from shootstab.problems.ends import Infinity
+from shootstab.formulation.system import EquationRow
+from shootstab.formulation.walls import require_finite, require_independent_ends
 from shootstab.problems.knots import as_knots
 from shootstab.problems.linear_problem import MOST_STATES, LinearProblem
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.protocol import ComplexArray
 from shootstab.problems.recorded_pencil import RecordedPencil
 from shootstab.problems.singular_curve import ContinuumOnLine
-from shootstab.problems.two_point import TwoPointReduction, reduce_to_two_points
+from shootstab.problems.two_point import TwoPointReduction
 
 if TYPE_CHECKING:
     from shootstab.multiprecision.enclosable import Enclosable
@@ -59,6 +58,7 @@ class EquationProblem(LinearProblem):
     layers: tuple[ReducedLayer, ...]
     conditions: tuple[list[Condition], list[Condition]]
     states: StatePencil
+    coupled: Sequence[EquationRow] = ()
     posed: Mapping[str, Any] | None = None
 
     @property
@@ -90,7 +90,7 @@ class EquationProblem(LinearProblem):
     @property
     def explanation(self) -> Lines:
         """What the reduction found, in words."""
-        told = explanation(self.statement, self.layers, self.conditions, self.states)
+        told = explanation(self.statement, self.layers, self.conditions, self.states, self.coupled)
         return [*told, *rates_at(self.ends(self.generic_sigma), self.statement.names.eigenvalue, self.generic_sigma)]
 
     @cached_property
@@ -121,7 +121,7 @@ class EquationProblem(LinearProblem):
     @property
     def multiprecision(self) -> Callable[[], MultiprecisionProblem]:
         """The problem's expressions on power series. What it returns raises InputError, with the reason, where there is no such way."""
-        return partial(digits_of, self.statement, self.states, self.layers, self.reduction)
+        return partial(digits_of, self.statement, self.states, self.layers, self.reduction, self.coupled)
 
     @property
     def enclosable(self) -> Enclosable | None:
@@ -159,6 +159,7 @@ def equations(
     right: Any,
     *,
     interfaces: Sequence[Any] = (),
+    coupled: Sequence[Any] = (),
     parameters: Mapping[str, Any] | None = None,
     where: Mapping[str, Any] | None = None,
     eigenvalue: str = "sigma",
@@ -174,7 +175,8 @@ def equations(
     Equations and conditions are text (see grammar.py) or SymPy expressions, and stand for 'vanishes'. The eigenvalue may occur to any
     natural power. parameters are numbers, where holds definitions by name. An end is Conditions(at, [...]), Infinity(), or Axis(at), a
     regular singular point of the equations at which solutions are regular; or both ends are Periodic(at). interfaces divide the domain
-    into layers, in which parameters and definitions that are lists have one value each: see joints.py. given are
+    into layers, in which parameters and definitions that are lists have one value each: see joints.py. coupled are conditions that join
+    values left(f) and right(f) at two finite ends, which may then have none of their own: see coupled_ends.py. given are
     functions of the coordinate that no formula defines, as name: f(z, order) ↦ the derivative of that order, for arrays z; one with
     knots, as a `profile` has them, has a jump in one of its derivatives there. base is a flow that solves ordinary differential equations
     of its own, whose unknowns are functions in the equations: see base_table.py. fold, reference and knots are those of `problem`.
@@ -188,6 +190,7 @@ def equations(
         "left": left,
         "right": right,
         "interfaces": interfaces,
+        "coupled": coupled,
         "parameters": parameters or {},
         "where": where or {},
         "eigenvalue": eigenvalue,
@@ -199,7 +202,7 @@ def equations(
         "knots": knots,
     }
     tables = parameters or {}, where or {}
-    statement = stated(unknowns, equations, left, right, interfaces, *tables, eigenvalue, variable, given or {}, base)
+    statement = stated(unknowns, equations, left, right, interfaces, *tables, eigenvalue, variable, given or {}, base, coupled)
     return assembled(statement, fold, reference, posed, knots=knots)
 
 
@@ -239,25 +242,11 @@ def assembled(
     require_finite(matrices, statement)
     require_independent_ends(statement, first, conditions)
     curve: Callable[[Any], Any] | None = spectrum.curve if spectrum.curves and len(layers) == 1 else None
-    made: list[Any] = []
-    for end, rows, count, side in zip(ends, (system.left, system.right), (system.left_rows, system.right_rows), (-1, 1), strict=True):
-        if isinstance(end, Conditions):
-            made.append(wall_at(end.at, rows, count, system.size, domain.given))
-        elif isinstance(end, Axis):
-            bounded = [i for i, (name, order) in enumerate(first.states) if order == 0 and name in statement.names.unknowns]
-            made.append(singular_end(system, end.at, -side, bounded, f"{statement.names.variable} = {end.at:g}", domain))
-        elif isinstance(end, Infinity):
-            limited = with_limit(end, matrices, side, systems[0 if side < 0 else -1], domain.given, statement.names.text)
-            made.append(replace(limited, start=starts.get(side, limited.start)))
-    if isinstance(ends[0], Periodic) and isinstance(ends[1], Periodic):
-        reduction = between_periodic_ends(matrices, ends[0].at, ends[1].at)
-    elif any(isinstance(end, Axis) for end in ends):
-        if spectrum.curves:
-            raise InputError("C is singular for some sigma at every point up to a regular singular end: that is not offered")
-        reduction = between_singular_ends(matrices, made[0], made[1], reference)
-    else:
-        interfaces = between(statement.joints, [layer.first_order for layer in layers], domain.given)
-        reduction = reduce_to_two_points(matrices, made[0], made[1], interfaces, fold, reference)
+    own = statement.left_rows, statement.right_rows
+    coupled: list[EquationRow] = []
+    if isinstance(ends[0], CoupledEnd) and isinstance(ends[1], CoupledEnd):
+        coupled = coupled_rows((ends[0], ends[1]), own, statement.coupled, first, statement.names)
+    reduction = laid_out(statement, layers, systems, matrices, coupled, fold, reference, starts)
     has_own_flow = statement.base is not None and reduced is None
     coarser = partial(_on_another_flow, statement, fold, reference, layers, knots, reduction) if has_own_flow else None
     # layers find unknowns that were removed each in its own way, so only those that are states are shown across layers
@@ -272,6 +261,7 @@ def assembled(
         layers=layers,
         conditions=(conditions[0], conditions[1]),
         states=system,
+        coupled=coupled,
         posed=posed,
         given=(*as_knots(knots, domain.left, domain.right), *(k for f in domain.given.values() for k in getattr(f, "knots", ()))),
     )

@@ -13,7 +13,8 @@ from shootstab.formulation.atoms import Atom
 from shootstab.formulation.base_flow import BaseFlow
 from shootstab.formulation.base_solution import functions
 from shootstab.formulation.base_table import base_flow, base_unknowns
-from shootstab.formulation.conditions import Axis, Conditions, End, Periodic, end_of, rows_of
+from shootstab.formulation.conditions import Axis, Conditions, CoupledEnd, End, Periodic, end_of, rows_of
+from shootstab.formulation.coupled_ends import read_coupled
 from shootstab.formulation.domain import Domain
 from shootstab.formulation.evaluation import Given
 from shootstab.formulation.expression import Expression, number, of_atom
@@ -30,7 +31,8 @@ class Statement:
 
     An end without conditions (an axis, infinity) has no rows. Layers are one more than joints, from left to right. denominators are
     those of equations and conditions that hold the eigenvalue, each once in a layer. varied(name) is the
-    same statement in which a parameter is left open. base is the flow that solves equations of its own, if there is one.
+    same statement in which a parameter is left open. base is the flow that solves equations of its own, if there is one. coupled are the
+    conditions that join values at both ends, over left(u) and right(u).
     """
 
     left: End
@@ -43,6 +45,7 @@ class Statement:
     denominators: Denominators
     varied: Callable[[str], Statement]
     base: BaseFlow | None = None
+    coupled: tuple[tuple[str, EquationRow], ...] = ()
 
     @property
     def names(self) -> Names:
@@ -65,6 +68,12 @@ class Statement:
         return not isinstance(self.left, Infinity), not isinstance(self.right, Infinity)
 
     @property
+    def closed(self) -> tuple[bool, bool]:
+        """The ends at which conditions hold, those that couple them among them."""
+        left, right = (isinstance(end, Conditions | CoupledEnd) for end in (self.left, self.right))
+        return left, right
+
+    @property
     def holding(self) -> tuple[bool, bool]:
         """The ends that hold conditions."""
         return isinstance(self.left, Conditions), isinstance(self.right, Conditions)
@@ -82,14 +91,16 @@ def stated(
     variable: str,
     given: Given,
     base: Mapping[str, Any] | None = None,
+    coupled: Sequence[Any] = (),
 ) -> Statement:
     """See problem.equations. Raises InputError."""
-    for name, value in (("unknowns", unknowns), ("equations", equations)):
+    for name, value in (("unknowns", unknowns), ("equations", equations), ("coupled", coupled)):
         if isinstance(value, str) or not isinstance(value, Sequence):
             raise InputError(f"{name} = {value!r}: allowed is a list")
     ends = end_of(left, "left"), end_of(right, "right")
     if isinstance(ends[0], Periodic) != isinstance(ends[1], Periodic):
         raise InputError("one end is periodic and the other is not: allowed are two periodic ends")
+    ends = _coupled(ends, interfaces) if coupled else ends
     joints = _interfaces(interfaces, ends)
     low, high = (math.inf * side if isinstance(end, Infinity) else float(end.at) for side, end in zip((-1, 1), ends, strict=True))
     places = [low, *(float(joint.at) for joint in joints), high]
@@ -118,6 +129,10 @@ def stated(
     read_joints = [read_joint(joint, (a.names, b.names), layered) for joint, (a, b) in zip(joints, itertools.pairwise(layers), strict=True)]
     rows = [rows_of(end, side, layers[j].names) for end, side, j in zip(ends, ("left", "right"), (0, -1), strict=True)]
     held = [layer.system.denominators for layer in layers] + [joint.denominators for joint in read_joints] + [found for _, found in rows]
+    couples: tuple[tuple[str, EquationRow], ...] = ()
+    if isinstance(ends[0], CoupledEnd) and isinstance(ends[1], CoupledEnd):
+        couples, found = read_coupled(coupled, layers[0].names, (ends[0], ends[1]))
+        held.append(found)
     denominators = [pair for found in held for pair in found]
     whole = Domain(low, high, functions_of_z, singular)
 
@@ -126,9 +141,19 @@ def stated(
             raise InputError(f"{name} is no parameter of the equations: allowed is one of {', '.join(parameters) or 'none'}")
         others = {other: value for other, value in parameters.items() if other != name}
         left_open = {**where, name: open_parameter(name, parameters[name])}
-        return stated(unknowns, equations, left, right, interfaces, others, left_open, eigenvalue, variable, given, base)
+        return stated(unknowns, equations, left, right, interfaces, others, left_open, eigenvalue, variable, given, base, coupled)
 
-    return Statement(*ends, rows[0][0], rows[1][0], whole, tuple(layers), tuple(read_joints), tuple(denominators), varied, flow)
+    return Statement(*ends, rows[0][0], rows[1][0], whole, tuple(layers), tuple(read_joints), tuple(denominators), varied, flow, couples)
+
+
+def _coupled(ends: tuple[End, End], interfaces: Sequence[Any]) -> tuple[End, End]:
+    """The ends that conditions join. Raises InputError for any but finite ones, and for layers."""
+    if interfaces:
+        raise InputError("interfaces beside coupled ends: that is not offered; allowed are coupled ends, or interfaces")
+    left, right = ends
+    if not (isinstance(left, Conditions) and isinstance(right, Conditions)):
+        raise InputError("coupled conditions join two finite ends: allowed are st.Conditions(at, [...]) at both, the lists empty or not")
+    return CoupledEnd(left.at, left.conditions), CoupledEnd(right.at, right.conditions)
 
 
 def _reach(systems: Sequence[tuple[Names, System]], places: Sequence[float], names: Sequence[str]) -> tuple[float, float]:

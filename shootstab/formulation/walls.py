@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from shootstab.core.errors import InputError
-from shootstab.formulation.conditions import Conditions
+from shootstab.formulation.conditions import Conditions, CoupledEnd
 from shootstab.formulation.dependent_conditions import require_independent_conditions
 from shootstab.formulation.evaluation import Given, filled, on_arrays
 from shootstab.formulation.first_order import FirstOrder
@@ -20,7 +20,9 @@ from shootstab.problems.pencil_function import PencilFunction
 def require_finite(matrices: PencilFunction, statement: Statement) -> None:
     """Raise InputError where the coefficients are not finite at an end with conditions."""
     for side, end in (("left", statement.left), ("right", statement.right)):
-        if isinstance(end, Conditions) and not all(np.isfinite(part).all() for part in matrices.function(np.array([complex(end.at)]))):
+        if isinstance(end, Conditions | CoupledEnd) and not all(
+            np.isfinite(part).all() for part in matrices.function(np.array([complex(end.at)]))
+        ):
             place = f"{statement.names.variable} = {end.at:g}"
             raise InputError(
                 f"at the {side} end, {place}, the equations are singular, or beyond 1e308: allowed is st.Axis({end.at:g}), or another end"
