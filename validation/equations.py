@@ -20,9 +20,11 @@ import shootstab as st
 from shootstab.core.errors import InputError
 from shootstab.core.records import Mode
 from shootstab.core.scene_notes import Known, known
+from shootstab.formulation.dedalus_table import problem_table
 from shootstab.formulation.equation_scene import from_table
 from shootstab.formulation.problem import EquationProblem
 
+DEDALUS = Path(__file__).parent / "dedalus"  # scenes in the spelling of Dedalus' scripts, as its users write them
 SCENES = Path(__file__).parent.parent / "shootstab" / "models" / "catalogue" / "scenes"
 POISEUILLE = "0.0037396706229794099322", "-0.23752648882047010745"
 MANY = 40  # chosen: digits
@@ -43,8 +45,9 @@ class Written:
 
     @property
     def lines(self) -> int:
-        """Lines that the user writes: those of the table [problem]."""
-        return len(self.text[self.text.index("[problem]") :].strip().splitlines())
+        """Lines that the user writes: those of the table [problem], or [dedalus]."""
+        table = "[dedalus]" if "dedalus" in self.tables else "[problem]"
+        return len(self.text[self.text.index(table) :].strip().splitlines())
 
     @property
     def published(self) -> Known:
@@ -55,7 +58,7 @@ class Written:
 
     def problem(self) -> EquationProblem:
         """Read and reduced."""
-        return from_table(self.tables["problem"])
+        return from_table(problem_table(self.tables["dedalus"])[0] if "dedalus" in self.tables else self.tables["problem"])
 
 
 def noted(order: int, value: tuple[str, str], digits: int, source: str, text: str) -> str:
@@ -121,6 +124,7 @@ WRITTEN = (
     Written("Malik 6, spatial", spatial((SCENES / "mack.toml").read_text(encoding="utf-8"))),
     Written("shear layer, u v p", noted(2, ("0.1897", "0"), 4, "Michalke 1964", LAYER)),
     *(Written(name, file.read_text(encoding="utf-8")) for name, file in sorted((file.stem, file) for file in SCENES.glob("*.toml"))),
+    *(Written(f"Dedalus: {file.stem}", file.read_text(encoding="utf-8")) for file in sorted(DEDALUS.glob("*.toml"))),
 )
 
 

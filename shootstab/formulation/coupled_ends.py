@@ -19,7 +19,7 @@ from shootstab.formulation.dependent_conditions import require_independent_rows
 from shootstab.formulation.evaluation import on_arrays
 from shootstab.formulation.expression import VARIABLE, Expression, number
 from shootstab.formulation.first_order import FirstOrder, reduced_to
-from shootstab.formulation.grammar import FormulaReader, Scope
+from shootstab.formulation.grammar import FormulaReader
 from shootstab.formulation.joint_conditions import on_side
 from shootstab.formulation.names import Names
 from shootstab.formulation.state_pencil import Powers, by_powers
@@ -39,9 +39,6 @@ def read_coupled(formulas: Sequence[Any], names: Names, ends: Sequence[CoupledEn
     """The conditions over left(u) and right(u), and the denominators they were multiplied by. Raises InputError with the place."""
     places = {side: float(end.at) for side, end in zip(END_SIDES, ends, strict=True)}
 
-    def on(side: str) -> Scope:
-        return lambda name: jet(f"{side}({name})") if name in names.unknowns else names.meaning(name)
-
     def listed() -> str:
         return f"left(...), right(...), {names.listed()}"
 
@@ -51,13 +48,13 @@ def read_coupled(formulas: Sequence[Any], names: Names, ends: Sequence[CoupledEn
         where = f"coupled condition {i}"
 
         def outside(name: str, where: str = where) -> Expression:
-            found = None if name in names.unknowns else names.meaning(name)
-            if found is None or _along(found):
+            found = names.meaning(name)
+            if _along(found):
                 raise InputError(f"{where}: {name} stands without an end: allowed are left({name}) and right({name})")
             return found
 
-        placed = {side: partial(_at, at, where) for side, at in places.items()}
-        reader = FormulaReader(formula, where, outside, listed, {side: on(side) for side in END_SIDES}, placed)
+        placed = {side: partial(_on_side_at, side, at, where) for side, at in places.items()}
+        reader = FormulaReader(formula, where, outside, listed, dict.fromkeys(END_SIDES, names.meaning), placed)
         row, found = row_of(reader.equation(), where, names.text)
         rows.append((where, row))
         denominators += found
@@ -66,7 +63,14 @@ def read_coupled(formulas: Sequence[Any], names: Names, ends: Sequence[CoupledEn
 
 def _along(expression: Expression) -> bool:
     """Whether it varies with the coordinate."""
-    return any(atom == VARIABLE or atom.kind == "given" for atom in expression.atoms())
+    return any(atom == VARIABLE or atom.kind in ("given", "jet") for atom in expression.atoms())
+
+
+def _on_side_at(side: str, place: float, where: str, expression: Expression) -> Expression:
+    """The expression at an end, of which the unknowns are named on_side."""
+    for atom in [atom for atom in expression.atoms() if atom.kind == "jet"]:
+        expression = substituted(expression, atom, jet(*on_side(side, (atom.name, atom.order))))
+    return _at(place, where, expression)
 
 
 def _at(place: float, where: str, expression: Expression) -> Expression:

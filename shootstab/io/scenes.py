@@ -118,6 +118,13 @@ def load(name: str) -> Scene:
 def from_tables(name: str, description: str, tables: Mapping[str, Any]) -> Scene:
     """The scene of the tables that a scene file would hold. Raises InputError, whose one line begins with the name."""
     try:
+        if isinstance(tables.get("dedalus"), dict) and "problem" not in tables:
+            from shootstab.formulation.dedalus_table import problem_table
+
+            read, taus = problem_table(tables["dedalus"])
+            tables = {**{key: table for key, table in tables.items() if key != "dedalus"}, "problem": read}
+            told = f", without its tau terms in {', '.join(taus)}" if taus else ""
+            return _from_equations(name, f"{description}, in Dedalus' spelling{told}", tables)
         if isinstance(tables.get("problem"), dict) and "equations" in tables["problem"]:
             return _from_equations(name, description, tables)
         made = _model_of(tables).made(tables)
