@@ -71,3 +71,19 @@ def test_the_derivatives_of_a_mode_by_parameters_of_the_equations() -> None:
     for slope, value, exact in zip(st.sensitivities(st.eigenfunction(problem, -8.4), ["k", "p"]), (2.0, 0.75), (0.75, 2.0), strict=True):
         assert slope.value == value
         assert abs(slope.derivative - exact) <= slope.error + 1e-9
+
+
+def test_a_sweep_of_a_jet_on_the_whole_line() -> None:
+    """The sech² jet: D follows no law of growth that is found, and a theorem says where growing modes lie."""
+    stated = [
+        "sigma*u + i*a*U*u + v*d(U) + i*a*p = (d(u,2) - a**2*u)/R",
+        "sigma*v + i*a*U*v + d(p) = (d(v,2) - a**2*v)/R",
+        "i*a*u + d(v) = 0",
+    ]
+    ends = st.Infinity(), st.Infinity()
+    jet = st.equations(["u", "v", "p"], stated, *ends, parameters={"a": 0.8, "R": 50}, where={"U": "sech(z)**2"})
+    outcomes = [outcome for _, outcome in st.sweep(jet, {"a": [0.6, 0.8, 1.0]}).rows()]
+    assert [outcome.status for outcome in outcomes] == ["proved", "followed", "proved"]
+    middle = st.refine(jet, outcomes[1].sigma + 1e-4)
+    assert abs(middle.sigma - outcomes[1].sigma) <= middle.error + outcomes[1].error
+    assert st.count_unstable(jet).count == 1

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from shootstab.analyses.accuracy import Tightening
@@ -14,11 +14,14 @@ from shootstab.analyses.reference import spectrum
 from shootstab.analyses.sweep.following import land
 from shootstab.analyses.unstable import HalfDisc, growth_beyond
 from shootstab.core.allowed import GROWTH_FLOOR
+from shootstab.core.discriminant import Value
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.numerus import number_of
+from shootstab.core.regions import Rectangle
 from shootstab.discriminants.continuation import Continuation
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.method import AdaptiveDiscriminant
+from shootstab.problems.capabilities import GROWING_REGION
 from shootstab.problems.protocol import Problem
 from shootstab.roots.search import Zero
 
@@ -37,18 +40,37 @@ SAME_MODE = 1e-5  # chosen: relative distance below which two numbers mean one m
 
 
 @dataclass(frozen=True)
-class DominantModes:
-    """All modes with Re σ > floor, by falling growth rate; their number is counted, and none lies beyond the radius of the law of growth
-    (see unstable.py).
+class Closure:
+    """What says where all growing modes lie: the law of growth, with the discriminant by which it was found, or a theorem (unstable.py)."""
 
-    The meshes of continuation, by which they were counted, and of far, by which the law was found, serve a neighbour too.
+    law: GrowthLaw | None = None
+    far: AdaptiveDiscriminant | None = None
+    theorem: Callable[..., tuple[Rectangle, str]] | None = None
+
+    def region(self, floor: float) -> HalfDisc | Rectangle:
+        """A region that holds every mode with Re σ > floor."""
+        if self.law is not None:
+            return HalfDisc(self.law.radius, floor)
+        assert self.theorem is not None
+        return self.theorem(floor)[0]
+
+    @property
+    def without(self) -> Callable[[Value], Value] | None:
+        """What divides D by its growth."""
+        return None if self.law is None else self.law.divided_out
+
+
+@dataclass(frozen=True)
+class DominantModes:
+    """All modes with Re σ > floor, by falling growth rate; their number is counted in the region of the closure.
+
+    The meshes of continuation, by which they were counted, and those of the closure serve a neighbour too.
     """
 
     modes: tuple[complex, ...]
     floor: float
-    law: GrowthLaw
+    closure: Closure
     continuation: Continuation
-    far: AdaptiveDiscriminant
     evaluations: int
 
 
@@ -63,24 +85,41 @@ def count_dominant(problem: Problem, known: Sequence[complex], floor: float, bef
     modes = _distinct(known)
     if before is None:
         modes = _distinct([*modes, *_suggested(finding, SUGGESTING_TRUNCATIONS[0])])
-    far = LAW_FOLLOWED.on(problem, begin=None if before is None else before.far.meshes)
-    law = growth_beyond(far) if before is None else growth_beyond(far, before.law.radius)
+    closure = _closure(problem, None if before is None else before.closure)
     least = lowest_floor(counting, floor)
     for attempt in range(len(SUGGESTING_TRUNCATIONS) + 2):
         level = max(least, SHARE * max((m.real for m in modes), default=0.0))
-        count, level, spent = _counted(counting, law, level)
+        count, level, spent = _counted(counting, closure, level)
         growing = [m for m in modes if m.real > level]
         if count == len(growing):
             growing.sort(key=lambda m: (-m.real, m.imag))
-            return DominantModes(tuple(growing), level, law, counting, far, spent)
+            return DominantModes(tuple(growing), level, closure, counting, spent)
         if count < len(growing):
             raise ConvergenceError(f"{number_of(count, *COUNTED)} with Re sigma > {level:.2g}, but {len(growing)} found")
         if attempt < len(SUGGESTING_TRUNCATIONS):
             modes = _distinct([*modes, *_suggested(finding, SUGGESTING_TRUNCATIONS[attempt])])
         else:
-            _, zeros, _ = find_modes(finding, HalfDisc(law.radius, level), [Zero(m) for m in growing])
+            _, zeros, _ = find_modes(finding, closure.region(level), [Zero(m) for m in growing])
             modes = _distinct([*modes, *(z.sigma for z in zeros)])
     raise ConvergenceError(f"{number_of(count, *COUNTED)} with Re sigma > {level:.2g}, but only {len(growing)} found")
+
+
+def _closure(problem: Problem, before: Closure | None) -> Closure:
+    """The law of growth, which costs less, or the problem's own theorem where D does not follow one, as it did not at a neighbour.
+
+    Raises ConvergenceError where there is neither.
+    """
+    theorem = GROWING_REGION.of(problem)
+    if theorem is not None and before is not None and before.law is None:
+        return Closure(theorem=theorem)
+    far = LAW_FOLLOWED.on(problem, begin=None if before is None or before.far is None else before.far.meshes)
+    try:
+        law = growth_beyond(far) if before is None or before.law is None else growth_beyond(far, before.law.radius)
+    except ConvergenceError:
+        if theorem is None:
+            raise
+        return Closure(theorem=theorem)
+    return Closure(law, far)
 
 
 def lowest_floor(continuation: Continuation, floor: float) -> float:
@@ -89,15 +128,18 @@ def lowest_floor(continuation: Continuation, floor: float) -> float:
     return floor if curve is None else max(floor, DECAY_NOISE * float(abs(curve.sigma.imag).max()))
 
 
-def _counted(continuation: Continuation, law: GrowthLaw, floor: float) -> tuple[int, float, int]:
+def _counted(continuation: Continuation, closure: Closure, floor: float) -> tuple[int, float, int]:
     """The number of modes with Re σ above the floor, or above a lower or higher one on which no mode and no singular point lies."""
     tightening = Tightening(continuation)
     level = floor
     while True:
         for nudge in NUDGES:
             try:
-                region = HalfDisc(law.radius, nudge * level)
-                _, found = tightening.first(lambda c, region=region: count_in_region(c, region, without=law.divided_out))  # type: ignore[misc]
+                region = closure.region(nudge * level)
+            except InputError:  # the theorem says that nothing grows so fast
+                return 0, nudge * level, 0
+            try:
+                _, found = tightening.first(lambda c, region=region: count_in_region(c, region, without=closure.without))  # type: ignore[misc]
             except ConvergenceError:
                 if nudge == NUDGES[-1] and RAISE * level > max(HIGHEST_FLOOR, floor):
                     raise
