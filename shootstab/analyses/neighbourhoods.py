@@ -93,6 +93,9 @@ def with_modes(verifier: Verifier, around: Neighbourhood, zeros: Sequence[Zero])
     for mode in (mode for some in around.modes.values() for mode in some):
         if not any(same(mode, other) for other in known):
             known.append(mode)
+    if around.lost is not None and len(zeros) > 1:  # those that the loose mesh tells apart may be one on another
+        whole = _with_mode(verifier, replace(around, modes={}, lost=None), _together(zeros))
+        return around if whole.lost is not None else whole
     if around.lost is None and sum(m.multiplicity for m in known) < sum(z.multiplicity for z in zeros):
         return _with_mode(verifier, around, _together(zeros))  # iterations from several of them came to one mode
     return around

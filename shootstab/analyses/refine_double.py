@@ -144,6 +144,8 @@ def _simple(continuation: Continuation, root: Root, rtol: float, atol: float | N
             if other is not None and abs(other.with_derivative(root.sigma).newton_step) < NO_ZERO * abs(coarse_value.newton_step):
                 told = f"the zero at {root.sigma:.6g} is one of D continued from the other side of the continuous spectrum"
                 raise ConvergenceError(f"{told}, and none of D itself, along the path {branch.path}: a resonance, not a mode")
+            if not alone and surroundings(coarse, arrived.sigma).multiplicity > 1:
+                return _among_several(continuation, arrived.sigma, arrived.step, rtol, atol)
             raise ConvergenceError(f"the iteration does not settle at {root.sigma:.6g} along the path {branch.path}")
         if arrived.multiplicity > 1 and not alone:
             return _among_several(continuation, arrived.sigma, max(arrived.step, LEFT * rtol * abs(arrived.sigma)), rtol, atol)

@@ -38,7 +38,7 @@ class Periodic:
 
 @dataclass(frozen=True, eq=False)
 class CoupledEnd:
-    """One of two finite ends that conditions couple: see coupled_ends.py. Its own are those that hold at it alone."""
+    """One of two finite ends that conditions couple: see coupled_conditions.py. Its own are those that hold at it alone."""
 
     at: float
     conditions: Sequence[Any]

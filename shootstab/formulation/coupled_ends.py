@@ -1,86 +1,30 @@
-"""Conditions that couple the two ends of a finite domain, in the language of the equations.
+"""Conditions that couple the two ends, over the states at both, and the problem that they make for the engine.
 
-left(f) and right(f) are f at either end, with coefficients and definitions as they are there; the eigenvalue may occur in them. Conditions
-that hold at one end alone may stand beside. The integration carries a = ψ(left) beside ψ (problems/subdomains.py: the augmented state), so
-that where it arrives all of them are conditions Σ σ^k (M_k a + N_k ψ) = 0. A period is the case ψ = a.
+The integration carries a = ψ(left) beside ψ (problems/subdomains.py: the augmented state), so that where it arrives all conditions are
+Σ σ^k (M_k a + N_k ψ) = 0. A period is the case ψ = a.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
-from typing import Any
 
 import numpy as np
 
 from shootstab.core.errors import InputError
 from shootstab.formulation.conditions import CoupledEnd
+from shootstab.formulation.coupled_conditions import END_SIDES, NamedRow, at_place
 from shootstab.formulation.dependent_conditions import require_independent_rows
 from shootstab.formulation.evaluation import on_arrays
-from shootstab.formulation.expression import VARIABLE, Expression, number
 from shootstab.formulation.first_order import FirstOrder, reduced_to
-from shootstab.formulation.grammar import FormulaReader
-from shootstab.formulation.joint_conditions import on_side
+from shootstab.formulation.joints import on_side
 from shootstab.formulation.names import Names
 from shootstab.formulation.state_pencil import Powers, by_powers
-from shootstab.formulation.substitution import substituted
-from shootstab.formulation.system import Denominators, EquationRow, Jet, jet, row_of, shown
+from shootstab.formulation.system import EquationRow, Jet, shown
 from shootstab.formulation.vanishing import Vanishing
 from shootstab.problems.decaying_space import ConstantSpace
 from shootstab.problems.pencil_function import PencilFunction
 from shootstab.problems.subdomains import Subdomain
 from shootstab.problems.two_point import TwoPointReduction
-
-END_SIDES = ("left", "right")  # chosen: the words of the language for the two ends
-NamedRow = tuple[str, EquationRow]  # a condition, and what errors call it
-
-
-def read_coupled(formulas: Sequence[Any], names: Names, ends: Sequence[CoupledEnd]) -> tuple[tuple[NamedRow, ...], Denominators]:
-    """The conditions over left(u) and right(u), and the denominators they were multiplied by. Raises InputError with the place."""
-    places = {side: float(end.at) for side, end in zip(END_SIDES, ends, strict=True)}
-
-    def listed() -> str:
-        return f"left(...), right(...), {names.listed()}"
-
-    rows: list[NamedRow] = []
-    denominators: list[tuple[str, Expression]] = []
-    for i, formula in enumerate(formulas, 1):
-        where = f"coupled condition {i}"
-
-        def outside(name: str, where: str = where) -> Expression:
-            found = names.meaning(name)
-            if _along(found):
-                raise InputError(f"{where}: {name} stands without an end: allowed are left({name}) and right({name})")
-            return found
-
-        placed = {side: partial(_on_side_at, side, at, where) for side, at in places.items()}
-        reader = FormulaReader(formula, where, outside, listed, dict.fromkeys(END_SIDES, names.meaning), placed)
-        row, found = row_of(reader.equation(), where, names.text)
-        rows.append((where, row))
-        denominators += found
-    return tuple(rows), tuple(denominators)
-
-
-def _along(expression: Expression) -> bool:
-    """Whether it varies with the coordinate."""
-    return any(atom == VARIABLE or atom.kind in ("given", "jet") for atom in expression.atoms())
-
-
-def _on_side_at(side: str, place: float, where: str, expression: Expression) -> Expression:
-    """The expression at an end, of which the unknowns are named on_side."""
-    for atom in [atom for atom in expression.atoms() if atom.kind == "jet"]:
-        expression = substituted(expression, atom, jet(*on_side(side, (atom.name, atom.order))))
-    return _at(place, where, expression)
-
-
-def _at(place: float, where: str, expression: Expression) -> Expression:
-    """The expression at a place, of which the unknowns keep their names. Raises InputError for what is known to doubles, or infinite."""
-    if any(atom.kind == "given" for atom in expression.atoms()):
-        raise InputError(f"{where} holds a function that is given otherwise, or solved for: allowed are formulas where ends are coupled")
-    try:
-        return substituted(expression, VARIABLE, number(place))
-    except ZeroDivisionError:
-        raise InputError(f"{where} is not finite at {place:g}: allowed are finite coefficients") from None
 
 
 def coupled_rows(
@@ -92,7 +36,7 @@ def coupled_rows(
     """
     places = dict(zip(END_SIDES, (float(end.at) for end in ends), strict=True))
     stated = [
-        (where, {on_side(side, at): _at(places[side], where, c) for at, c in row.items()})
+        (where, {on_side(side, at): at_place(places[side], where, c) for at, c in row.items()})
         for side, rows in zip(END_SIDES, own, strict=True)
         for where, row in rows
     ]
@@ -106,7 +50,7 @@ def coupled_rows(
 
     def rule_for(at: Jet) -> EquationRow:
         side, name = sided[at[0]]
-        return {on_side(side, key): _at(places[side], f"what finds {name}", c) for key, c in first.rule((name, at[1])).items()}
+        return {on_side(side, key): at_place(places[side], f"what finds {name}", c) for key, c in first.rule((name, at[1])).items()}
 
     vanishing = Vanishing(0.0, 0.0, {})
     rows = [reduced_to(row, states, rule_for, vanishing) for _, row in stated]

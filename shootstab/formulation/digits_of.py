@@ -21,8 +21,8 @@ from shootstab.formulation.exponentials import exponential_end
 from shootstab.formulation.expression import number
 from shootstab.formulation.far_coefficients import Text
 from shootstab.formulation.gaussian import Gaussian
-from shootstab.formulation.joint_conditions import on_side, rows_over_states
-from shootstab.formulation.joints import INTERFACE_SIDES, Joint
+from shootstab.formulation.joint_conditions import rows_over_states
+from shootstab.formulation.joints import INTERFACE_SIDES, Joint, on_side
 from shootstab.formulation.reduced_layers import ReducedLayer
 from shootstab.formulation.regular_digits import RegularStart
 from shootstab.formulation.shown_in_digits import Shown

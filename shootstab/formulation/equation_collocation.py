@@ -23,7 +23,7 @@ from shootstab.formulation.collocation_blocks import LayerBlock, UnknownColumns,
 from shootstab.formulation.collocation_counts import ADVICE, Counts, conditions_needed, counts, without
 from shootstab.formulation.collocation_length import DRIFT_COUNTED, PROBE, TAIL_COUNTED, best_length, centre, digits_held, largest_step
 from shootstab.formulation.conditions import Conditions, CoupledEnd, Periodic
-from shootstab.formulation.coupled_ends import END_SIDES
+from shootstab.formulation.coupled_conditions import END_SIDES
 from shootstab.formulation.joints import INTERFACE_SIDES
 from shootstab.formulation.statement import Statement
 from shootstab.formulation.system import EquationRow
@@ -115,6 +115,8 @@ class EquationCollocation:
         return centre(self.statement.layers[0])
 
     def _blocks(self, N: int) -> list[LayerBlock]:
+        if isinstance(self.statement.left, Periodic):
+            N += 1 - N % 2  # a cosine of the highest frequency without its sine would be one of two modes that nearly are one
         out, first = [], 0
         for layer, found in zip(self.statement.layers, self.counts, strict=True):
             block = LayerBlock(layer, found, self._basis(layer.domain.left, layer.domain.right), N, first)

@@ -21,7 +21,7 @@ from shootstab.formulation.dependent_conditions import require_independent_rows
 from shootstab.formulation.evaluation import Given, on_arrays
 from shootstab.formulation.expression import VARIABLE, Expression, number, quotient
 from shootstab.formulation.first_order import FirstOrder, reduced_to
-from shootstab.formulation.joints import INTERFACE_SIDES, Joint
+from shootstab.formulation.joints import INTERFACE_SIDES, Joint, on_side
 from shootstab.formulation.linear_algebra import coprime, minus
 from shootstab.formulation.substitution import substituted
 from shootstab.formulation.system import EquationRow, Jet, coefficients, degree
@@ -114,11 +114,6 @@ def interface_of(joint: Joint, layers: tuple[FirstOrder, FirstOrder], given: Giv
             for power, part in coefficients(c).items():
                 M[power, i, places[key]] = complex(np.ravel(at(part))[0])
     return Interface(float(joint.at), M[0, :, :n], M[0, :, n:], M[1:, :, :n], M[1:, :, n:])
-
-
-def on_side(side: str, at: Jet) -> Jet:
-    """The jet of an unknown on one side of the interface."""
-    return f"{side}({at[0]})", at[1]
 
 
 def between(joints: Sequence[Joint], layers: Sequence[FirstOrder], given: Given) -> tuple[Interface, ...]:

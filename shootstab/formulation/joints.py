@@ -13,7 +13,7 @@ from shootstab.core.errors import InputError
 from shootstab.formulation.expression import Expression
 from shootstab.formulation.grammar import FormulaReader, Scope
 from shootstab.formulation.names import Names
-from shootstab.formulation.system import Denominators, EquationRow, jet, row_of
+from shootstab.formulation.system import Denominators, EquationRow, Jet, jet, row_of
 
 INTERFACE_SIDES = ("before", "behind")  # chosen: the words of the language for the sides of smaller and of larger coordinate
 
@@ -79,3 +79,8 @@ def read_joint(given: InterfaceConditions, names: tuple[Names, Names], layered: 
                 raise InputError(f"{place}: a derivative of the amplitude {name}, which is a number: allowed is {name} alone")
         rows.append((place, row))
     return Joint(float(given.at), tuple(rows), tuple(given.amplitudes), names[0], tuple(denominators))
+
+
+def on_side(side: str, at: Jet) -> Jet:
+    """The jet of an unknown on one side of an interface, or at one end."""
+    return f"{side}({at[0]})", at[1]

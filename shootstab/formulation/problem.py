@@ -176,7 +176,7 @@ def equations(
     natural power. parameters are numbers, where holds definitions by name. An end is Conditions(at, [...]), Infinity(), or Axis(at), a
     regular singular point of the equations at which solutions are regular; or both ends are Periodic(at). interfaces divide the domain
     into layers, in which parameters and definitions that are lists have one value each: see joints.py. coupled are conditions that join
-    values left(f) and right(f) at two finite ends, which may then have none of their own: see coupled_ends.py. given are
+    values left(f) and right(f) at two finite ends, which may then have none of their own: see coupled_conditions.py. given are
     functions of the coordinate that no formula defines, as name: f(z, order) ↦ the derivative of that order, for arrays z; one with
     knots, as a `profile` has them, has a jump in one of its derivatives there. base is a flow that solves ordinary differential equations
     of its own, whose unknowns are functions in the equations: see base_table.py. fold, reference and knots are those of `problem`.

@@ -14,7 +14,7 @@ from shootstab.formulation.base_flow import BaseFlow
 from shootstab.formulation.base_solution import functions
 from shootstab.formulation.base_table import base_flow, base_unknowns
 from shootstab.formulation.conditions import Axis, Conditions, CoupledEnd, End, Periodic, end_of, rows_of
-from shootstab.formulation.coupled_ends import read_coupled
+from shootstab.formulation.coupled_conditions import read_coupled
 from shootstab.formulation.domain import Domain
 from shootstab.formulation.evaluation import Given
 from shootstab.formulation.expression import Expression, number, of_atom

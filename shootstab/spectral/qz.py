@@ -22,6 +22,8 @@ FAINT = 1e-3  # chosen: a field smaller than this part of the largest is measure
 DRIFT_TOLERANCE = 1e-5  # chosen: relative change of an eigenvalue between the two truncations with which it is kept
 ROUNDING = 1e-12  # chosen: what QZ of matrices of some hundred rows leaves of an eigenvalue 0, in the median of all
 MOST_ZERO = 4  # chosen: the multiplicity of an eigenvalue 0; that of a soliton with its symmetries is 4
+OF_MEAN = 1e-2  # chosen: the mean of values that are one eigenvalue 0, at most, in the least of them
+OF_DRIFT = 0.1  # chosen: how far they drift, at least, likewise
 TAIL_TOLERANCE = 3e-4  # chosen: the tail of its eigenvector with which an eigenvalue is kept
 
 
@@ -53,6 +55,24 @@ def rounding(raw: NDArray[np.complex128]) -> float:
     return size if np.count_nonzero(np.abs(raw) <= size) <= MOST_ZERO else 0.0
 
 
+def multiple_zero(raw: NDArray[np.complex128], others: NDArray[np.complex128]) -> NDArray[np.intp]:
+    """The places in raw (n,) of m values, 2 ≤ m ≤ MOST_ZERO, that are one eigenvalue 0 of a Jordan block of order m; (0,) if none are.
+
+    An error δ of the matrices moves such an eigenvalue to the m values of δ^{1/m}, about 0 in all directions. So it is where the m
+    smallest have the mean 0, their m-th power is small against the next value's, and they are others at another truncation.
+    """
+    order, theirs = np.argsort(np.abs(raw), kind="stable"), np.sort(np.abs(others))
+    for m in range(2, min(MOST_ZERO + 1, len(raw), len(others))):
+        cluster = raw[order[:m]]
+        least, size, beyond = float(np.abs(cluster[0])), float(np.abs(cluster[-1])), float(np.abs(raw[order[m]]))
+        alone = all(
+            (one / next_one) ** m <= DRIFT_TOLERANCE for one, next_one in ((size, beyond), (theirs[m - 1], theirs[m])) if next_one > 0.0
+        )
+        if size > 0.0 and alone and abs(cluster.mean()) <= OF_MEAN * least and (_nearest(cluster, others) >= OF_DRIFT * least).all():
+            return order[:m]
+    return order[:0]
+
+
 def spectrum(
     assemble: Assemble,
     M: int,
@@ -64,8 +84,8 @@ def spectrum(
     """The spectrum of A x = σ B x, (A, B) = assemble(M), by LAPACK's QZ; infinite eigenvalues are dropped.
 
     unfold takes eigenvectors (n, k) to coefficients (k, fields, modes), from low to high. Kept is an eigenvalue whose drift
-    from M to ⌈1.2 M⌉ is at most drift_tolerance·|σ|, or rounding, and whose tail is at most tail_tolerance. Unfiltered: one QZ, and no
-    eigenvectors.
+    from M to ⌈1.2 M⌉ is at most drift_tolerance·|σ|, or rounding, and whose tail is at most tail_tolerance; the values of a multiple_zero
+    are kept as 0. Unfiltered: one QZ, and no eigenvectors.
     """
     if not filtered:
         raw = _by_growth(_finite(*assemble(M))[0])
@@ -76,13 +96,17 @@ def spectrum(
     larger = int(np.ceil(SECOND_TRUNCATION * M))
     others = _finite(*assemble(larger))[0]
     raw, vectors = _finite(*assemble(M), vectors=True)
+    together = multiple_zero(raw, others)
+    resolved = raw.copy()
+    resolved[together] = 0.0
     drift = _nearest(raw, others)
+    drift[together] = 0.0
     kept = np.flatnonzero(drift <= np.maximum(drift_tolerance * np.abs(raw), rounding(raw)))
     tail = tails_of(unfold(vectors[:, kept])) if kept.size else np.empty(0)
     kept, tail = kept[tail <= tail_tolerance], tail[tail <= tail_tolerance]
-    order = np.argsort(-raw[kept].real, kind="stable")
+    order = np.argsort(-resolved[kept].real, kind="stable")
     kept = kept[order]
-    return Spectrum(_by_growth(raw), M, raw[kept], drift[kept], tail[order], larger)
+    return Spectrum(_by_growth(raw), M, resolved[kept], drift[kept], tail[order], larger)
 
 
 def nearest(spectrum: Spectrum, guess: complex) -> complex:

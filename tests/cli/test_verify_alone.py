@@ -34,6 +34,12 @@ left = { at = -1, conditions = ["y"] }
 right = "infinity"
 interfaces = [{ at = 0, conditions = ["jump(y)", "sigma**2*jump(rho*d(y)) = g*k**2*jump(rho)*before(y)"] }]
 """
+SINE_GORDON = """
+equations = ["sigma**2*y = d(y,2) - (1 - 2*sech(x)**2)*y"]
+variable = "x"
+left = "infinity"
+right = "infinity"
+"""
 
 
 @pytest.mark.parametrize(
@@ -43,6 +49,7 @@ interfaces = [{ at = 0, conditions = ["jump(y)", "sigma**2*jump(rho*d(y)) = g*k*
         (MATHIEU, "24", "confirmed to 6 digits"),
         (RADIAL, "24", "confirmed to 6 digits"),
         (WAVES, "50", "2 of 2 eigenvalues confirmed"),
+        (SINE_GORDON, "60", "2 of 2 eigenvalues confirmed"),  # 0 twice, by the translation of the kink
     ],
 )
 def test_one_of_each_kind(text: str, truncation: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -53,3 +60,11 @@ def test_one_of_each_kind(text: str, truncation: str, told: str, tmp_path: Path,
     said = capsys.readouterr().out
     assert told in said
     assert "spurious" not in said
+
+
+def test_a_kink_with_its_translation_and_its_internal_mode(capsys: pytest.CaptureFixture[str]) -> None:
+    """0 twice and ±i(3/2)^(1/2) are claimed and confirmed, and no mode is missing."""
+    assert main(["verify", "kink"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "4 of 4 eigenvalues confirmed" in said
+    assert "no mode is missing" in said

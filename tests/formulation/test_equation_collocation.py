@@ -156,3 +156,27 @@ def test_what_cannot_be_collocated_says_why() -> None:
     problem = st.equations(["u", "v"], ["d(u,2) + d(v,2) - sigma*u", "d(u,2) + d(v,2) - v"], *ends)
     with pytest.raises(InputError, match=r"no collocation .* they ask for 4 conditions, and have 2: allowed is a file of eigenvalues"):
         reference.spectrum(problem)
+
+
+def test_zero_in_a_jordan_block_is_claimed_as_often_as_it_counts() -> None:
+    """The solitons of sine-Gordon's equation, 0 twice, and of Schrödinger's, 0 four times, at truncations where more than rounding parts
+    them; a pair ±1e-3 that is one stays."""
+    line = st.Infinity(), st.Infinity()
+    kink = st.equations(["w"], ["sigma**2*w = d(w,2) - (1 - 2*sech(x)**2)*w"], *line, variable="x")
+    pair = ["sigma*v = d(u,2) + 6*sech(x)**2*u - u", "sigma*u = -d(v,2) - 2*sech(x)**2*v + v"]
+    soliton = st.equations(["u", "v"], pair, *line, variable="x")
+    for M in (40, 60, 80):
+        assert list(reference.claims(kink, 6, M)) == [0, 0]
+        assert list(reference.claims(soliton, 6, M)) == [0, 0, 0, 0]
+    walls = st.Conditions(0, ["u"]), st.Conditions(1, ["u"])
+    slow = st.equations(["u"], ["sigma**2*u = d(u,2) + (pi**2 + 1/1000000)*u"], *walls)
+    claims = reference.claims(slow, 6, 40)
+    assert np.sort(np.abs(claims))[:2] == pytest.approx([1e-3, 1e-3], rel=1e-5)
+
+
+def test_waves_over_a_period_come_in_pairs() -> None:
+    """As many sines as cosines at every truncation: at none is one of two modes that nearly are one lacking."""
+    ends = st.Periodic(0), st.Periodic(1)
+    ring = st.equations(["y"], ["d(y,2) + (sigma - 2*cos(2*pi*z))*y = 0"], *ends)
+    for M in (24, 25):
+        assert len(ring.pseudospectral.spectrum(M, filtered=False).raw) == 25
