@@ -16,9 +16,11 @@ from shootstab.multiprecision.enclosable import BoundedDiscriminant, Enclosable
 from shootstab.multiprecision.enclosure import at_bits, decimal
 from shootstab.roots.pellet import LEAST_POINTS, SPARE_POINTS, TaylorModel, nats_for, points_for, taylor_model
 
-SPARE_BITS = 80  # chosen: bits beyond the digits asked for; more are taken where the enclosure of D is too wide
+# chosen: bits beyond the digits asked for, more where the enclosure of D is too wide; twenty digits are then two words of FLINT's, whose
+# products take half the time of three
+SPARE_BITS = 66
 MORE_BITS, MOST_BITS = 1.6, 4096  # chosen: the factor of bits from one attempt to the next, and a budget of some minutes
-KNOWN_BITS = 40  # chosen: bits of D on the circle: an inequality that fails with so many fails for another reason than too few bits
+KNOWN_BITS = 30  # chosen: bits of D on the circle: an inequality that fails with so many fails for another reason than too few bits
 TOLD, MOST_PROBES = 4, 12  # chosen: bits of D from which on it is told from 0, and how often more are tried
 LEAST_GAIN = 0.1  # chosen: bits of D gained by one more bit, at least: longer series on longer steps lose some of it
 WIDEST_CIRCLE = 4.0  # chosen: the circle on which |D| is bounded is at least so many times that of the values

@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import partial
 from time import perf_counter
 from typing import Any
@@ -19,6 +20,7 @@ from shootstab.analyses.enclosed_jobs import (
     BallAnswer,
     BallQuestion,
     EllipseSample,
+    ExactBall,
     PieceValue,
     Setting,
     SquareBound,
@@ -48,9 +50,10 @@ LONGEST_BOX, SIDES_OF_PIECE = 0.05, 16  # chosen: half a side of a square for |D
 PIECE_BITS = 64  # chosen: bits to begin with
 KNOWN_ON_BOUNDARY = 6  # chosen: bits of D on the contour beyond those to spare
 MORE_PIECE_BITS, MOST_PIECE_BITS = 1.4, 512  # chosen: the factor to the next number of bits, and a budget
-SQUARE_ROOM = 12.0  # chosen: nats of a square's bound above what was seen next to points on the ellipse
-ABOVE_BOUND = 0.5  # chosen: nats above a bound that is asked for again
-MOST_CUTS = 6  # chosen: how often a piece is halved
+FEWEST_SPARE, MORE_SPARE = 3, 8  # chosen: spare bits to begin with, which do where no zero is near, and those added where they do not
+SQUARE_ROOM = 12.0  # chosen: nats of a square's bound, above what was seen next to points on the ellipse, from which on it is cut
+USUAL_ROOM = 6.0  # measured: nats of the largest bound above that, about, by which the cost of an ellipse is judged (by_pieces, high)
+MOST_CUTS = 12  # chosen: how often a piece is halved: each time where it fails alone, so that a few dozen more are planned
 DEAREST = 600  # chosen: enclosures and bounds above which a piece is rather halved
 FIRST_ELLIPSE = 1.5  # chosen: the first of them that is tried
 SQUARE = 0.25  # chosen: the time of a bound of |D| over that of a value of D
@@ -63,22 +66,27 @@ Bounded = Rectangle | HalfAnnulus
 
 @dataclass(frozen=True)
 class _Planned:
-    """A piece with the ellipse of its t-plane, the points on it, and ln |D| that its squares may have for these points to do.
+    """A piece with the ellipse of its t-plane, ln |D| above which squares on it are cut, and the logarithm of the spread that is allowed.
 
-    least is the spread that is allowed, its logarithm.
+    bound is that of ln |D| which its points are chosen for.
     """
 
     piece: ContourPiece
     rho: float
-    points: int
     allowed: float
     least: float
+    bound: float
 
     @property
     def squares(self) -> list[SquareBound]:
         """What covers the ellipse; of a mirrored piece the right half of it."""
         longest = LONGEST_BOX / self.piece.rate if self.piece.rate else 1 / SIDES_OF_PIECE
         return [SquareBound(self.piece, box, self.allowed) for box in boxes(self.rho, longest, self.piece.mirrored)]
+
+    @property
+    def points(self) -> int:
+        """K of lemma E13."""
+        return points_on_ellipse(self.bound, self.least, self.rho)
 
     @property
     def values(self) -> list[PieceValue]:
@@ -91,6 +99,31 @@ class _Planned:
         """Its cost, in values of D."""
         return SQUARE * len(self.squares) + len(self.values)
 
+    def turn(self, asked: Sequence[ExactBall | None], bound: Any) -> tuple[Any, float]:
+        """The growth of the phase of D along it, and the margin, from its values and ln |D| ≤ bound.
+
+        Raises ConvergenceError where they do not tell.
+        """
+        values = [ball_from(x) for x in asked]  # type: ignore[arg-type]
+        values += [v.conjugate() for v in reversed(values[: self.points - len(values)])]
+        return ellipse_model(values, bound, arb(self.rho)).turn(acb(-1), acb(1))
+
+
+@dataclass
+class _Sum:
+    """What pieces of a boundary have given together, the growth of the phase in radians, and those that are still unclear."""
+
+    phase: Any
+    margin: float = math.inf
+    points: int = 0
+    evaluations: int = 0
+    unclear: tuple[ContourPiece, ...] = ()
+
+    def and_of(self, other: _Sum) -> _Sum:
+        """Both together, and what is unclear in the other."""
+        margin, points = min(self.margin, other.margin), self.points + other.points
+        return _Sum(self.phase + other.phase, margin, points, self.evaluations + other.evaluations, other.unclear)
+
 
 @dataclass(frozen=True)
 class _Boundary:
@@ -102,7 +135,7 @@ class _Boundary:
     spare: int
     workers: int | None
 
-    def plan(self, piece: ContourPiece, cuts: int = MOST_CUTS) -> list[_Planned]:
+    def plan(self, piece: ContourPiece) -> list[_Planned]:
         """The piece, or parts of it, with ellipses that cost little: ρ up from the first one while it gains, or else down."""
         with suppress(ConvergenceError):
             rim = [PieceValue(piece, j, SAMPLES_OF_PIECE) for j in range(SAMPLES_OF_PIECE)]
@@ -121,45 +154,19 @@ class _Boundary:
                 place += step
             if best is not None and best.cost < DEAREST:
                 return [best]
-        if cuts == 0:
-            raise ConvergenceError(f"D is not enclosed next to the boundary of the region at {complex(piece.at(acb(0)).mid()):.6g}")
-        return [planned for half in piece.halves() for planned in self.plan(half, cuts - 1)]
+        return self._halved(piece, "D is not enclosed")
 
     def _on_ellipse(self, piece: ContourPiece, rho: float, least: float) -> _Planned | None:
         seen = answered(self.D, EllipseSample(piece, rho)).log
         if seen is None:
             return None
-        allowed = float(number_from(seen)) + SQUARE_ROOM
-        return _Planned(piece, rho, points_on_ellipse(allowed, least, rho), allowed, least)
+        there = float(number_from(seen))
+        return _Planned(piece, rho, there + SQUARE_ROOM, least, there + USUAL_ROOM)
 
-    def turns(self, planned: Sequence[_Planned], progress: Progress | None) -> tuple[Any, float, int]:
-        """The growth of the phase of D along the boundary, in turns, the least margin, and how many answers it took."""
-        total, least, spent = arb(0), math.inf, 0
-        while planned:
-            jobs: list[BallQuestion] = [job for plan in planned for job in plan.squares]
-            jobs += [job for plan in planned for job in plan.values]
-            known, again = self._asked(jobs, progress), []
-            spent += len(jobs)
-            for plan in planned:
-                logs = [known[job].log for job in plan.squares]
-                if None in logs:
-                    again += self._nearer(plan)
-                    continue
-                bound = largest([number_from(log) for log in logs])  # type: ignore[arg-type]
-                if not bound <= plan.allowed:
-                    again.append(self._with_more_points(plan, float(bound)))
-                    continue
-                values = [ball_from(known[job].value) for job in plan.values]  # type: ignore[arg-type]
-                values += [v.conjugate() for v in reversed(values[: plan.points - len(values)])]
-                turn, margin = ellipse_model(values, bound, arb(plan.rho)).turn(acb(-1), acb(1))
-                total, least = total + plan.piece.times * turn, min(least, margin)
-            planned = again
-        return total / (2 * arb.pi()), least, spent
-
-    def _with_more_points(self, plan: _Planned, bound: float) -> _Planned:
-        """The same piece and ellipse where ln |D| came to more than was allowed."""
-        allowed = bound + ABOVE_BOUND
-        return replace(plan, points=points_on_ellipse(allowed, plan.least, plan.rho), allowed=allowed)
+    def _halved(self, piece: ContourPiece, why: str) -> list[_Planned]:
+        if piece.high - piece.low <= Fraction(2, 2**MOST_CUTS):
+            raise ConvergenceError(f"{why} next to the boundary of the region {_between(piece)}")
+        return [planned for half in piece.halves() for planned in self.plan(half)]
 
     def _nearer(self, plan: _Planned) -> list[_Planned]:
         """The same piece with the next smaller ellipse, or its halves, where |D| had no bound on all squares."""
@@ -167,10 +174,35 @@ class _Boundary:
         found = self._on_ellipse(plan.piece, smaller[0], plan.least) if smaller else None
         if found is not None and found.cost < DEAREST:
             return [found]
-        cuts = MOST_CUTS - round(math.log2(2 / (plan.piece.high - plan.piece.low)))
-        if cuts <= 0:
-            raise ConvergenceError(f"|D| has no bound next to the boundary of the region at {complex(plan.piece.at(acb(0)).mid()):.6g}")
-        return [planned for half in plan.piece.halves() for planned in self.plan(half, cuts - 1)]
+        return self._halved(plan.piece, "|D| has no bound")
+
+    def along(self, whole: Sequence[ContourPiece], progress: Progress | None) -> _Sum:
+        """The growth of the phase of D along these pieces: |D| is bounded on all squares, then as many values asked for as it takes."""
+        planned, found = [plan for piece in whole for plan in self.plan(piece)], _Sum(arb(0))
+        bounded: list[tuple[_Planned, Any]] = []
+        while planned:
+            known = self._asked([job for plan in planned for job in plan.squares], progress)
+            found.evaluations += len(known)
+            again = []
+            for plan in planned:
+                logs = [known[job].log for job in plan.squares]
+                if None in logs:
+                    again += self._nearer(plan)
+                else:
+                    bound = largest([number_from(log) for log in logs])  # type: ignore[arg-type]
+                    bounded.append((replace(plan, bound=float(bound)), bound))
+            planned = again
+        known = self._asked([job for plan, _ in bounded for job in plan.values], progress)
+        found.evaluations += len(known)
+        for plan, bound in bounded:
+            found.points += plan.points
+            try:
+                phase, margin = plan.turn([known[job].value for job in plan.values], bound)
+            except ConvergenceError:
+                found.unclear = (*found.unclear, plan.piece)
+                continue
+            found.phase, found.margin = found.phase + plan.piece.times * phase, min(found.margin, margin)
+        return found
 
     def _asked(self, jobs: Sequence[BallQuestion], progress: Progress | None) -> dict[BallQuestion, BallAnswer]:
         found: dict[BallQuestion, BallAnswer] = {}
@@ -210,25 +242,33 @@ class _FactorAlong:
 
 
 def _counted(
-    problem: Problem, place: int, form: Enclosable, region: Bounded, spare: int, progress: Progress | None, workers: int | None
+    problem: Problem, place: int, form: Enclosable, region: Bounded, most_spare: int, progress: Progress | None, workers: int | None
 ) -> _FactorAlong:
-    bits = PIECE_BITS
+    bits, spare = PIECE_BITS, min(FEWEST_SPARE, most_spare)
+    found, todo = _Sum(arb(0)), None
     while True:
         with at_bits(bits):
             contour, whole = _contour(problem, place, form, region, bits, spare, workers)
-            known = min(
-                int(contour.D(piece.at(point(j, SAMPLES_OF_PIECE))).rel_accuracy_bits()) for piece in whole for j in range(SAMPLES_OF_PIECE)
-            )
+            todo = whole if todo is None else todo
+            places = [piece.at(point(j, SAMPLES_OF_PIECE)) for piece in todo for j in range(SAMPLES_OF_PIECE)]
+            known = min(int(contour.D(sigma).rel_accuracy_bits()) for sigma in places)
             if known >= spare + KNOWN_ON_BOUNDARY:
-                planned = [plan for piece in whole for plan in contour.plan(piece)]
-                turns, margin, evaluations = contour.turns(planned, progress)
-                count = turns.unique_fmpz()
-                if count is None:
-                    raise ConvergenceError("the enclosures of D on the contour do not determine a whole number of turns")
-                return _FactorAlong(int(count), margin, bits, sum(plan.points for plan in planned), evaluations)
+                part = contour.along(todo, progress)
+                found = found.and_of(part)
+                if not part.unclear:
+                    break
+                if spare == most_spare:
+                    raise ConvergenceError(f"an eigenvalue lies on the boundary or too near to it, {_between(part.unclear[0])}")
+                todo, spare = [half for piece in part.unclear for half in piece.halves()], min(spare + MORE_SPARE, most_spare)
+                continue
         bits = math.ceil(MORE_PIECE_BITS * bits)
         if bits > MOST_PIECE_BITS:
             raise ConvergenceError("D is not enclosed well enough on the boundary of the region: an eigenvalue may be there")
+    with at_bits(bits):
+        count = (found.phase / (2 * arb.pi())).unique_fmpz()
+    if count is None:
+        raise ConvergenceError("the enclosures of D on the contour do not determine a whole number of turns")
+    return _FactorAlong(int(count), found.margin, bits, found.points, found.evaluations)
 
 
 def _contour(
@@ -239,6 +279,12 @@ def _contour(
     setting = Setting(place, bits, tuple(map(exact_ball, around)))
     D = setting.enclosure(form)
     return _Boundary(problem, setting, D, spare, workers), pieces(region, D.real)
+
+
+def _between(piece: ContourPiece) -> str:
+    """Where a piece lies, in words."""
+    start, end = (complex(piece.at(acb(t)).mid()) for t in (-1, 1))
+    return f"from {start:.6g} to {end:.6g}"
 
 
 def _nats(D: Any) -> float:

@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 from shootstab.core.balls import acb, acb_poly, arb, ctx
@@ -148,8 +149,7 @@ class PolynomialModel:
         """
         with ctx.workprec(ctx.prec + self.polynomial.degree()):
             values, least = self._followed(corners)
-            turns = [(b / a).arg() for a, b in zip(values, [*values[1:], values[0]], strict=True)]
-            whole = (sum(turns, NO_RADIUS) / (2 * arb.pi())).unique_fmpz()
+            whole = (phase_gained([*values, values[0]]) / (2 * arb.pi())).unique_fmpz()
         if whole is None:
             raise ConvergenceError("the enclosures of D on the contour do not determine a whole number of turns")
         return int(whole), least
@@ -171,8 +171,7 @@ class PolynomialModel:
         """
         with ctx.workprec(ctx.prec + CONDITION_BITS * self.polynomial.degree()):
             values, least = self._along(start, end)
-            turns = [(b / a).arg() for a, b in zip(values, [*values[1:], self(end)], strict=True)]
-            return sum(turns, NO_RADIUS), least
+            return phase_gained([*values, self(end)]), least
 
     def _along(self, start: Any, end: Any) -> tuple[list[Any], float]:
         """D at the beginnings and middles of parts of a segment, in their order, and the least margin."""
@@ -192,6 +191,23 @@ class PolynomialModel:
             least = min(least, margin)
             here, length = ahead, (ahead - here) * min(2.0, max(1.0, STEP_OF_MARGIN * margin))
         return values, least
+
+
+def phase_gained(values: Sequence[Any]) -> Any:
+    """Σ_j arg(v_{j+1}/v_j) for numbers v_j in balls, principal arguments.
+
+    Where no ball of a ratio meets the negative axis, each argument is that of the middles and what v_{j+1} and v_j are turned from theirs,
+    so that the sum is that of the middles, and of all radii those of the first and the last ball alone are left. Raises ConvergenceError
+    where one does.
+    """
+    total = NO_RADIUS
+    for a, b in pairwise(values):
+        ratio = b / a
+        if not ratio.real > 0 and ratio.imag.contains(0):
+            raise ConvergenceError("the enclosures of D on the contour do not determine how its phase grows")
+        total += (b.mid() / a.mid()).arg()
+    first, last = (v / v.mid() for v in (values[0], values[-1]))
+    return total + last.arg() - first.arg()
 
 
 def _bounded(coefficients: Sequence[Any], s: Any) -> Any:

@@ -104,9 +104,11 @@ class ContourPiece:
         """σ(t)."""
         return self.curve.at(_real((self.low + self.high) / 2) + _real((self.high - self.low) / 2) * t)
 
-    def halves(self) -> tuple[ContourPiece, ContourPiece]:
-        """The first and the second one."""
+    def halves(self) -> tuple[ContourPiece, ...]:
+        """The first and the second one; of a mirrored piece the first one alone, twice, since either gains the same phase."""
         middle = (self.low + self.high) / 2
+        if self.mirrored:
+            return (replace(self, high=middle, times=2 * self.times),)
         return replace(self, high=middle), replace(self, low=middle)
 
 

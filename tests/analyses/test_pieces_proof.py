@@ -79,6 +79,16 @@ def test_points_are_added_where_the_bound_came_to_more_than_was_seen(monkeypatch
     assert by_pieces(STRING, HALF, 10, None, 1).count == 1
 
 
+def test_spare_bits_are_added_where_a_zero_is_near(monkeypatch: pytest.MonkeyPatch) -> None:
+    """0.3 lies 2e-4 beside an arc: pieces that do not tell with few spare bits are cut and asked again with more, the others are not."""
+    monkeypatch.setattr(pieces_proof, "factors", lambda problem: (KnownDiscriminant(root_and_two),))
+    asked = [by_pieces(STRING, st.HalfAnnulus(0.0, 0.1, outer), most, None, 1) for outer, most in ((0.3002, 24), (0.2998, 24), (0.45, 3))]
+    assert [proof.count for proof in asked] == [1, 0, 1]
+    assert asked[0].evaluations > asked[2].evaluations
+    with pytest.raises(ConvergenceError, match=r"too near to it, from 0\.3"):
+        by_pieces(STRING, st.HalfAnnulus(0.0, 0.1, 0.3002), 3, None, 1)
+
+
 def test_zeros_of_all_factors_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pieces_proof, "factors", lambda problem: (KnownDiscriminant(root_and_two), KnownDiscriminant(turned, real=False)))
     assert by_pieces(STRING, BOX, 10, None, 1).counts == (3, 1)
@@ -93,7 +103,7 @@ def test_a_boundary_through_a_zero_is_refused(region: Any, monkeypatch: pytest.M
 
 def test_a_region_that_holds_the_continuous_spectrum_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pieces_proof, "factors", lambda problem: (KnownDiscriminant(root_and_two),))
-    with pytest.raises(ConvergenceError, match="next to the boundary of the region at"):
+    with pytest.raises(ConvergenceError, match="next to the boundary of the region from"):
         by_pieces(STRING, st.Rectangle(-0.1 - 0.5j, 0.9 + 0.5j), 10, None, 1)
 
 

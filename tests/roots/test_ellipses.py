@@ -77,11 +77,15 @@ def test_pieces_run_around_the_region(region: HalfAnnulus | Rectangle, real: boo
     for piece, after in zip(found[:3] if real else found, found[1:3] if real else [*found[1:], found[0]], strict=False):
         assert abs(piece.at(acb(1)) - after.at(acb(-1))) < 1e-12
     for piece in found:
-        first, second = piece.halves()
+        first, *second = piece.halves()
+        assert bool(second) != piece.mirrored and first.times == (1 if second else 2) * piece.times
         for t in (-0.7, 0.1, 0.9):
             at = complex(piece.at(acb(t)).mid())
             assert not region.contains(at + 1e-9 * (at - 1.0)) or not region.contains(at - 1e-9 * (at - 1.0))
-            assert abs((first if t < 0 else second).at(acb(2 * t + 1 if t < 0 else 2 * t - 1)) - acb(at)) < 1e-12
+            if t < 0 or second:
+                assert abs((first if t < 0 else second[0]).at(acb(2 * t + 1 if t < 0 else 2 * t - 1)) - acb(at)) < 1e-12
+            else:  # as a mirror image of what the first one passes at −t
+                assert abs(first.at(acb(1 - 2 * t)).conjugate() - acb(at)) < 1e-12
         assert piece.mirrored == (real and abs(complex(piece.at(acb(-0.3)).mid()) - complex(piece.at(acb(0.3)).mid()).conjugate()) < 1e-12)
 
 

@@ -12,7 +12,7 @@ flint = pytest.importorskip("flint")
 from flint import acb, acb_poly, arb, ctx  # noqa: E402
 
 from shootstab.core.errors import ConvergenceError  # noqa: E402
-from shootstab.roots.pellet import PolynomialModel, TaylorModel, polynomial_model, taylor_model  # noqa: E402
+from shootstab.roots.pellet import PolynomialModel, TaylorModel, phase_gained, polynomial_model, taylor_model  # noqa: E402
 
 OUTER = 3.0
 
@@ -74,3 +74,24 @@ def test_nothing_is_concluded_beyond_the_circle_of_the_bound_or_from_no_number()
     for spread in (arb.pos_inf(), arb.nan()):
         with pytest.raises(ConvergenceError, match="an eigenvalue lies on the boundary or too near to it"):
             PolynomialModel(acb(0), arb(1), acb_poly([1]), spread).count(square)
+
+
+def test_the_phase_of_wide_balls_is_as_wide_as_the_first_and_the_last() -> None:
+    """Numbers drawn anywhere in balls: the sum of their arguments lies in the one of the balls, which does not grow with their number."""
+    rng = np.random.default_rng(11)
+    with ctx.workprec(64):
+        for count in (20, 2000):
+            phases = np.cumsum(rng.uniform(-0.6, 1.0, count))
+            middles, wide = np.exp(1j * phases) * rng.uniform(0.7, 1.4, count), 0.1
+            sum_of_balls = phase_gained([acb(arb(v.real, wide), arb(v.imag, wide)) for v in middles.tolist()])
+            drawn = middles + wide * (rng.uniform(-1, 1, count) + 1j * rng.uniform(-1, 1, count))
+            assert sum_of_balls.contains(arb(float(np.angle(drawn[1:] / drawn[:-1]).sum()), 1e-9))
+            assert sum_of_balls.rad() < 0.6
+
+
+@pytest.mark.parametrize("last", [acb(arb(-1, 0.1), arb(0, 0.1)), acb(arb(0, 0.1), arb(0, 0.1))])
+def test_a_ball_across_the_cut_or_about_0_has_no_phase(last: acb) -> None:
+    with pytest.raises(ConvergenceError, match="how its phase grows"):
+        phase_gained([acb(1), last])
+    with pytest.raises(ConvergenceError, match="how its phase grows"):
+        phase_gained([last, acb(1)])

@@ -36,7 +36,7 @@ LEAST_DIGITS = 12.0  # chosen: fewest digits of a flow
 CHUTE_OUTER = 2.0**-4  # chosen: the far field begins hardly lower for so thick a σ, and the bound of |D| is 20 nats above it
 CHUTE_POINTS = 18  # chosen: a value of D takes half a second
 LEAST_FAR_TERMS = 64  # chosen: the tail of the far field contracts by |A_0|/N at best
-FLUX_ROOM = 1e5  # chosen: half width of the bracket of T_∞, over 10^−digits of it
+FLUX_ROOM = 1e2  # chosen: half width of the bracket of T_∞, over 10^−digits of it
 BRACKET_WIDER, WIDENINGS = 1e3, 3  # chosen: factor by which the bracket is widened, and how often it is
 
 
@@ -180,7 +180,7 @@ class ChuteEnclosable:
         nu, _ = EnclosedDescent(chute, arb(flow.far_temperature), settings).far(flow.inside(FIRST_START), far_contraction)
 
         def flow_of(far_temperature: Any, settings: Settings, contraction: Callable[[Piece], float] = lambda piece: AIM) -> EnclosedFlow:
-            descent = EnclosedDescent(chute, far_temperature, settings)
+            descent = EnclosedDescent(self._digits.chute(BALLS), far_temperature, settings)  # parameters in the digits of the flow
             start, far = descent.far(nu)
             return descent.descend(start, far, flow.height(float(start)), contraction)
 
