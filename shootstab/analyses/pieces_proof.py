@@ -1,6 +1,7 @@
 """Exactly n zeros in a region by its boundary alone: D on pieces of it, each a polynomial on a curve, whose phase is followed (lemma E13).
 
-Nothing is asked about the inside, nor of a disc around the region: a continuous spectrum may come near, as at 0 for the chute.
+Of the inside it is only asked whether D is analytic there, and nothing of a disc around the region: a continuous spectrum may come near,
+as at 0 for the chute.
 """
 
 from __future__ import annotations
@@ -35,18 +36,18 @@ from shootstab.analyses.proof import Proof, gathered, in_order, lemmas, premise
 from shootstab.analyses.workers import parcel, spread
 from shootstab.core.balls import acb, arb
 from shootstab.core.errors import ConvergenceError
-from shootstab.core.half_annulus import HalfAnnulus
 from shootstab.core.progress import Progress
-from shootstab.core.regions import Rectangle
 from shootstab.multiprecision.enclosable import BoundedDiscriminant, Enclosable
 from shootstab.multiprecision.enclosure import at_bits
 from shootstab.multiprecision.tails import largest
 from shootstab.problems.protocol import Problem
 from shootstab.roots.ellipses import boxes, ellipse_model, point, points_on_ellipse
-from shootstab.roots.pieces import ContourPiece, pieces
+from shootstab.roots.interiors import require_analytic
+from shootstab.roots.pieces import Bounded, ContourPiece, pieces
 
 ELLIPSES = (5.0, 3.0, 2.2, 1.8, 1.5, 1.35, 1.2)  # chosen: ρ of the ellipses that are tried; the one that costs least
 LONGEST_BOX, SIDES_OF_PIECE = 0.05, 16  # chosen: half a side of a square for |D|, in |dσ/dt| over |σ − centre|; sides of one on a segment
+LARGEST_BOX = 0.25  # chosen: half a side of a square at most, for −1 ≤ t ≤ 1: of a short piece one would reach far beyond its ellipse
 PIECE_BITS = 64  # chosen: bits to begin with
 KNOWN_ON_BOUNDARY = 6  # chosen: bits of D on the contour beyond those to spare
 MORE_PIECE_BITS, MOST_PIECE_BITS = 1.4, 512  # chosen: the factor to the next number of bits, and a budget
@@ -59,9 +60,6 @@ FIRST_ELLIPSE = 1.5  # chosen: the first of them that is tried
 SQUARE = 0.25  # chosen: the time of a bound of |D| over that of a value of D
 SAMPLES_OF_PIECE = 6  # chosen: points of a piece at which the size of D is judged
 SHARED_RHO = 1.5  # chosen: ellipse at whose vertices an enclosure is told to hold
-
-
-Bounded = Rectangle | HalfAnnulus
 
 
 @dataclass(frozen=True)
@@ -80,7 +78,7 @@ class _Planned:
     @property
     def squares(self) -> list[SquareBound]:
         """What covers the ellipse; of a mirrored piece the right half of it."""
-        longest = LONGEST_BOX / self.piece.rate if self.piece.rate else 1 / SIDES_OF_PIECE
+        longest = min(LONGEST_BOX / self.piece.rate, LARGEST_BOX) if self.piece.rate else 1 / SIDES_OF_PIECE
         return [SquareBound(self.piece, box, self.allowed) for box in boxes(self.rho, longest, self.piece.mirrored)]
 
     @property
@@ -249,7 +247,9 @@ def _counted(
     while True:
         with at_bits(bits):
             contour, whole = _contour(problem, place, form, region, bits, spare, workers)
-            todo = whole if todo is None else todo
+            if todo is None:
+                todo = whole
+                require_analytic(contour.D.analytic, region)
             places = [piece.at(point(j, SAMPLES_OF_PIECE)) for piece in todo for j in range(SAMPLES_OF_PIECE)]
             known = min(int(contour.D(sigma).rel_accuracy_bits()) for sigma in places)
             if known >= spare + KNOWN_ON_BOUNDARY:

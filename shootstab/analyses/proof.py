@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import mpmath
 
 from shootstab.core.half_annulus import HalfAnnulus
-from shootstab.core.regions import Rectangle
+from shootstab.core.regions import Disc, Rectangle
 from shootstab.multiprecision.enclosable import Enclosable
 
 COMMON = ("E1", "E5", "E6", "E7")  # lemmas of the guide's page on proofs; "with multiplicity" rests on E7
@@ -86,7 +86,7 @@ class ProvedPart(Protocol):
     def evaluations(self) -> int: ...
 
 
-def gathered(parts: Sequence[ProvedPart], region: Rectangle | HalfAnnulus, seconds: float, relied: tuple[str, ...]) -> Proof:
+def gathered(parts: Sequence[ProvedPart], region: Rectangle | HalfAnnulus | Disc, seconds: float, relied: tuple[str, ...]) -> Proof:
     """The proof on a region that its parts are, each with a count of its own: the least margin, the most bits, all evaluations."""
     return Proof(
         tuple(part.count for part in parts),
@@ -112,12 +112,15 @@ def in_order(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(sorted(names, key=lambda name: (name[0], int(name[1:]))))
 
 
-def shape_of(region: Rectangle | HalfAnnulus) -> dict[str, Any]:
+def shape_of(region: Rectangle | HalfAnnulus | Disc) -> dict[str, Any]:
     """The region with the decimals that its floats stand for."""
     if isinstance(region, HalfAnnulus):
         centre = complex(region.centre)
         radii = {"inner": repr(float(region.inner)), "outer": repr(float(region.outer))}
         return {"shape": "half-annulus", "centre": named((repr(centre.real), repr(centre.imag))), **radii}
+    if isinstance(region, Disc):
+        centre = complex(region.centre)
+        return {"shape": "disc", "centre": named((repr(centre.real), repr(centre.imag))), "radius": repr(float(region.radius))}
     return {"shape": "rectangle", "corners": [named((repr(v.real), repr(v.imag))) for v in (region.vertices[0], region.vertices[2])]}
 
 

@@ -24,7 +24,7 @@ from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.given import complex_of, require_above_0, require_whole
 from shootstab.core.half_annulus import HalfAnnulus
 from shootstab.core.progress import Progress
-from shootstab.core.regions import Rectangle
+from shootstab.core.regions import Disc, Rectangle
 from shootstab.multiprecision.arithmetic import exact
 from shootstab.multiprecision.enclosable import Enclosable
 from shootstab.problems.capabilities import GROWING_REGION, VARIED
@@ -56,14 +56,23 @@ def prove(problem: Problem, guess: complex, digits: int = PROOF_DIGITS) -> Proof
     return replace(proof, seconds=perf_counter() - began)
 
 
-def prove_disc(problem: Problem, centre: complex, radius: float, alone: bool = False) -> Proof:
+def prove_disc(
+    problem: Problem, centre: complex, radius: float, alone: bool = False, progress: Progress | None = None, workers: int | None = 1
+) -> Proof:
     """Exactly n eigenvalues in this disc, n found; floats stand for their shortest decimals.
 
-    With alone the largest disc about the same centre is found in which there are as many. Raises ConvergenceError where none is proved.
+    With alone the largest disc about the same centre is looked for in which there are as many. Where values of D are dear, as the chute's,
+    and its series does not tell, D is followed along the circle, which workers processes share, as in `prove_region`. Raises
+    ConvergenceError where none is proved.
     """
     require_above_0("radius", radius)
-    at = complex_of("centre", centre)
-    return around(factors(problem), (repr(at.real), repr(at.imag)), repr(float(radius)), alone)
+    at, forms = complex_of("centre", centre), factors(problem)
+    try:
+        return around(forms, (repr(at.real), repr(at.imag)), repr(float(radius)), alone)
+    except ConvergenceError:
+        if all(form.most_points >= POLYNOMIAL_POINTS for form in forms):
+            raise
+        return by_pieces(problem, Disc(at, radius), CONTOUR_BITS, progress, workers)
 
 
 def prove_region(

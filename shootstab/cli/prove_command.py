@@ -64,7 +64,7 @@ def prove(options: Namespace) -> int:
             found = proofs.prove(scene.problem, options.guess, options.digits)
         elif options.disc is not None:
             re, im, radius = options.disc
-            found = proofs.prove_disc(scene.problem, complex(re, im), radius)
+            found = proofs.prove_disc(scene.problem, complex(re, im), radius, progress=told, workers=options.workers)
         elif options.region is not None:
             found = proofs.prove_region(scene.problem, _rectangle(options.region), told, workers=options.workers)
         elif options.half_annulus is not None:

@@ -31,6 +31,10 @@ class BoundedDiscriminant(Protocol):
         """An upper bound of ln |D| over the whole ball σ, on which D is then analytic."""
         ...
 
+    def analytic(self, sigma: Any) -> bool:
+        """Whether D is seen to be analytic on the whole ball σ, which may be wide."""
+        ...
+
 
 class Enclosable(Protocol):
     """A problem whose D can be enclosed."""

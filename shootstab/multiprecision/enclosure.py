@@ -107,6 +107,13 @@ class Enclosure:
         cells = ((length, self._system(z, sigma)) for z in places)
         return log_bound(n, k, cells, self.problem.start(sigma), self.problem.wall(sigma))
 
+    def analytic(self, sigma: Any) -> bool:
+        """Whether |D| has a bound on the whole ball σ."""
+        try:
+            return bool(self.growth(sigma).is_finite())
+        except ConvergenceError:
+            return False
+
     def _step(self, sigma: Any, y: Any, here: Any, wall: Any, longest: float) -> tuple[Any, float, bool]:
         """The compound vector after one step, its length and whether it ends at the wall."""
         left = wall - here

@@ -58,6 +58,11 @@ class EnclosedPath(Protocol):
         """The rows W(σ) (k, n)."""
         ...
 
+    @property
+    def singular(self) -> Sequence[Any]:
+        """Balls that together hold every σ at which D may not be analytic."""
+        ...
+
 
 @dataclass(frozen=True, eq=False)
 class FrameEnclosure:
@@ -89,6 +94,10 @@ class FrameEnclosure:
             det = det * factor
         W = _matrix(path.wall(sigma))
         return det * (_columns(W, rows) + _columns(W, _others(path.size, rows)) * graph).det()
+
+    def analytic(self, sigma: Any) -> bool:
+        """Whether the ball σ holds nothing of what is singular."""
+        return not any(acb(sigma).overlaps(place) for place in self.path.singular)
 
     def growth(self, sigma: Any) -> Any:
         """An upper bound of ln |D| for all σ in a ball, by lemma E4."""

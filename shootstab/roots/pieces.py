@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from shootstab.core.balls import acb, arb, fmpq
 from shootstab.core.half_annulus import HalfAnnulus
-from shootstab.core.regions import Rectangle
+from shootstab.core.regions import Disc, Rectangle
 
 DecimalPair = tuple[str, str]  # real and imaginary part
 
@@ -49,7 +49,7 @@ class Segment:
         return 0.0
 
     def at(self, t: Any) -> Any:
-        return (_number(self.start) + _number(self.end)) / 2 + (_number(self.end) - _number(self.start)) / 2 * t
+        return (exact_point(self.start) + exact_point(self.end)) / 2 + (exact_point(self.end) - exact_point(self.start)) / 2 * t
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Spiral:
 
     @property
     def mirrored(self) -> bool:
-        return Fraction(self.centre[1]) == 0 and Fraction(self.start[0]) == Fraction(self.end[0]) and self.start[1] == -self.end[1]
+        return Fraction(self.centre[1]) == 0 and Fraction(self.start[0]) == Fraction(self.end[0]) and (self.start[1] + self.end[1]) % 2 == 0
 
     @property
     def rate(self) -> float:
@@ -73,8 +73,8 @@ class Spiral:
         return math.hypot(math.log(float(R) / float(r)), math.pi * float(b - a)) / 2
 
     def at(self, t: Any) -> Any:
-        a, b = (acb(_real(Fraction(r)).log(), _real(angle) * arb.pi()) for r, angle in (self.start, self.end))
-        return _number(self.centre) + ((a + b) / 2 + (b - a) / 2 * t).exp()
+        a, b = (acb(exact_real(Fraction(r)).log(), exact_real(angle) * arb.pi()) for r, angle in (self.start, self.end))
+        return exact_point(self.centre) + ((a + b) / 2 + (b - a) / 2 * t).exp()
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ class ContourPiece:
 
     def at(self, t: Any) -> Any:
         """σ(t)."""
-        return self.curve.at(_real((self.low + self.high) / 2) + _real((self.high - self.low) / 2) * t)
+        return self.curve.at(exact_real((self.low + self.high) / 2) + exact_real((self.high - self.low) / 2) * t)
 
     def halves(self) -> tuple[ContourPiece, ...]:
         """The first and the second one; of a mirrored piece the first one alone, twice, since either gains the same phase."""
@@ -112,36 +112,45 @@ class ContourPiece:
         return replace(self, high=middle), replace(self, low=middle)
 
 
-def pieces(region: Rectangle | HalfAnnulus, real: bool) -> list[ContourPiece]:
+Bounded = Rectangle | HalfAnnulus | Disc
+
+
+def pieces(region: Bounded, real: bool) -> list[ContourPiece]:
     """The boundary of a region, counter-clockwise, in pieces; floats stand for their shortest decimals.
 
     real says that D(σ*) = D(σ)*: of what lies as a mirror image of another piece, run through backwards, only one is there, twice.
     """
     curves: list[AnalyticCurve]
     if isinstance(region, Rectangle):
-        corners = [_decimals(corner) for corner in region.vertices]
+        corners = [decimals(corner) for corner in region.vertices]
         curves = [Segment(corners[i % 4], corners[(i + 1) % 4]) for i in range(1, 5)]
+    elif isinstance(region, Disc):
+        at, radius = decimals(region.centre), repr(float(region.radius))
+        curves = [Spiral(at, (radius, Fraction(k - 1, 2)), (radius, Fraction(k + 1, 2))) for k in (0, 2)]
     else:
-        at, inner, outer, quarter = _decimals(region.centre), repr(float(region.inner)), repr(float(region.outer)), Fraction(1, 2)
+        at, inner, outer, quarter = decimals(region.centre), repr(float(region.inner)), repr(float(region.outer)), Fraction(1, 2)
         curves = [
             Spiral(at, (outer, -quarter), (outer, quarter)),
             Spiral(at, (outer, quarter), (inner, quarter)),
             Spiral(at, (inner, quarter), (inner, -quarter)),
             Spiral(at, (inner, -quarter), (outer, -quarter)),
         ]
-    if real and curves[0].mirrored:
+    if real and curves[0].mirrored and len(curves) > 2:
         return [ContourPiece(curves[0], real), ContourPiece(curves[1], real, 2), ContourPiece(curves[2], real)]
     return [ContourPiece(curve, real) for curve in curves]
 
 
-def _decimals(x: complex) -> DecimalPair:
+def decimals(x: complex) -> DecimalPair:
+    """The shortest decimals of both parts."""
     x = complex(x)
     return repr(x.real), repr(x.imag)
 
 
-def _real(x: Fraction) -> Any:
+def exact_real(x: Fraction) -> Any:
+    """A ball that holds it."""
     return arb(fmpq(x.numerator, x.denominator))
 
 
-def _number(at: DecimalPair) -> Any:
-    return acb(_real(Fraction(at[0])), _real(Fraction(at[1])))
+def exact_point(at: DecimalPair) -> Any:
+    """A ball that holds the complex number."""
+    return acb(exact_real(Fraction(at[0])), exact_real(Fraction(at[1])))

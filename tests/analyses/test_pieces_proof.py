@@ -37,6 +37,9 @@ class KnownDiscriminant:
     def __call__(self, sigma: Any) -> Any:
         return self.D(sigma)
 
+    def analytic(self, sigma: Any) -> bool:
+        return not sigma.imag.contains(0) or sigma.real > 0
+
     def growth(self, sigma: Any) -> Any:
         if sigma.imag.contains(0) and not sigma.real > 0:
             raise ConvergenceError("the continuous spectrum")
@@ -62,6 +65,9 @@ HALF, BOX = st.HalfAnnulus(0.0, 0.1, 0.45), st.Rectangle(0.05 - 0.5j, 0.9 + 0.5j
         (KnownDiscriminant(root_and_two), HALF, 1),
         (KnownDiscriminant(root_and_two), BOX, 3),
         (KnownDiscriminant(root_and_two, real=False), BOX, 3),
+        (KnownDiscriminant(root_and_two), st.Disc(0.3, 0.2), 1),
+        (KnownDiscriminant(root_and_two), st.Disc(0.6, 0.58), 3),
+        (KnownDiscriminant(root_and_two), st.Disc(0.3 + 0.3j, 0.25), 1),
         (KnownDiscriminant(turned, real=False), HALF, 0),
         (KnownDiscriminant(turned, real=False), st.HalfAnnulus(0.1j, 0.2, 1.0), 1),
     ],
@@ -73,6 +79,33 @@ def test_zeros_known_exactly_are_counted(D: KnownDiscriminant, region: Any, coun
     assert "E13" in proof.lemmas
 
 
+def with_a_pole(sigma: Any) -> Any:
+    """A zero at 0.3 and a pole at 0.25 + 0.05i, beside each other: the phase along a contour about both does not grow."""
+    return (sigma - arb("0.3")) / (sigma - acb("0.25", "0.05"))
+
+
+@dataclass(frozen=True)
+class MeromorphicDiscriminant(KnownDiscriminant):
+    """D with a pole."""
+
+    def analytic(self, sigma: Any) -> bool:
+        return not acb(sigma).contains(acb(0.25, 0.05))
+
+    def growth(self, sigma: Any) -> Any:
+        return abs(self.D(sigma)).upper().log()
+
+
+@pytest.mark.parametrize("region", [HALF, BOX, st.Disc(0.3, 0.2)])
+def test_a_region_in_which_d_is_not_analytic_is_refused(region: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without a look at the inside no eigenvalue would be proved to lie there, though 0.3 does."""
+    D = MeromorphicDiscriminant(with_a_pole, real=False)
+    monkeypatch.setattr(pieces_proof, "factors", lambda problem: (D,))
+    with pytest.raises(ConvergenceError, match=r"not seen to be analytic inside the region at 0\.2"):
+        by_pieces(STRING, region, 10, None, 1)
+    monkeypatch.setattr(pieces_proof, "require_analytic", lambda analytic, region: None)
+    assert by_pieces(STRING, region, 24, None, 1).count == 0
+
+
 def test_points_are_added_where_the_bound_came_to_more_than_was_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pieces_proof, "factors", lambda problem: (KnownDiscriminant(root_and_two),))
     monkeypatch.setattr(pieces_proof, "SQUARE_ROOM", -6.0)
@@ -82,10 +115,10 @@ def test_points_are_added_where_the_bound_came_to_more_than_was_seen(monkeypatch
 def test_spare_bits_are_added_where_a_zero_is_near(monkeypatch: pytest.MonkeyPatch) -> None:
     """0.3 lies 2e-4 beside an arc: pieces that do not tell with few spare bits are cut and asked again with more, the others are not."""
     monkeypatch.setattr(pieces_proof, "factors", lambda problem: (KnownDiscriminant(root_and_two),))
-    asked = [by_pieces(STRING, st.HalfAnnulus(0.0, 0.1, outer), most, None, 1) for outer, most in ((0.3002, 24), (0.2998, 24), (0.45, 3))]
-    assert [proof.count for proof in asked] == [1, 0, 1]
+    asked = [by_pieces(STRING, st.HalfAnnulus(0.0, 0.1, outer), most, None, 1) for outer, most in ((0.3002, 24), (0.2998, 24), (0.2, 3))]
+    assert [proof.count for proof in asked] == [1, 0, 0]
     assert asked[0].evaluations > asked[2].evaluations
-    with pytest.raises(ConvergenceError, match=r"too near to it, from 0\.3"):
+    with pytest.raises(ConvergenceError, match="on the boundary or too near to it, from"):
         by_pieces(STRING, st.HalfAnnulus(0.0, 0.1, 0.3002), 3, None, 1)
 
 
@@ -103,8 +136,12 @@ def test_a_boundary_through_a_zero_is_refused(region: Any, monkeypatch: pytest.M
 
 def test_a_region_that_holds_the_continuous_spectrum_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pieces_proof, "factors", lambda problem: (KnownDiscriminant(root_and_two),))
+    region = st.Rectangle(-0.1 - 0.5j, 0.9 + 0.5j)
+    with pytest.raises(ConvergenceError, match="inside the region at"):
+        by_pieces(STRING, region, 10, None, 1)
+    monkeypatch.setattr(pieces_proof, "require_analytic", lambda analytic, region: None)
     with pytest.raises(ConvergenceError, match="next to the boundary of the region from"):
-        by_pieces(STRING, st.Rectangle(-0.1 - 0.5j, 0.9 + 0.5j), 10, None, 1)
+        by_pieces(STRING, region, 10, None, 1)
 
 
 @pytest.mark.slow

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import mpmath
@@ -22,7 +24,7 @@ from shootstab.models.chute.perturbations import Perturbations
 from shootstab.models.chute.wall import wall_rows
 from shootstab.multiprecision.arithmetic import Matrix, exact
 from shootstab.multiprecision.flint_backend import FlintArithmetic
-from shootstab.multiprecision.frame_enclosure import FrameEnclosure
+from shootstab.multiprecision.frame_enclosure import CELLS_OF_STEP, FrameEnclosure
 from shootstab.multiprecision.settings import GUARD_DIGITS, Settings
 from shootstab.multiprecision.tailed_pencil import BALLS, TailedPencil
 
@@ -35,6 +37,7 @@ NO_BRACKET = "no bracket of the far temperature is proved to hold a flow of this
 LEAST_DIGITS = 12.0  # chosen: fewest digits of a flow
 CHUTE_OUTER = 2.0**-4  # chosen: the far field begins hardly lower for so thick a σ, and the bound of |D| is 20 nats above it
 CHUTE_POINTS = 18  # chosen: a value of D takes half a second
+FAR_CELLS = 24  # chosen: cells of the far field, each half of the next, on which the continuous spectrum is enclosed
 LEAST_FAR_TERMS = 64  # chosen: the tail of the far field contracts by |A_0|/N at best
 FLUX_ROOM = 1e2  # chosen: half width of the bracket of T_∞, over 10^−digits of it
 BRACKET_WIDER, WIDENINGS = 1e3, 3  # chosen: factor by which the bracket is widened, and how often it is
@@ -64,6 +67,25 @@ class ChutePath:
         found = self._far_pencil.decaying(sigma, P0, acb(rate).real, nilpotent)
         if found is None:
             raise ConvergenceError(f"the far field starts too low for an enclosure at sigma = {complex(acb(sigma).mid()):.6g}")
+        return found
+
+    @cached_property
+    def singular(self) -> Sequence[Any]:
+        """Balls that hold the continuous spectrum σ_c(z) from the base to infinity, where det C = 0 (theory, lemma C4).
+
+        Raises ConvergenceError where det C may vanish for all σ.
+        """
+        flow, halves = self.flow, [arb(0), *(arb(2) ** (i - FAR_CELLS) for i in range(FAR_CELLS + 1))]
+        cells = [[y.at(low.union(high)) for y in flow.far[:4]] for low, high in pairwise(halves)]
+        parts = [arb(i) / CELLS_OF_STEP for i in range(CELLS_OF_STEP + 1)]
+        cells += [piece.at(low.union(high))[:4] for piece in flow.pieces for low, high in pairwise(parts)]
+        found = []
+        for nu, T, u, Q in ([acb(x) for x in cell] for cell in cells):
+            bg = background(flow.chute, nu, T, u + flow.base.far_velocity, Q, arb.pi())
+            place = system.continuum(bg, self._kx)[0]
+            if not place.is_finite() or bg.eta[0].contains(0):
+                raise ConvergenceError("the continuous spectrum of the flow is not enclosed: take more bits")
+            found.append(place)
         return found
 
     def wall(self, sigma: Any) -> Matrix:

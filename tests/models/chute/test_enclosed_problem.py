@@ -12,6 +12,7 @@ flint = pytest.importorskip("flint")
 from flint import acb, acb_mat, arb, arb_mat, arb_poly, ctx  # noqa: E402
 
 import shootstab as st  # noqa: E402
+from shootstab.analyses.prove import prove_region  # noqa: E402
 from shootstab.core.errors import ConvergenceError  # noqa: E402
 from shootstab.models.chute import ChuteProblem, Flow  # noqa: E402
 from shootstab.models.chute import first_order_system as system  # noqa: E402
@@ -199,3 +200,21 @@ def test_the_growing_mode_of_the_high_flow_is_proved(scenes: dict[str, ChuteProb
     assert HIGH[:17] in proof.premise
     assert "C6" in proof.lemmas
     assert not {"E2", "E3"} & set(proof.lemmas)  # frames on given steps, in place of compound matrices
+
+
+@pytest.mark.slow
+def test_balls_of_the_continuous_spectrum_hold_it_and_regions_about_it_are_refused(scenes: dict[str, ChuteProblem]) -> None:
+    """det C of the enclosed system vanishes in them: σ_c of doubles at every height lies in one, and D is analytic on what none meets."""
+    for name, place in (("high", 0.004), ("low", 0.02 - 0.04j)):
+        problem = scenes[name]
+        form = ChuteEnclosable(problem)
+        with ctx.workprec(64):
+            D = form.enclosure(64, acb(arb(place.real, 1e-6), arb(place.imag, 1e-6)))
+            balls = D.path.singular
+            top = problem.flow.height(float(D.path.flow.start.mid()))
+            for sigma in problem.continuum(np.linspace(0.0, top, 200)).tolist():
+                assert any(ball.overlaps(acb(arb(sigma.real, 1e-9), arb(sigma.imag, 1e-9))) for ball in balls)
+            assert all(ball.real.lower() < 1e-12 and ball.is_finite() for ball in balls)
+            assert D.analytic(acb(place)) and not D.analytic(acb(-1j * problem.kx * problem.flow.far_velocity))
+    with pytest.raises(ConvergenceError, match="not seen to be analytic inside the region at -"):
+        prove_region(scenes["high"], st.Rectangle(-2.0 - 1.0j, 0.5 + 1.0j), workers=1)
