@@ -1,8 +1,11 @@
 """The critical point of a family of problems: where, over all wavenumbers, the first mode begins to grow.
 
-The growth rate g = Re σ(R, α) and its slope ∂g/∂α vanish there. σ is analytic in α, so that its derivatives at a real α are sums over a
-small circle of complex ones, σ^(m)/m! = (1/N r^m) Σ_j σ(α + r ω^j) ω^{−jm}, exact to rounding over r^m: no difference that cancels.
-Newton's iteration on (g, ∂g/∂α) then has g_α, g_αα and, from a second circle, g_R and g_αR.
+The growth rate g = Re σ(R, α) and its slope ∂g/∂α vanish there. σ is analytic in α, so that its derivatives at a real α are found on a
+small circle of complex ones (critical_circle.py). Newton's iteration on (g, ∂g/∂α) then has g_α, g_αα and, from a second circle, g_R and
+g_αR.
+
+A mode that neither grows nor decays, as in a flow without friction, begins to grow where it meets another one: there Δ = ((σ₁ − σ₂)/2)²,
+which is real and analytic, passes from below 0 to above, and the iteration is that on (Δ, ∂Δ/∂α). Two modes σ and −σ̄ beyond it have Δ > 0.
 """
 
 from __future__ import annotations
@@ -13,24 +16,31 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from shootstab.analyses.critical_circle import (
+    ALPHA_RADIUS,
+    ERRORS_OF_MEAN,
+    PARTNERS,
+    ROUGH_RTOL,
+    CircleSeries,
+    FollowedValues,
+    ProblemsOverAlpha,
+    beside,
+    mode_on_circle,
+    pair_on_circle,
+)
 from shootstab.analyses.refine import refine
-from shootstab.analyses.sweep.following import FollowedMode
 from shootstab.core.errors import ConvergenceError, InputError
-from shootstab.problems.protocol import Problem
 
-ALPHA_POINTS = 12  # chosen: points on a circle in α, whose Fourier coefficients are σ and its first two α-derivatives
-ALPHA_RADIUS = 0.05  # chosen: radius of that circle; what the points leave out of σ′ is of the order 0.05^12
-WAY_OUT = (0.25, 0.5)  # chosen: places on the way from the middle, in that radius, so that no mode is guessed
-NOT_ANALYTIC = 1e-2  # chosen: part of σ's change over the radius by which its mean on the circle may miss σ in the middle
 SHIFT = 1e-3  # chosen: relative change of R for the second circle
 CRITICAL_STEPS = 16  # chosen: steps of Newton in (α, R); from a guess of two digits it takes some 5
 LONGEST_CRITICAL_MOVE = 0.5  # chosen: the part of R, and of α, by which a step changes it at most: both stay above 0
+MOST_LONGEST = 7  # chosen: steps in turn that are the longest before the search ends, some seconds of work
 SHORT_ENOUGH_FOR_A_CHORD = 0.05  # chosen: steps below so much keep the slopes in R; longer ones have them computed anew
-ROUGH_RTOL = 1e-9  # chosen: relative accuracy of the modes on the way
 CRITICAL_RTOL = 1e-12  # chosen: accuracy of the modes
 STILL_ROUGH = 1e3  # chosen: steps above so many accuracies are made with modes that are rough
 LAST_MOVE = 1e2  # chosen: the last step, in accuracies
-ERRORS_OF_MEAN = 1e2  # chosen: error bounds of a mode by which the mean on the circle may miss σ in the middle
+
+OnCircle = Callable[[ProblemsOverAlpha, float, float, FollowedValues, float], CircleSeries]
 
 
 @dataclass(frozen=True)
@@ -44,68 +54,107 @@ class Critical:
     alpha_error: float
 
 
-def critical(
-    family: Callable[[float, complex], Problem], reynolds: float, alpha: float, guess: complex, rtol: float = CRITICAL_RTOL
-) -> Critical:
+class NeutralError(ConvergenceError):
+    """The mode neither grows nor decays, whatever the parameters: sigma is the mode at the first of them."""
+
+    def __init__(self, sigma: complex) -> None:
+        super().__init__(f"the mode {sigma:.6g} neither grows nor decays near the first parameters, to its error")
+        self.sigma = sigma
+
+
+def critical(family: ProblemsOverAlpha, reynolds: float, alpha: float, guess: complex, rtol: float = CRITICAL_RTOL) -> Critical:
     """The critical point next to (reynolds, alpha), following the mode next to guess.
 
-    family(R, α) makes the problem; α comes complex, and R may be any parameter that growth rises with. Raises ConvergenceError where
-    Newton's iteration does not settle or a mode is lost on the way, and where growth is least there.
+    family(R, α) makes the problem; α comes complex, and R may be any parameter that growth rises with. A mode that is neutral there is
+    followed to where it meets the neutral one beside it, as is one that grows beside its mirror image; sigma is then their mean.
+
+    Raises ConvergenceError where Newton's iteration does not settle or a mode is lost on the way, and where growth is least there.
     """
     if not (reynolds > 0.0 and alpha > 0.0):
         raise InputError(f"reynolds = {reynolds!r}, alpha = {alpha!r}: allowed are numbers above 0, near the critical point")
-    sigma = complex(guess)
-    step, change_R = math.inf, np.zeros(2)
+    mirrored = _mirrored(family, reynolds, alpha, complex(guess))
+    if mirrored is not None:
+        try:
+            return _iterated(family, pair_on_circle, reynolds, alpha, mirrored, rtol)
+        except ConvergenceError:
+            pass  # they need not meet: one mode may be followed yet
+    try:
+        return _iterated(family, mode_on_circle, reynolds, alpha, (complex(guess),), rtol)
+    except NeutralError as neutral:
+        return _iterated(family, pair_on_circle, reynolds, alpha, _pair(family, reynolds, alpha, neutral.sigma), rtol)
+
+
+def _iterated(
+    family: ProblemsOverAlpha, on_circle: OnCircle, reynolds: float, alpha: float, values: FollowedValues, rtol: float
+) -> Critical:
+    """Newton's iteration on the real part of what is followed, and its slope over α."""
+    step, change_R, longest = math.inf, np.zeros(2), 0
     for turn in range(CRITICAL_STEPS):
         rough = max(rtol, ROUGH_RTOL) if step > STILL_ROUGH * rtol else rtol
-        series, error = _circle(family, reynolds, alpha, sigma, rough)
-        sigma, g = complex(series[0]), series.real
+        here = on_circle(family, reynolds, alpha, values, rough)
+        values, g = here.values, here.terms.real
         if turn < 2 or step > SHORT_ENOUGH_FOR_A_CHORD:  # a chord does from then on
-            ahead, _ = _circle(family, reynolds * (1 + SHIFT), alpha, sigma, rough)
-            change_R = (ahead.real - g)[:2] / (reynolds * SHIFT)
+            ahead = on_circle(family, reynolds * (1 + SHIFT), alpha, values, rough)
+            if on_circle is mode_on_circle and _is_neutral(here, alpha) and _is_neutral(ahead, alpha):
+                raise NeutralError(here.sigma)
+            change_R = (ahead.terms.real - g)[:2] / (reynolds * SHIFT)
         jacobian = np.array([[change_R[0], g[1]], [change_R[1], 2 * g[2]]])
-        move = np.linalg.solve(jacobian, -g[:2])
-        move = move * min(
-            1.0, LONGEST_CRITICAL_MOVE / max(abs(float(move[0])) / reynolds, abs(float(move[1])) / alpha, LONGEST_CRITICAL_MOVE)
-        )
+        try:
+            move = np.linalg.solve(jacobian, -g[:2])
+        except np.linalg.LinAlgError:
+            raise ConvergenceError(f"at {reynolds:.6g}, {alpha:.6g} growth does not change with the parameters") from None
+        whole = max(abs(float(move[0])) / reynolds, abs(float(move[1])) / alpha)
+        move = move * min(1.0, LONGEST_CRITICAL_MOVE / max(whole, LONGEST_CRITICAL_MOVE))
+        longest = longest + 1 if whole > LONGEST_CRITICAL_MOVE else 0
+        if longest == MOST_LONGEST:
+            raise ConvergenceError(
+                f"no critical point found near {reynolds:.6g}, {alpha:.6g}: {longest} steps in turn would change a parameter by more than "
+                f"half; the mode there is {here.sigma:.6g}; allowed are a guess and parameters nearer to a critical point"
+            )
         reynolds, alpha = reynolds + float(move[0]), alpha + float(move[1])
         step = abs(float(move[0])) / reynolds + abs(float(move[1])) / alpha
         if rough == rtol and step < LAST_MOVE * rtol:
             if g[2] >= 0.0:
                 told = f"at {reynolds:.6g}, {alpha:.6g} the growth rate is 0, and least over the second"
                 raise ConvergenceError(f"{told}, not largest: no mode begins to grow there")
-            wrong = np.abs(np.linalg.inv(jacobian)) @ np.array([error, error / (ALPHA_RADIUS * alpha)]) + np.abs(move)
-            return Critical(reynolds, alpha, sigma, float(wrong[0]), float(wrong[1]))
+            wrong = np.abs(np.linalg.inv(jacobian)) @ np.array([here.error, here.error / (ALPHA_RADIUS * alpha)]) + np.abs(move)
+            return Critical(reynolds, alpha, here.sigma, float(wrong[0]), float(wrong[1]))
     raise ConvergenceError(f"no critical point found near {reynolds:.6g}, {alpha:.6g}: the last step was {step:.1e}")
 
 
-def _circle(
-    family: Callable[[float, complex], Problem], reynolds: float, alpha: float, guess: complex, rtol: float
-) -> tuple[np.ndarray, float]:
-    """σ^(m)/m! for m = 0, 1, 2 at a real α, and the largest error of the modes around it.
+def _is_neutral(found: CircleSeries, alpha: float) -> bool:
+    """Whether growth and its first two derivatives over α are 0 to the error with which they are known."""
+    over = np.abs(found.terms.real) * (ALPHA_RADIUS * alpha) ** np.arange(3)
+    return bool((over <= ERRORS_OF_MEAN * found.sigma_error).all())
 
-    The guess means a mode at α itself; from there on every one is foreseen by the polynomial through those before. Raises ConvergenceError
-    where a mode is lost, or those around the circle are not values of one analytic function.
-    """
-    radius = ALPHA_RADIUS * alpha
-    turns = np.exp(2j * np.pi * np.arange(ALPHA_POINTS) / ALPHA_POINTS)
-    way = FollowedMode()  # a mode followed in the complex plane of α
-    error = 0.0
-    for place in [0.0, *WAY_OUT, *turns.tolist()]:
-        point = alpha + radius * place
-        mode = refine(family(reynolds, point), way.predicted(place) if way.places else guess, rtol)
-        if not math.isfinite(mode.error):
-            raise ConvergenceError(f"the mode is lost at reynolds = {reynolds:.6g}, alpha = {point:.6g}: {mode.status}")
-        error = max(error, float(mode.error))
-        way.add(place, complex(mode.sigma))
-    coefficients = np.fft.fft(way.sigmas[-ALPHA_POINTS:]) / ALPHA_POINTS
-    # σ^(m) r^m/m! of an analytic function: those of the middle order are small, and the 0th is σ(α) itself, which was computed too
-    left, whole = abs(coefficients[0] - way.sigmas[0]), float(np.abs(coefficients[1:3]).max())
-    if left > max(NOT_ANALYTIC * whole, ERRORS_OF_MEAN * error):
+
+def _mirrored(family: ProblemsOverAlpha, reynolds: float, alpha: float, guess: complex) -> FollowedValues | None:
+    """The mean of a mode and its mirror image -conj σ, and their Δ, where both are modes and grow or decay; None otherwise."""
+    problem = family(reynolds, complex(alpha))
+    mode = refine(problem, guess, ROUGH_RTOL)
+    sigma, noise = complex(mode.sigma), ERRORS_OF_MEAN * mode.error
+    if not (mode.converged and abs(sigma.real) > noise):
+        return None
+    image = refine(problem, -sigma.conjugate(), ROUGH_RTOL)
+    if not (image.converged and abs(image.sigma + sigma.conjugate()) <= noise):
+        return None
+    return 1j * sigma.imag, complex(sigma.real**2)
+
+
+def _pair(family: ProblemsOverAlpha, reynolds: float, alpha: float, sigma: complex) -> FollowedValues:
+    """The mean of a neutral mode and the neutral one nearest to it, and their Δ. Raises ConvergenceError where none is near."""
+    problem = family(reynolds, complex(alpha))
+    mode = refine(problem, sigma)
+    others: list[complex] = []
+    for factor in PARTNERS if math.isfinite(mode.scale) else ():
+        near = [zero.sigma for zero in beside(problem, complex(mode.sigma), factor * mode.scale)]
+        others = [other for other in near if abs(other.real) <= ERRORS_OF_MEAN * ROUGH_RTOL * abs(other)]
+        if others:
+            break
+    if not others:
         raise ConvergenceError(
-            f"the mode {way.sigmas[0]:.6g} is not followed around alpha = {alpha:.6g} at reynolds = {reynolds:.6g}: "
-            f"another one, or a branch point, is as near as the circle of {ALPHA_RADIUS:.0%} of alpha; "
-            "allowed is a guess nearer to the critical point"
+            f"the mode {sigma:.6g} neither grows nor decays near {reynolds:.6g}, {alpha:.6g}, to its error, and none that it may meet "
+            f"is found within {PARTNERS[-1] * mode.scale:.2g}: growth may begin with another mode"
         )
-    m = np.arange(3)
-    return coefficients[:3] / radius**m, error
+    half = (complex(mode.sigma) - others[0]) / 2
+    return (complex(mode.sigma) + others[0]) / 2, half * half

@@ -119,9 +119,10 @@ def consistent_splitting(conditions: EndConditions, near: complex | None) -> Con
         if not conditions.fits(sample):
             raise _refusal(conditions, sample, "reference")
         return ConsistentSplitting(sample.counts, sample.sigma)
-    rays = [[s for s in (conditions.sample(sigma) for sigma in ray.tolist()) if s is not None] for ray in _rays(conditions.scale)]
-    for ray in rays:
-        component = list(_outermost_component(conditions, ray))
+    rays: list[list[Sample]] = []
+    for sigmas in _rays(conditions.scale):
+        rays.append([s for s in (conditions.sample(sigma) for sigma in sigmas.tolist()) if s is not None])
+        component = list(_outermost_component(conditions, rays[-1]))
         if component:
             return _widest(conditions, component)
     # bounded components: for large |σ| too few or too many solutions decay in every direction
