@@ -6,6 +6,9 @@ import cmath
 import math
 from collections.abc import Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from shootstab.core.discriminant import Discriminant, Value
 from shootstab.core.records import Budget
 from shootstab.core.scaled import EPSILON
@@ -14,8 +17,10 @@ from shootstab.kernels.tableau import ORDER
 from shootstab.problems.capabilities import FARTHER_WALLS
 from shootstab.problems.protocol import Problem
 
-HALVING = 2.0 ** (ORDER / 2) - 1.0  # derived: Richardson's 2^q − 1, for steps that have reached half the order of the pair only
-STEP_HALVING = 2.0**ORDER - 1.0  # derived: the same for steps of the whole order; what is left of each need not cancel as what went did
+HALVING: float = 2.0 ** (ORDER / 2) - 1.0  # derived: Richardson's 2^q − 1, for steps that have reached half the order of the pair only
+STEP_HALVING: float = 2.0**ORDER - 1.0  # derived: the same for steps of the whole order; what is left need not cancel as what went did
+COUNTING_STEP = 0.01  # chosen: local error of a step, in the largest, from which on it counts
+SLOWLY_FALLING = 0.25  # chosen: share of steps that may fall less; a factor of all errors together is that of a few
 FLOWS = (4.0, 2.0)  # chosen: factors by which the base flow is computed less accurately, for another one that errs about as much
 FAR_PROBE = 1e-7  # chosen: relative change of the far frame by which its influence is measured
 SAFETY = 3.0  # chosen: factor on what a random sample of far frame or steps shows, and on a separation that is known to some 10 %
@@ -57,10 +62,17 @@ def integration_error(coarse: MeshedDiscriminant, coarse_value: Value, fine: Mes
     parts = [coarse.partly_refined(digit, coarse_value.sigma) for digit in (0, 1)]
     drawn = [2 * shift(part, coarse_value) - whole for part in parts]
     sample = max(abs(d) if cmath.isfinite(d) else math.inf for d in drawn)
-    before, left = coarse.local_error(coarse_value.sigma), fine.local_error(fine_value.sigma)
-    known = 0.0 < left < math.inf and before < math.inf
-    fallen = min(max(before / left, HALVING), STEP_HALVING) if known else HALVING
+    fallen = _fallen(coarse.local_errors(coarse_value.sigma), fine.local_errors(fine_value.sigma))
     return float(max(abs(whole) / HALVING, SAFETY * sample / fallen))
+
+
+def _fallen(before: NDArray[np.float64], left: NDArray[np.float64]) -> float:
+    """The factor by which the errors (m,) of steps fell when each was halved, (2m,): of a quarter of those that count it is smaller."""
+    parts = left.reshape(-1, 2).sum(axis=1)
+    counts = before > COUNTING_STEP * before.max(initial=0.0)
+    if not (counts.any() and np.isfinite(before).all() and np.isfinite(parts).all() and (parts[counts] > 0.0).all()):
+        return HALVING
+    return min(max(float(np.quantile(before[counts] / parts[counts], SLOWLY_FALLING)), HALVING), STEP_HALVING)
 
 
 def budget(

@@ -24,7 +24,10 @@ LAW_SHIFT = 1 / 16  # chosen: s in the radius of the arc: near 0, where D follow
 
 @dataclass(frozen=True)
 class GrowthLaw:
-    """A and B on an arc of this radius; departure is max |q − A σ^(1/2) − B|/max |q| on it, infinite where q is no number.
+    """A and B on an arc of this radius; departure is max |q − A σ^(1/2) − B| on it, infinite where q is no number.
+
+    A zero of D adds σ/(σ − σ₀) to q. One that lies between two arcs of radii 1 to 4 departs by 0.59 at least on one of them, as a search
+    over σ₀ finds, two by 0.44, three by 0.27, four by 0.22.
 
     work is the number of steps that were integrated for it.
     """
@@ -47,7 +50,7 @@ class GrowthLaw:
             return cls(radius, 0j, 0j, math.inf, work)
         basis = np.stack((np.sqrt(sigmas), np.ones_like(sigmas)), axis=1)
         A, B = np.linalg.lstsq(basis, q, rcond=None)[0]
-        return cls(radius, complex(A), complex(B), float(np.abs(q - basis @ (A, B)).max() / np.abs(q).max()), work)
+        return cls(radius, complex(A), complex(B), float(np.abs(q - basis @ (A, B)).max()), work)
 
     def divided_out(self, value: Value) -> Value:
         """D over exp(2A (σ + s)^(1/2)) (σ + s)^B, with its derivative, from D where Re σ > −s."""

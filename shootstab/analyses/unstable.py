@@ -2,8 +2,8 @@
 
 A theorem is that of the problem (problems.capabilities.GROWING_REGION), such as the numerical range of its equations. Without one: for
 large |σ| the solutions vary on the short scale σ^(−1/2), and ln D = 2A σ^(1/2) + B ln σ + …, so that q(σ) = σ D′/D = A σ^(1/2) + B + …
-in the right half-plane. Next to a zero q is infinite: where q follows that law over an arc, and over the next ones out to 64 times
-the radius, no zero hides beyond. The half-disc inside is then counted.
+in the right half-plane, to which a zero adds σ/(σ − σ₀): where q follows that law over an arc, and over the next ones out to where σ
+rules everywhere (asymptotic_scale.py), none hides between them. The half-disc inside is then counted.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from shootstab.analyses.accuracy import Tightening
+from shootstab.analyses.asymptotic_scale import asymptotic_scale
 from shootstab.analyses.count import counted_twice
 from shootstab.analyses.cut_region import RegionCount
 from shootstab.analyses.growth_law import GrowthLaw
@@ -27,12 +28,14 @@ from shootstab.discriminants.method import AdaptiveDiscriminant, Method
 from shootstab.problems.capabilities import GROWING_REGION
 from shootstab.problems.protocol import Problem
 
-LAW = 0.05  # chosen: relative departure of q from its law that is allowed on every arc
-OUTWARDS = (1.0, 4.0, 16.0, 64.0)  # chosen: radii, in that of the bound, on which the law is checked
+LAW = 0.2  # chosen: departure of q from its law that is allowed on every arc: a zero between two of them departs by more
+OUTWARDS = (1.0, 4.0, 16.0, 64.0)  # chosen: radii, in that of the bound, on which the law is checked at least
+FALLEN = 0.5  # chosen: the last departure in the largest: the next order of the law falls by half an arc
+AS_GOOD_AS_NONE = 0.02  # chosen: a departure that need not fall
 SMALLEST_RADIUS = LARGEST_FLOOR
 LARGEST_RADIUS = 1e6  # chosen: the radius up to which a bound is looked for
 UNSTABLE_COUNTING = Frame(rtol=1e-8)  # chosen: local error with which growing modes are counted
-MOST_WORK = 20_000  # chosen: steps of all meshes on which a bound is looked for, which take some seconds
+MOST_WORK = 40_000  # chosen: steps of all meshes on which a bound is looked for, which take some seconds
 
 
 @dataclass(frozen=True)
@@ -124,33 +127,35 @@ def _closed(problem: Problem, method: Method, floor: float) -> tuple[HalfDisc | 
     return HalfDisc(radius, floor), "", departure
 
 
-def growth_beyond(discriminant: AdaptiveDiscriminant, radius: float = SMALLEST_RADIUS) -> GrowthLaw:
+def growth_beyond(discriminant: AdaptiveDiscriminant, radius: float = SMALLEST_RADIUS, settled: float | None = None) -> GrowthLaw:
     """The law of growth on an arc from which on D follows it in the right half-plane, with the largest departure seen out there.
 
-    The arc is that of the radius, or one farther out. Raises ConvergenceError, before long, where none is found.
+    The arc is that of the radius, or one farther out; those that follow reach to settled, the |σ| from which on σ rules everywhere (by
+    default found as in asymptotic_scale.py), and the departure falls along them. Raises ConvergenceError, before long, where none is found.
     """
-    work, without = 0, ""
-    while radius <= LARGEST_RADIUS:
-        laws: list[GrowthLaw] = []
-        for factor in OUTWARDS:
-            try:
-                laws.append(GrowthLaw.on(discriminant, radius * factor))
-            except ConvergenceError as error:  # an arc that ends on the continuous spectrum, say: farther out are others
-                without = f" ({error})"
-                break
-            work += laws[-1].work
-            if not laws[-1].departure < LAW or work > MOST_WORK:
-                break
-        departure = max((law.departure for law in laws), default=math.inf)
-        if len(laws) == len(OUTWARDS) and departure < LAW:
-            return replace(laws[0], departure=departure)
-        if work > MOST_WORK:
-            break
-        radius *= 4.0
-    raise ConvergenceError(
-        f"no bound on |sigma| of growing modes is known: D does not follow its law of growth, ln D = 2A sigma^(1/2) + B ln sigma, "
-        f"up to |sigma| = {radius:.2g}{without}; modes can be counted in a region that is named"
-    )
+    settled = asymptotic_scale(discriminant.problem) if settled is None else settled
+    work, without, laws = 0, "", list[GrowthLaw]()
+    while work <= MOST_WORK and not (radius > LARGEST_RADIUS and not laws):
+        try:
+            law = GrowthLaw.on(discriminant, radius)
+        except ConvergenceError as error:  # an arc that ends on the continuous spectrum, say: farther out are others
+            laws, without = [], f" ({error})"
+        else:
+            work += law.work
+            laws = [*laws, law] if law.departure < LAW else []
+        departures = [law.departure for law in laws]
+        falls = len(laws) >= len(OUTWARDS) and departures[-1] <= max(FALLEN * max(departures), AS_GOOD_AS_NONE)
+        if falls and radius >= settled:
+            return replace(laws[0], departure=max(departures))
+        radius *= OUTWARDS[1]
+    told = f"does not follow its law of growth, ln D = 2A sigma^(1/2) + B ln sigma, up to |sigma| = {radius:.2g}{without}"
+    if laws:
+        told = (
+            f"follows its law of growth from |sigma| = {laws[0].radius:.2g} to {laws[-1].radius:.2g} only, beyond which meshes are too long"
+        )
+        if laws[-1].radius < settled:
+            told += f", but a part of the problem feels sigma from {settled:.1g} on"
+    raise ConvergenceError(f"no bound on |sigma| of growing modes is known: D {told}; modes can be counted in a region that is named")
 
 
 def bound(discriminant: AdaptiveDiscriminant) -> tuple[float, float]:
@@ -160,5 +165,5 @@ def bound(discriminant: AdaptiveDiscriminant) -> tuple[float, float]:
 
 
 def departure_from_law(discriminant: AdaptiveDiscriminant, radius: float) -> float:
-    """max |q − A σ^(1/2) − B|/max |q| on the arc, with A and B fitted to it."""
+    """max |q − A σ^(1/2) − B| on the arc, with A and B fitted to it."""
     return GrowthLaw.on(discriminant, radius).departure

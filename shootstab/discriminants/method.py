@@ -74,8 +74,8 @@ class MeshedDiscriminant(Discriminant, Protocol):
         """The relative error of the far-field frame at σ."""
         ...
 
-    def local_error(self, sigma: complex) -> float:
-        """The sum of the local errors of all steps at σ, from the values of D with derivative."""
+    def local_errors(self, sigma: complex) -> NDArray[np.float64]:
+        """The local errors of all steps at σ, (m,), from the values of D with derivative."""
         ...
 
     def vanishing_at(self, sigma: complex) -> MeshedDiscriminant:
@@ -131,6 +131,11 @@ class AdaptiveDiscriminant(Discriminant, Protocol):
 
     def around(self, centre: complex, radius: float) -> MeshedDiscriminant:
         """D on one mesh that serves a circle. Raises ConvergenceError where none is found."""
+        ...
+
+    @property
+    def problem(self) -> Problem:
+        """The problem that D is of."""
         ...
 
     @property

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from shootstab.core.discriminant import Value
 from shootstab.core.scaled import Scaled
 from shootstab.discriminants.shooting import Shooting
@@ -58,9 +61,9 @@ class Product:
     def serves(self, sigma: complex, tangent: bool = True) -> bool:
         return all(member.serves(sigma, tangent) for member in self.members)
 
-    def local_error(self, sigma: complex) -> float:
-        """The sum of the local errors of all steps of all subsystems at σ."""
-        return sum(member.local_error(sigma) for member in self.members)
+    def local_errors(self, sigma: complex) -> NDArray[np.float64]:
+        """The local errors of all steps of all subsystems at σ, (m,)."""
+        return np.concatenate([member.local_errors(sigma) for member in self.members])
 
     def far_error(self, sigma: complex) -> float:
         """The relative error of the far-field frame at σ, the largest of the subsystems'."""

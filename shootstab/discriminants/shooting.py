@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from shootstab.core.discriminant import Value
 from shootstab.core.scaled import EPSILON, Scaled
@@ -158,9 +159,9 @@ class Shooting:
         """Itself: it has no subsystems."""
         return self
 
-    def local_error(self, sigma: complex) -> float:
-        """The sum of the local errors of all steps at σ, from the values of D with derivative."""
-        return float(self.propagated(complex(sigma), True).errors.sum())
+    def local_errors(self, sigma: complex) -> NDArray[np.float64]:
+        """The local errors of all steps at σ, (m,), from the values of D with derivative."""
+        return np.asarray(self.propagated(complex(sigma), True).errors, dtype=np.float64)
 
     def far_error(self, sigma: complex) -> float:
         """The relative error of the far-field frame at σ."""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 import shootstab as st
@@ -45,7 +46,7 @@ class Linear:
     entries: dict[int, float] = field(default_factory=dict)
     far: float = 1e-5
     drawn: dict[int, float] | None = None  # by what the zero moves where the steps of a digit are halved; by default half the way to ZERO
-    local: float = 1e-9  # the sum of local errors
+    local: tuple[float, ...] = (1e-9,)  # local errors of steps; of halved ones those of both halves
 
     def __call__(self, sigma: complex) -> Scaled:
         return Scaled(self.slope * (sigma - self.zero), self.log_scale)
@@ -72,8 +73,8 @@ class Linear:
         assert size == SYSTEM_PROBE
         return self.moved(self.entries.get(seed, 0.0))
 
-    def local_error(self, sigma: complex) -> float:
-        return self.local
+    def local_errors(self, sigma: complex) -> np.ndarray:
+        return np.array(self.local)
 
     def partly_refined(self, digit: int, sigma: complex) -> Linear:
         towards = 0.5 * (ZERO - self.zero) if self.drawn is None else self.drawn[digit] * (0.6 + 0.8j)
@@ -87,7 +88,8 @@ class Linear:
 
 
 def of(problem: RoughFlow, coarse: Linear, fine: Linear, scale: float) -> Any:
-    meshed: Any = (coarse, coarse.with_derivative(SIGMA), fine, fine.with_derivative(SIGMA))
+    halves = replace(fine, local=tuple(np.repeat(0.5 * np.array(fine.local), 2)))
+    meshed: Any = (coarse, coarse.with_derivative(SIGMA), halves, halves.with_derivative(SIGMA))
     return budget(problem, *meshed, scale)  # type: ignore[arg-type]
 
 
@@ -112,8 +114,16 @@ def test_errors_of_steps_that_cancel_by_chance_are_seen_by_halving_half_of_them(
 ) -> None:
     """The coarse zero is off by 3e-12 only, but by ±5e-9 from steps of one half and the others; local errors say what is left of each."""
     coarse = Linear(ZERO + 3e-12, start=0.0, rotated={1: 3e-13, 2: 4e-13}, drawn=drawn)
-    found = of(RoughFlow({4.0: 0.0, 2.0: 0.0}), coarse, Linear(ZERO, local=left), 0.25)
+    found = of(RoughFlow({4.0: 0.0, 2.0: 0.0}), coarse, Linear(ZERO, local=(left,)), 0.25)
     assert found.integration == pytest.approx(SAFETY * (2 * 5e-9) / halving, rel=1e-3, abs=0.0)
+
+
+def test_what_is_left_of_most_steps_is_not_told_by_the_largest() -> None:
+    """The errors of four steps fall by 200, 80, 60 and 40, and their sum by 191; one that counts for nothing does not fall."""
+    errors, fallen = np.array([1e-9, 1.1e-11, 2e-11, 3e-11, 1e-12]), np.array([200.0, 80.0, 60.0, 40.0, 1.0])
+    coarse = Linear(ZERO + 3e-12, rotated={1: 3e-13, 2: 4e-13}, drawn={0: 5e-9, 1: 0.0}, local=tuple(errors))
+    found = of(RoughFlow({4.0: 0.0, 2.0: 0.0}), coarse, Linear(ZERO, local=tuple(errors / fallen)), 0.25)
+    assert found.integration == pytest.approx(SAFETY * (2 * 5e-9) / 55.0, rel=1e-3, abs=0.0)
 
 
 @pytest.mark.parametrize("digit", [0, 1])

@@ -115,8 +115,8 @@ class KnownPolynomial:
     def partly_refined(self, digit: int, sigma: complex) -> KnownPolynomial:
         return self
 
-    def local_error(self, sigma: complex) -> float:
-        return 0.0
+    def local_errors(self, sigma: complex) -> np.ndarray:
+        return np.zeros(0)
 
     def at(self, sigma: complex) -> KnownPolynomial:
         return self

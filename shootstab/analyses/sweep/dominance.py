@@ -7,12 +7,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from shootstab.analyses.accuracy import Tightening
+from shootstab.analyses.asymptotic_scale import asymptotic_scale
 from shootstab.analyses.cut_region import count_in_region
 from shootstab.analyses.find import find_modes
 from shootstab.analyses.growth_law import GrowthLaw
 from shootstab.analyses.reference import spectrum
 from shootstab.analyses.sweep.following import land
-from shootstab.analyses.unstable import HalfDisc, growth_beyond
+from shootstab.analyses.unstable import SMALLEST_RADIUS, HalfDisc, growth_beyond
 from shootstab.core.allowed import GROWTH_FLOOR
 from shootstab.core.discriminant import Value
 from shootstab.core.errors import ConvergenceError, InputError
@@ -32,7 +33,7 @@ RAISE = 30.0  # chosen: factor by which the floor rises where it is too near the
 HIGHEST_FLOOR = 1e-4  # chosen: the floor up to which it does
 SWEEP_COUNTING = Frame(rtol=1e-5)  # chosen: a phase needs few digits; where it needs more, the tolerance is tightened
 SWEEP_FINDING = Frame(rtol=1e-6)  # chosen: a mode that is found is told from one that is known, to SAME_MODE
-LAW_FOLLOWED = Frame(rtol=1e-4)  # chosen: whether D departs by some percent from its law needs fewer
+LAW_FOLLOWED = Frame(rtol=1e-6)  # chosen: a departure of 0.2 in q of some hundreds is seen
 SUGGESTING_TRUNCATIONS = (40, 64)  # chosen: orders of the pseudospectral spectra that suggest modes
 SUGGESTED = 12  # chosen: suggested modes that are tried, the fastest first
 COUNTED = ("mode is counted", "modes are counted")  # words for a number of them
@@ -44,6 +45,7 @@ class Closure:
     """What says where all growing modes lie: the law of growth, with the discriminant by which it was found, or a theorem (unstable.py)."""
 
     law: GrowthLaw | None = None
+    settled: float = 0.0  # the |σ| from which on σ rules everywhere (see asymptotic_scale.py)
     far: AdaptiveDiscriminant | None = None
     theorem: Callable[..., tuple[Rectangle, str]] | None = None
 
@@ -113,13 +115,14 @@ def _closure(problem: Problem, before: Closure | None) -> Closure:
     if theorem is not None and before is not None and before.law is None:
         return Closure(theorem=theorem)
     far = LAW_FOLLOWED.on(problem, begin=None if before is None or before.far is None else before.far.meshes)
+    settled = asymptotic_scale(problem, 0.0 if before is None else before.settled)
     try:
-        law = growth_beyond(far) if before is None or before.law is None else growth_beyond(far, before.law.radius)
+        law = growth_beyond(far, SMALLEST_RADIUS if before is None or before.law is None else before.law.radius, settled)
     except ConvergenceError:
         if theorem is None:
             raise
         return Closure(theorem=theorem)
-    return Closure(law, far)
+    return Closure(law, settled, far)
 
 
 def lowest_floor(continuation: Continuation, floor: float) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
@@ -147,8 +148,8 @@ def solve_between(chute: Chute, mass_flux: float, low: float, high: float) -> Fl
 def with_base_flow_error(flow: Flow, factor: float) -> Flow:
     """The same flow, of the same T_∞ or the same mass flux, integrated with a tolerance larger by this factor.
 
-    The inputs are as good as the given ones: some of them, chosen at random, are one unit smaller in their last bit, for a decimal is
-    rounded when it becomes a double.
+    The inputs are as good as the given ones: each is one unit larger or smaller in its last bit, by chance, for a decimal is rounded when
+    it becomes a double, and what is made of it is rounded again.
     """
     tolerance = factor * flow.tolerance
     rng = np.random.default_rng(round(8 * factor))
@@ -162,7 +163,8 @@ def with_base_flow_error(flow: Flow, factor: float) -> Flow:
 
 
 def _last_bit(x: float, rng: np.random.Generator) -> float:
-    return float(np.nextafter(x, 0.0)) if rng.random() < 0.5 else x
+    """x one unit larger or smaller; a restitution of 1 is the largest that there is."""
+    return float(np.nextafter(x, 0.0 if rng.random() < 0.5 or x == 1.0 else math.inf))
 
 
 @lru_cache(maxsize=8)

@@ -17,7 +17,7 @@ from shootstab.kernels import taylor_pieces
 from shootstab.models.chute import descent
 from shootstab.models.chute.balance import slopes
 from shootstab.models.chute.constitutive import radial, slip_coefficient
-from shootstab.models.chute.family import BRANCHES, flows, steady_by_flux
+from shootstab.models.chute.family import BRANCHES, flows, steady_by_flux, with_base_flow_error
 from shootstab.models.chute.parameters import Chute
 from shootstab.models.chute.steady_flow import NU_TOP, Flow, descend
 
@@ -656,3 +656,13 @@ def test_scouting_with_cruder_flows_finds_the_same_members(monkeypatch: pytest.M
 def test_a_height_that_is_no_number_is_refused() -> None:
     with pytest.raises(InputError, match="z holds what is no finite number"):
         flow_of(PAPER, 7.0).states_at(np.array([1.0, math.nan]))
+
+
+def test_the_inputs_of_a_flow_that_errs_as_much_all_differ_in_their_last_bit() -> None:
+    """Of a flow whose modes hang on 1 − e, two samples had the same e, and told a tenth of the error."""
+    flow = descend(Chute(e=0.94534, e_w=0.75038, r=0.35397, tan_theta=0.17995), 13.467)
+    others = [with_base_flow_error(flow, factor).chute for factor in (4.0, 2.0)]
+    for name in ("e", "e_w", "r", "tan_theta", "nu_max"):
+        given = getattr(flow.chute, name)
+        changes = [abs(getattr(other, name) - given) / np.spacing(given) for other in others]
+        assert all(0.5 <= change <= 1.0 for change in changes)
