@@ -14,6 +14,7 @@ from shootstab.core.balls import acb, arb
 from shootstab.core.errors import ConvergenceError
 from shootstab.multiprecision.enclosable import BoundedDiscriminant, Enclosable
 from shootstab.multiprecision.enclosure import at_bits, decimal
+from shootstab.multiprecision.tails import largest
 from shootstab.roots.pellet import LEAST_POINTS, SPARE_POINTS, TaylorModel, nats_for, points_for, taylor_model
 
 # chosen: bits beyond the digits asked for, more where the enclosure of D is too wide; twenty digits are then two words of FLINT's, whose
@@ -28,7 +29,10 @@ SMALLER_OUTER = 4.0  # chosen: ratio of an outer circle on which D has no bound 
 # chosen: the first disc, in |σ|, in the search for the largest in which a mode is alone, and the factor to the next
 WIDEST, NARROWER = 0.125, 1.25
 WIDE_SHARE = 3  # chosen: part of the values that a circle may take which that search takes
+SPARE_PART = 6  # chosen: points in so many that are SPARE_POINTS
+RIM_ARCS = 8  # chosen: arcs of the outer circle on which |D| is bounded by itself, where what one ball gives would ask for many points
 SECANTS = 80  # chosen: steps towards a zero, which for a simple one are six or so
+LEAST_NEAR = 1e-6  # chosen: the first two points of a secant differ in a double
 SEED = 10  # chosen: digits that a mode in double precision has at least
 FARTHEST_SECANT = 1e3  # chosen: the longest step of a secant, in the accuracy of the seed, that still leads to its zero
 UNTOLD = -200  # chosen: ln |D| that is taken, for a choice of points, where D is not told from 0
@@ -66,18 +70,19 @@ def around(forms: tuple[Enclosable, ...], centre: Decimals, radius: str, alone: 
     )
 
 
-def polished(form: Enclosable, seed: complex, places: int, radius: str) -> Decimals:
+def polished(form: Enclosable, seed: complex, error: float, places: int, radius: str) -> Decimals:
     """The zero of D next to the seed to so many decimals, by secants through the midpoints of enclosures; proved by whoever asks for it.
 
-    radius is that of the disc it is wanted for. Raises ConvergenceError where the secants go elsewhere.
+    error is about that of the seed, radius that of the disc it is wanted for. Raises ConvergenceError where the secants go elsewhere.
     """
     start = repr(seed.real), repr(seed.imag)
     near = 10.0 ** (math.floor(math.log10(abs(seed))) - SEED)
+    near = min(near, max(2.0 * error, LEAST_NEAR * near))  # two points as near to the zero as the seed save a step
     extra = math.ceil(math.log2(10) * max(0.0, places + math.log10(near)))
     bits, _ = _enough_bits(form, start, repr(near), max(SPARE_BITS + extra, _first_bits(abs(seed), radius)), TOLD + extra)
     with at_bits(bits), mpmath.workprec(bits):
         enclosure = form.enclosure(bits, disc(_number(start), arb(form.outer * abs(seed))))
-        x = [_number(start), _number(start) + arb(near)]
+        x = [_number(start), _number(start) + decimal(repr(near))]  # the point that the bits were found with, asked for once
         D = [enclosure(s).mid() for s in x]
         for _ in range(SECANTS):
             if D[1] == D[0] or not abs(x[1] - x[0]) < arb(FARTHEST_SECANT * near):
@@ -194,10 +199,31 @@ def _wide_model(about: _Surrounded, radius: float, size: float) -> TaylorModel:
     wide = min(WIDEST * size, about.outer / WIDEST_CIRCLE)
     log_size = _log_size(about.D, about.centre + arb(radius))
     log_size += math.log(wide / radius) if radius < wide else 0.0  # D grows about so much, being linear
-    few = replace(about, most=max(about.most // WIDE_SHARE, LEAST_POINTS + 1))
-    spare = min(SPARE_POINTS, few.most // 3)
-    far = about.outer * math.exp(-nats_for(about.bound, log_size) / (few.most - spare))
+    values = max(about.most // WIDE_SHARE, LEAST_POINTS + 1)
+    few = replace(about, most=2 * values - 4 if _halved(about) else values)
+    spare = min(SPARE_POINTS, few.most // SPARE_PART)
+    if nats_for(about.bound, log_size) > (few.most - spare) * math.log(about.outer / wide):
+        few = replace(few, bound=_rim_bound(about))
+    far = about.outer * math.exp(-nats_for(few.bound, log_size) / (few.most - spare))
     return _model(few, arb(max(min(wide, far), radius)), spare)
+
+
+def _halved(about: _Surrounded) -> bool:
+    """Whether half of the values on a circle are conjugates of the others."""
+    return about.D.real and bool(about.centre.imag.is_zero())
+
+
+def _rim_bound(about: _Surrounded) -> Any:
+    """ln |D| on the outer circle, arc by arc, or the bound for the whole disc, in which D is analytic and no larger than on the circle."""
+    arcs = []
+    for k in range(RIM_ARCS // 2 if _halved(about) else RIM_ARCS):
+        angle = (arb(2 * k) / RIM_ARCS).union(arb(2 * k + 2) / RIM_ARCS)
+        try:
+            bound = about.D.growth(about.centre + arb(about.outer) * acb(angle).exp_pi_i())
+        except ConvergenceError:  # what is told apart of a thick σ may be more than of its parts' hull
+            return about.bound
+        arcs.append(bound if bound.is_finite() and bound < about.bound else about.bound)
+    return largest(arcs)
 
 
 def _log_size(enclosure: BoundedDiscriminant, sigma: Any) -> Any:

@@ -49,7 +49,7 @@ def prove(problem: Problem, guess: complex, digits: int = PROOF_DIGITS) -> Proof
         raise ConvergenceError("no mode to prove: it may be at 0, which has no digits: ask for a disc about 0")
     places = digits - math.floor(math.log10(abs(sigma)))
     radius = f"1e-{places}" if places >= 0 else f"1e{-places}"
-    centre = _centre(forms, sigma, places + SPARE_DIGITS, radius)
+    centre = _centre(forms, sigma, float(mode.error), places + SPARE_DIGITS, radius)
     proof = around(forms, centre, radius, True)
     if proof.count == 0:
         raise ConvergenceError(f"{proof.statement}, next to what double precision took for one")
@@ -132,11 +132,11 @@ def prove_growing(problem: Problem, floor: float, progress: Progress | None = No
     return replace(proof, floor=floor, lemmas=(*proof.lemmas, lemma))
 
 
-def _centre(forms: tuple[Enclosable, ...], seed: complex, places: int, radius: str) -> Decimals:
+def _centre(forms: tuple[Enclosable, ...], seed: complex, error: float, places: int, radius: str) -> Decimals:
     """The zero next to the seed of the first factor that has one there."""
     for form in forms[:-1]:
         try:
-            return polished(form, seed, places, radius)
+            return polished(form, seed, error, places, radius)
         except ConvergenceError:
             continue
-    return polished(forms[-1], seed, places, radius)
+    return polished(forms[-1], seed, error, places, radius)

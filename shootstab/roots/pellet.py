@@ -73,7 +73,7 @@ def taylor_model(
     K = points
     roots = [(2 * acb(j) / K).exp_pi_i() for j in range(K)]
     half = K // 2 if real and centre.imag.is_zero() else K - 1
-    values = [D(centre + radius * w) for w in roots[: half + 1]]
+    values = [D(centre + radius * w if j else centre + radius) for j, w in enumerate(roots[: half + 1])]
     values += [values[K - j].conjugate() for j in range(half + 1, K)]
     q = _ratio(radius, outer)
     M = log_bound.exp()

@@ -47,7 +47,7 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         "no mode to prove: it may be at 0, which has no digits: ask for a disc about 0",
     ),
     "a seed that is no mode": (
-        lambda: disc_proof.polished(whole(string()), -20 + 0j, 12, "1e-6"),
+        lambda: disc_proof.polished(whole(string()), -20 + 0j, 1e-12, 12, "1e-6"),
         ConvergenceError,
         r"no mode to prove: the secants leave the mode that double precision found at -20\+0j",
     ),
@@ -93,7 +93,7 @@ def test_subintervals_that_do_not_suffice_are_named(monkeypatch: pytest.MonkeyPa
 
 
 def test_a_disc_without_the_mode_of_double_precision_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(proofs, "polished", lambda form, seed, places, radius: (repr(seed.real + 1.0), repr(seed.imag)))
+    monkeypatch.setattr(proofs, "polished", lambda form, seed, error, places, radius: (repr(seed.real + 1.0), repr(seed.imag)))
     with pytest.raises(ConvergenceError, match=r"no eigenvalue lies in \|σ − \(-8\.8696\d+ .*\)\| < 1e-\d+, next to what double"):
         prove(string(), -9.8)
 
