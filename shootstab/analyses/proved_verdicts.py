@@ -6,12 +6,13 @@ where none lies in it. The verdicts stand: what is not proved says why, and a pr
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from shootstab.analyses.proof import at_most
 from shootstab.analyses.prove import prove_disc
 from shootstab.analyses.verdicts import radius_of
 from shootstab.core.errors import ConvergenceError, InputError
+from shootstab.core.progress import Progress
 from shootstab.core.records import CONFIRMED, SPURIOUS, Report, Verdict
 from shootstab.problems.protocol import Problem
 
@@ -20,18 +21,27 @@ from shootstab.problems.protocol import Problem
 class ProvedVerdict:
     """proved says the theorem in words, None where there is none; why not is then said in reason.
 
-    contradicts: the theorem is not what the verdict says. within is the radius of the disc about the claim for which it holds.
+    contradicts: the theorem is not what the verdict says. within is the radius of the disc about the claim for which it holds. Else the
+    verdict has become `upgraded`. premise, which the words begin with, says of what base flows it is proved; short are the words without.
     """
 
     proved: str | None = None
     reason: str | None = None
     contradicts: bool = False
     within: float | None = None
+    upgraded: str | None = None
+    premise: str = ""
+    short: str | None = None
 
 
-def proved_verdicts(problem: Problem, report: Report) -> tuple[ProvedVerdict, ...]:
+def proved_verdicts(problem: Problem, report: Report, progress: Progress | None = None) -> tuple[ProvedVerdict, ...]:
     """A proof of each verdict of a report, or why there is none; the problem has an enclosure, as analyses.prove.factors finds."""
-    return tuple(_proved(problem, verdict, report.digits) for verdict in report.verdicts)
+    found = []
+    for verdict in report.verdicts:
+        found.append(_proved(problem, verdict, report.digits))
+        if progress is not None:
+            progress(len(found), len(report.verdicts))
+    return tuple(found)
 
 
 def _proved(problem: Problem, verdict: Verdict, digits: int) -> ProvedVerdict:
@@ -44,6 +54,12 @@ def _proved(problem: Problem, verdict: Verdict, digits: int) -> ProvedVerdict:
         return ProvedVerdict(reason=str(error))
     within = float(proof.region["radius"]) if proof.alone is None else proof.alone
     if verdict.verdict == SPURIOUS and proof.count == 0:
-        return ProvedVerdict(f"{proof.premise} no eigenvalue lies within {at_most(within, 3)} of it".lstrip(), within=within)
-    expected = verdict.multiplicity if verdict.verdict == CONFIRMED else 0
-    return ProvedVerdict(proof.statement, contradicts=proof.count != expected, within=within)
+        near = f"within {at_most(within, 3)}"
+        short = f"no eigenvalue lies {near} of it"
+        return ProvedVerdict(
+            f"{proof.premise} {short}".lstrip(), within=within, upgraded=f"proved: none {near}", premise=proof.premise, short=short
+        )
+    contradicts = proof.count != (verdict.multiplicity if verdict.verdict == CONFIRMED else 0)
+    short = replace(proof, premise="").statement
+    upgraded = None if contradicts else "proved"
+    return ProvedVerdict(proof.statement, contradicts=contradicts, within=within, upgraded=upgraded, premise=proof.premise, short=short)

@@ -77,13 +77,16 @@ def _width(lines: Sequence[Sequence[str]]) -> int:
 
 
 def theorems(found: Report, proofs: Sequence[ProvedVerdict]) -> Parts:
-    """What was proved of each claim, by its number in the table, and why the others were not."""
+    """What was proved of each claim, by its number in the table, and why the others were not; then of which base flows."""
     parts: Parts = []
+    flows: dict[str, list[str]] = {}
     for number, (verdict, proof) in enumerate(zip(found.verdicts, proofs, strict=False), 1):
         against = f", against the verdict {verdict.verdict}" if proof.contradicts else ""
-        said = f"proved{against}: {proof.proved}" if proof.proved is not None else f"not proved: {proof.reason}"
+        said = f"proved{against}: {proof.short}" if proof.short is not None else f"not proved: {proof.reason}"
         parts.append(paragraph(f"{number} {said}."))
-    return parts
+        if proof.premise:
+            flows.setdefault(proof.premise, []).append(str(number))
+    return [*parts, *(paragraph(f"Of {', '.join(numbers)}: {premise} that holds.") for premise, numbers in flows.items())]
 
 
 def _left_out(found: Report) -> Parts:

@@ -116,7 +116,7 @@ def verify(options: Namespace) -> int:
         if options.prove:
             from shootstab.analyses.proved_verdicts import proved_verdicts
 
-            theorems = proved_verdicts(scene.problem, report)
+            theorems = proved_verdicts(scene.problem, report, told)
     meant = _meant(options, report, own, scene, convention)
     report = convention.shown(replace(report, dropped=0 if spectrum is None else spectrum.dropped))
     if options.plot is not None:

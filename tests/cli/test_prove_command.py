@@ -83,7 +83,23 @@ def test_verdicts_become_theorems(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert spurious["proved"].startswith("no eigenvalue lies within")
     assert 1e-4 < other["within"] < 3.96e-4  # −π² is so far away, and the first claim's
     assert not any(v["contradicts"] for v in (first, second, spurious, other))
+    assert [first["upgraded"], spurious["upgraded"]] == ["proved", f"proved: none within {at_most(spurious['within'], 3)}"]
     cli.main(["verify", str(scene), str(claimed), "--prove"])
     assert "3 proved: no eigenvalue lies within" in capsys.readouterr().out
     assert cli.main(["verify", "blasius", str(claimed), "--prove"]) == 2
     assert "a proof asks for" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_verdicts_on_a_chute_become_theorems(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The growing mode of the high flow, the same a little off, and a place where there is none; of flows that exist."""
+    claimed = tmp_path / "claimed.csv"
+    claimed.write_text("re,im\n0.00397050,0\n0.00397200,0\n0.003,0.001\n")
+    assert cli.main(["verify", "high", str(claimed), "--prove", "--missing", "none", "--json", "-"]) == 1
+    confirmed, *others = json.loads(capsys.readouterr().out)["verdicts"]
+    assert confirmed["verdict"] == "confirmed" and confirmed["upgraded"] == "proved"
+    assert [v["verdict"] for v in others] == ["spurious", "spurious"]
+    assert 1e-7 < others[0]["within"] < 1.5e-6 and others[0]["upgraded"].startswith("proved: none within")  # the mode is 1.5e-6 away
+    assert 1e-6 < others[1]["within"] < 1.4e-3
+    for verdict in (confirmed, *others):
+        assert verdict["premise"].startswith("a steady flow with mass_flux = 3.0 exists") and not verdict["contradicts"]
