@@ -13,6 +13,7 @@ from shootstab.core.scaled import Scaled
 from shootstab.discriminants.adaptive import adaptive
 from shootstab.discriminants.method import DEFAULT_RTOL, Propagation, require_tolerance
 from shootstab.discriminants.sampled_system import SampledSystem
+from shootstab.discriminants.zero_gradient import CarriedFrames
 from shootstab.kernels.elimination import wall_determinant
 from shootstab.kernels.frame_transport import transport
 from shootstab.problems.protocol import ComplexArray, FarFrame
@@ -40,7 +41,9 @@ class Frame:
         """D = det[W(σ) Y]; the R factors of the orthonormalizations are carried along, so that D is analytic."""
         errors = np.empty(len(sampled.nodes) - 1)
         system, at, Y, dY, *W = sampled.numbers(sigma, far.frame, far.tangent, *rows)
-        log_det, trace = transport(system, at, Y, dY, tangent, errors)
+        frames = np.empty((len(sampled.nodes), *Y.shape), Y.dtype) if tangent else None
+        log_det, trace = transport(system, at, Y, dY, tangent, errors, frames)
         at_wall = (polynomial.value(W, at), polynomial.slope(W, at), Y, dY)
         det, slope = wall_determinant(*(a.astype(np.complex128, copy=False) for a in at_wall))
-        return Propagation(Value(sigma, Scaled(det, log_det + far.log_scale), slope + complex(trace) * det), errors)
+        way = None if frames is None else CarriedFrames(frames, Y, dY, complex(trace))
+        return Propagation(Value(sigma, Scaled(det, log_det + far.log_scale), slope + complex(trace) * det), errors, True, way)

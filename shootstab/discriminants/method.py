@@ -15,6 +15,7 @@ from shootstab.core.given import is_real
 from shootstab.discriminants.cells import Cell
 from shootstab.discriminants.deformed_path import DeformedPath
 from shootstab.discriminants.sampled_system import SampledSystem
+from shootstab.discriminants.zero_gradient import CarriedFrames, Ingredients, ZeroGradient
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
 
 LEAST_RTOL = 4 * float(np.finfo(float).eps)  # derived: a step rounds by ε, and a smaller error of it cannot be seen
@@ -26,11 +27,15 @@ Meshes = Mapping[Cell | None, tuple[ComplexArray, ...]]  # nodes by cell, of eve
 
 @dataclass(frozen=True)
 class Propagation:
-    """D(σ) with dD/dσ, the local errors (N,) of the steps, and whether the method held: False where it was carried too far to trust."""
+    """D(σ) with dD/dσ, the local errors (N,) of the steps, and whether the method held: False where it was carried too far to trust.
+
+    way is what a gradient of the zero is made of; None where the method has none, or without σ-derivative.
+    """
 
     value: Value
     errors: NDArray[np.float64]
     sound: bool = True
+    way: CarriedFrames | None = None
 
 
 class Propagator(Protocol):
@@ -80,6 +85,14 @@ class MeshedDiscriminant(Discriminant, Protocol):
 
     def vanishing_at(self, sigma: complex) -> MeshedDiscriminant:
         """D of the one independent subsystem whose zero is nearest to σ; itself where there are no subsystems."""
+        ...
+
+    def ingredients(self, sigma: complex) -> Ingredients:
+        """What D is made of at σ, of one subsystem. Raises ValueError where there are several."""
+        ...
+
+    def gradient(self, sigma: complex) -> ZeroGradient | None:
+        """What the zero next to σ depends on; None where the method cannot tell, or several subsystems have zeros."""
         ...
 
     def system_at(self, sigma: complex) -> str:

@@ -12,6 +12,7 @@ from shootstab.core.discriminant import Value
 from shootstab.core.scaled import Scaled
 from shootstab.discriminants.shooting import Shooting
 from shootstab.discriminants.subsystems import Decoupling
+from shootstab.discriminants.zero_gradient import Ingredients, ZeroGradient
 from shootstab.problems.protocol import Problem
 
 
@@ -68,6 +69,13 @@ class Product:
     def far_error(self, sigma: complex) -> float:
         """The relative error of the far-field frame at σ, the largest of the subsystems'."""
         return max(member.far_error(sigma) for member in self.members)
+
+    def ingredients(self, sigma: complex) -> Ingredients:
+        (member,) = self.members
+        return member.ingredients(sigma)
+
+    def gradient(self, sigma: complex) -> ZeroGradient | None:
+        return self.members[0].gradient(sigma) if len(self.members) == 1 else None
 
     def system_at(self, sigma: complex) -> str:
         """What is integrated at this σ, in words."""

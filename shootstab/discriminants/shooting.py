@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from shootstab.discriminants.mesh import halved, moved, partly_halved
 from shootstab.discriminants.method import Propagation, Propagator
 from shootstab.discriminants.perturbed_pencil import PerturbedPencil, solved_with
 from shootstab.discriminants.sampled_system import SampledSystem, mixed, sample_system
+from shootstab.discriminants.zero_gradient import CarriedFrames, Ingredients, ZeroGradient, zero_gradient
 from shootstab.problems.capabilities import PLACEMENTS, RECORDED
 from shootstab.problems.protocol import ComplexArray, FarFrame, Problem
 
@@ -49,6 +51,7 @@ class Shooting:
         self.evaluations = 0
         self._rows = problem.wall_rows()
         self._known: OrderedDict[tuple[complex, bool], tuple[Propagation, float]] = OrderedDict()
+        self._way: tuple[complex, CarriedFrames] | None = None
         self._systems: dict[tuple[Problem, bool, int | None], SampledSystem] = {}
         self._perturbed: dict[tuple[int, float], SampledSystem] = {}
         self._mixed: dict[tuple[int, complex], SampledSystem] = {}
@@ -143,13 +146,23 @@ class Shooting:
         C⁻¹D.
         """
         if (seed, size) not in self._perturbed:
-            nodes, sampled, recorded = self.sampled.nodes, self.sampled, RECORDED.of(self.problem)
-            if (recorded is None or recorded.constant_pivots) and solved_with(self.problem, nodes):
-                sampled = sample_system(PerturbedPencil(self.problem, seed, size), nodes)
-            at = np.abs(nodes[:-1])
-            places = [abs(part.offset) + abs(part.scale) * at for part in PLACEMENTS.of(self.problem)]
-            self._perturbed[seed, size] = sampled.perturbed(seed, size, np.max([at, *places], axis=0))
+            sampled = self.sampled
+            if self._solved_with:
+                sampled = sample_system(PerturbedPencil(self.problem, seed, size), self.sampled.nodes)
+            self._perturbed[seed, size] = sampled.perturbed(seed, size, self._places)
         return self._variant(self._start, self._perturbed[seed, size], self.problem)
+
+    @cached_property
+    def _solved_with(self) -> bool:
+        """Whether entries of C and D round apart from those of the system: a pencil recorded with pivots of its own is a formula."""
+        recorded = RECORDED.of(self.problem)
+        return (recorded is None or recorded.constant_pivots) and solved_with(self.problem, self.sampled.nodes)
+
+    @cached_property
+    def _places(self) -> NDArray[np.float64]:
+        """|z| (N,) of the steps, the largest of those that the problem is put together from."""
+        at = np.abs(self.sampled.nodes[:-1])
+        return np.asarray(np.max([at, *(abs(part.offset) + abs(part.scale) * at for part in PLACEMENTS.of(self.problem))], axis=0))
 
     def on_same_mesh(self, problem: Problem) -> Shooting:
         """D(σ) of another problem, on the same mesh."""
@@ -171,6 +184,18 @@ class Shooting:
     def steps(self) -> int:
         """How many steps the mesh has."""
         return len(self.sampled.nodes) - 1
+
+    def ingredients(self, sigma: complex) -> Ingredients:
+        """What D is made of at σ."""
+        return Ingredients(self.sampled, self._rows, self.far(complex(sigma)), None if self._solved_with else self._places)
+
+    def gradient(self, sigma: complex) -> ZeroGradient | None:
+        """What the zero next to σ depends on; None where the method cannot tell."""
+        sigma = complex(sigma)
+        if self._way is None or self._way[0] != sigma:
+            self._known.pop((sigma, True), None)
+            self.propagated(sigma, True)
+        return None if self._way is None else zero_gradient(self.ingredients(sigma), sigma, self._way[1])
 
     def system_at(self, sigma: complex) -> str:
         """What is integrated at σ, in words."""
@@ -199,7 +224,10 @@ class Shooting:
         if known is None:
             far = self.far(sigma)
             self.evaluations += 1
-            known = self.propagator.propagate(self.sampled, self._rows, far, sigma, tangent), far.error
+            propagation = self.propagator.propagate(self.sampled, self._rows, far, sigma, tangent)
+            if propagation.way is not None:  # long arrays: only the latest are kept
+                self._way, propagation = (sigma, propagation.way), replace(propagation, way=None)
+            known = propagation, far.error
             self._known[sigma, tangent] = known
             if len(self._known) > KEPT:
                 self._known.popitem(last=False)

@@ -1,7 +1,8 @@
 """Kernels compiled in a second process while the first one compiles others: which are needed first differs, and the cache is one.
 
 Numba looks into its cache before it compiles a kernel, so that whoever is first saves the other the work. What is compiled here is what the
-first answer about a flow needs last: the transports of frames, the continuation of a flow off the real axis, series in complex numbers.
+first answer about a flow needs last: the transports of frames, what moves a zero, the continuation of a flow off the real axis, series in
+complex numbers.
 """
 
 from __future__ import annotations
@@ -40,6 +41,7 @@ def compile_all() -> None:
     import numpy as np
 
     from shootstab.core.straight_line import Recorder, program
+    from shootstab.kernels.frame_gradient import back_substitute, ends_of_steps, entries_at_random
     from shootstab.kernels.frame_transport import transport
     from shootstab.kernels.frobenius import recurrence, series_terms
     from shootstab.kernels.recorded_programs import evaluate
@@ -53,17 +55,27 @@ def compile_all() -> None:
         numbers = np.ones((1, STAGES, 2), kind), np.zeros((1, STAGES, 0, 0), kind), np.zeros((1, STAGES, 2, 0, 0), kind)
         Y = np.eye(2, 1, dtype=kind)
         transport(ReducedSystem(*lists, *numbers), kind(0.0), Y, Y.copy(), True, np.empty(1))  # type: ignore[call-arg]
+    for kind in (np.float64, np.complex128):
+        one, two, table = np.ones(2, kind), np.ones((2, 2), kind), np.ones((2, STAGES, 2), kind)
+        of_step = *lists, table, np.ones((2, STAGES, 0, 0), kind), np.ones((2, STAGES, 0, 0), kind), kind(0.0)
+        x, K, entries = np.ones((STAGES + 2, 2), kind), np.ones((STAGES, 2), kind), np.ones((STAGES, 2), kind)
+        ends_of_steps(*of_step, np.zeros(2, np.int64), two, two.copy(), x, K, entries)  # type: ignore[call-arg]
+        Q, gG = np.stack((np.eye(2, 1, dtype=kind),) * 3), np.ones((2, STAGES, 2, 0, 0), kind)
+        work = Q, one[:1], one.copy(), x, K, entries, two[:1, :1].copy(), np.ones((2, STAGES, 2), kind)
+        solutions = np.ones((2, 3, 2), kind)
+        back_substitute(*of_step, *work, *solutions, table, of_step[7], gG, np.zeros(2))  # type: ignore[call-arg]
+        entries_at_random(table, table, np.ones(2), np.ones(2), two)
     recorder = Recorder()
-    (x,) = recorder.inputs(1)
-    (a,) = recorder.parameters(1)
-    formula = program(recorder, [a * x])
-    one, points = np.ones(1, np.complex128), np.ones(1)
-    path = (formula.lists(False), one, points, 1.0, 2, 1j, one, one, np.ones(1, np.bool_), np.ones((1, 1), np.complex128))
+    (at,) = recorder.inputs(1)
+    (factor,) = recorder.parameters(1)
+    formula = program(recorder, [factor * at])
+    unit, points = np.ones(1, np.complex128), np.ones(1)
+    path = (formula.lists(False), unit, points, 1.0, 2, 1j, unit, unit, np.ones(1, np.bool_), np.ones((1, 1), np.complex128))
     along_path.compile(tuple(map(numba.typeof, path)))
-    evaluate(formula, np.ones((1, 1), np.complex128), one)
+    evaluate(formula, np.ones((1, 1), np.complex128), unit)
     C, D = np.ones((2, 2, 1, 1), np.complex128), np.ones((2, 2, 1, 1), np.complex128)
     P = np.ones((2, 1, 1), np.complex128)
-    series_terms(recurrence(C, D), 1j, 0.5, 0 * one, 0 * one, P, P.copy(), True)
+    series_terms(recurrence(C, D), 1j, 0.5, 0 * unit, 0 * unit, P, P.copy(), True)
 
 
 if __name__ == "__main__":

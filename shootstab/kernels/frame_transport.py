@@ -26,12 +26,19 @@ TABLE = np.concatenate((RK_A, WEIGHTS))  # derived: rows of weights: one for eac
 
 
 def transport(
-    system: ReducedSystem, sigma: complex, Y: NDArray[Any], dY: NDArray[Any], tangent: bool, errors: NDArray[np.float64]
+    system: ReducedSystem,
+    sigma: complex,
+    Y: NDArray[Any],
+    dY: NDArray[Any],
+    tangent: bool,
+    errors: NDArray[np.float64],
+    frames: NDArray[Any] | None = None,
 ) -> tuple[float, complex]:
     """Carry Y (n×k), and dY if tangent, through all steps; both are overwritten, Y by an orthonormal frame.
 
     errors (N,) receives the local error of every step, each row of the frame relative to its own size. Returns (log_det, trace):
-    what Y stands for is Y·R with ln det R = log_det, and d ln D/dσ = trace + what Y and dY give.
+    what Y stands for is Y·R with ln det R = log_det, and d ln D/dσ = trace + what Y and dY give. frames (N + 1, n, k) receive Y before
+    each orthonormalization.
     """
     n, k = Y.shape
     m, kind = system.G.shape[3], Y.dtype
@@ -45,12 +52,13 @@ def transport(
     stages = np.empty((STAGES, n + m, frame.shape[2]), kind)
     entries = np.empty((2, len(system.column)), kind)
     small = np.empty((m, 2 * (m + width)), kind)
+    kept = np.empty((0, n, k), kind) if frames is None else frames
     # the same memory seen as real numbers, for operations that are real-linear
     f, s, r = (a.view(np.float64).reshape(len(a), -1) for a in (frame, sums, stages))
     values, slopes = entries
     lists, numbers = system[:6], system[6:]
     result: tuple[float, complex] = carry(
-        *lists, *numbers, sigma, k, tangent, frame[0], sums, stages, f, s, r, values, slopes, small, errors
+        *lists, *numbers, sigma, k, tangent, frame[0], sums, stages, f, s, r, values, slopes, small, errors, kept
     )
     Y[:] = frame[0, :, :k]
     if tangent:
@@ -59,11 +67,17 @@ def transport(
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
-def carry(start, column, linear, higher, powers, carries, P, V, G, sigma, k, tangent, F, sums, K, f, s, r, values, slopes, small, errors):  # type: ignore[no-untyped-def] # fmt: skip
-    """The steps of `transport` for F = [Y, dY]; f, s and r are F and zeros, sums and K as real numbers."""
+def carry(  # type: ignore[no-untyped-def]
+    start, column, linear, higher, powers, carries, P, V, G, sigma, k, tangent, F, sums, K, f, s, r, values, slopes, small, errors, kept
+):
+    """The steps of `transport` for F = [Y, dY]; f, s and r are F and zeros, sums and K as real numbers, kept the frames or empty."""
     n = F.shape[0]
     log_det, trace = 0.0, 0 * sigma
     for step in range(len(errors) + 1):
+        if len(kept) > 0:
+            for c in range(n):
+                for d in range(k):
+                    kept[step, c, d] = F[c, d]
         size, along = orthonormalize(F, k, tangent)
         log_det += size
         trace += along

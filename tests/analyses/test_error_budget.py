@@ -4,13 +4,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 import shootstab as st
-from shootstab.analyses.error_budget import FAR_PROBE, FLOW_NOISE, NOISE, SAFETY, SYSTEM_NOISE, SYSTEM_PROBE, budget
+from shootstab.analyses.error_budget import (
+    FAR_PROBE,
+    FLOW_NOISE,
+    NOISE,
+    SAFETY,
+    SYSTEM_NOISE,
+    SYSTEM_PROBE,
+    budget,
+    gradient_by_steps,
+    integration_error,
+)
 from shootstab.core.discriminant import Value
 from shootstab.core.scaled import Scaled
 
@@ -72,6 +83,9 @@ class Linear:
     def with_perturbed_system(self, seed: int, size: float) -> Linear:
         assert size == SYSTEM_PROBE
         return self.moved(self.entries.get(seed, 0.0))
+
+    def gradient(self, sigma: complex) -> None:
+        """None: nothing is known but its values."""
 
     def local_errors(self, sigma: complex) -> np.ndarray:
         return np.array(self.local)
@@ -203,3 +217,27 @@ def test_farther_walls_and_the_total() -> None:
     parts = (found.integration, found.far_field, found.steady_flow, found.root, found.rounding)
     assert all(part >= 0.0 for part in parts)
     assert found.total == pytest.approx(sum(parts), rel=1e-15, abs=0.0)
+
+
+class Told(Linear):
+    """With a gradient of its zero, of which steps come to what is given."""
+
+    told: tuple[float, ...] = ()
+
+    def gradient(self, sigma: complex) -> Any:
+        shares = np.asarray(self.told, dtype=np.complex128)
+        return SimpleNamespace(by_step=lambda _: shares, components=0.0, products=0.0)
+
+    def ingredients(self, sigma: complex) -> Any:
+        return SimpleNamespace(sampled=None)
+
+
+@pytest.mark.parametrize(("told", "taken"), [((-3e-9, 0.0), True), ((-5e-9, 2.2e-9), True), ((-5e-9, 1e-9), False), ((math.nan,), False)])
+def test_a_gradient_is_taken_where_its_steps_come_to_what_both_meshes_say(told: tuple[float, ...], taken: bool) -> None:
+    coarse, fine = Told(ZERO + 3e-9), Told(ZERO, local=(5e-10, 5e-10))
+    coarse.told = told
+    values: Any = coarse, coarse.with_derivative(SIGMA), fine, fine.with_derivative(SIGMA)
+    found = gradient_by_steps(*values)
+    assert (found is not None) == taken
+    if found is not None:
+        assert integration_error(*values, found[1]) == pytest.approx(max(3e-9 / HALVED, SAFETY * np.linalg.norm(told) / HALVED), rel=1e-6)

@@ -109,11 +109,17 @@ class KnownPolynomial:
     def __call__(self, sigma: complex) -> Scaled:
         return self.with_derivative(sigma).D
 
+    def vanishing_at(self, sigma: complex) -> KnownPolynomial:
+        return self
+
     def refined(self) -> KnownPolynomial:
         return KnownPolynomial(self.zeros)
 
     def partly_refined(self, digit: int, sigma: complex) -> KnownPolynomial:
         return self
+
+    def gradient(self, sigma: complex) -> None:
+        """None: nothing is known but its values."""
 
     def local_errors(self, sigma: complex) -> np.ndarray:
         return np.zeros(0)

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
-from shootstab.analyses.error_budget import integration_error
+from shootstab.analyses.error_budget import gradient_by_steps, integration_error
 from shootstab.analyses.refine import refine
 from shootstab.analyses.sweep.dominance import SAME_MODE, DominantModes, count_dominant
 from shootstab.analyses.sweep.following import ARRIVED, LOST, FollowedMode, follow, land
@@ -188,10 +188,11 @@ class _Walk:
         sigma = max(place.modes.values(), key=lambda s: (s.real, s.imag))
         here = self._at(float(i))
         try:
-            coarse = here.at(sigma)
+            coarse = here.at(sigma).vanishing_at(sigma)
             fine = coarse.refined()
-            value = fine.with_derivative(sigma)
-            left, step = integration_error(coarse, coarse.with_derivative(sigma), fine, value), value.newton_step
+            values = coarse, coarse.with_derivative(sigma), fine, fine.with_derivative(sigma)
+            _, shares = gradient_by_steps(*values) or (None, None)
+            left, step = integration_error(*values, shares), values[-1].newton_step
             sigma += step
             rest = abs(fine.with_derivative(sigma).newton_step) if abs(step) > NEGLIGIBLE_STEP * self._rtol * abs(sigma) else 0.0
         except ConvergenceError as error:
