@@ -2,7 +2,8 @@
 
 {"format": 2, "problem": {…}, "count": n, "region": {"re", "im", "radius"} or {"floor"}, "outer", "weight", "points", "bits", "order",
 "steps"}: what is claimed, and the settings with which the checker finds that it holds; or {"format": 2, "parts": [… of these]}. One that
-has a base flow says besides between which values it lies, and which lemmas are relied on. The checker trusts none of the settings; poor
+has a base flow says besides between which values it lies, and which lemmas are relied on. Problems in equations are written with
+polynomial coefficients (formulation/polynomial_pencil.py), which stand in the certificate. The checker trusts none of the settings; poor
 ones make it refuse.
 """
 
@@ -13,11 +14,12 @@ from pathlib import Path
 from typing import Any
 
 from shootstab.analyses.contour_proof import CONTOUR_BITS
+from shootstab.analyses.polynomial_certificate import candidates
 from shootstab.analyses.proof import Proof
 from shootstab.checkers import CHECKERS
 from shootstab.core.errors import ConvergenceError, InputError, shortened
 from shootstab.core.reading import bytes_of, json_of, text_of
-from shootstab.problems.capabilities import CERTIFICATES, FACTORS
+from shootstab.problems.capabilities import CERTIFICATES, FACTORS, POLYNOMIAL_PENCIL
 from shootstab.problems.protocol import Problem
 
 LARGEST_CERTIFICATE = 2**20  # chosen: bytes of a certificate
@@ -38,15 +40,17 @@ def certify(problem: Problem, proof: Proof, spare_bits: int = CONTOUR_BITS) -> d
 
 
 def require_checker(problem: Problem) -> None:
-    """Raises InputError for a problem that no checker knows."""
+    """Raises InputError for a problem that no checker takes, with the reason."""
     for part in FACTORS.of(problem) or (problem,):
         if CERTIFICATES.of(part) is None:
-            raise InputError(f"a certificate of this problem: allowed is one for {', '.join(CHECKERS)}")
+            POLYNOMIAL_PENCIL.required(part)()
 
 
 def _certified(problem: Any, proof: Proof, count: int, spare_bits: int) -> dict[str, Any]:
     reason = None
-    for found in CERTIFICATES.required(problem)(proof, count, spare_bits):
+    own = CERTIFICATES.of(problem)
+    made = candidates(POLYNOMIAL_PENCIL.required(problem)(), proof, count) if own is None else own(proof, count, spare_bits)
+    for found in made:
         reason = _checker(found["problem"]["name"]).check(found)
         if reason is None:
             return dict(found)

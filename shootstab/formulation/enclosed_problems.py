@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from shootstab.core.errors import InputError
 from shootstab.formulation.atoms import Atom
 from shootstab.formulation.axis import FARTHEST_START
-from shootstab.formulation.conditions import Axis, Conditions
+from shootstab.formulation.conditions import Axis, Conditions, Periodic
 from shootstab.formulation.exponentials import exponential_end
 from shootstab.formulation.expression import number
 from shootstab.formulation.first_order import first_order
 from shootstab.formulation.gaussian import Gaussian
+from shootstab.formulation.joint_conditions import parts_over_states
+from shootstab.formulation.reduced_layers import ReducedLayer
 from shootstab.formulation.regular_singular import regular_singular_end
 from shootstab.formulation.singular_ends import SERIES_LENGTHS
 from shootstab.formulation.state_pencil import StatePencil, in_states, state_pencil
@@ -31,28 +34,32 @@ def places(statement: Statement) -> tuple[Fraction, Fraction]:
 
 
 def enclosed(
-    statement: Statement, system: StatePencil, ends: Callable[[complex], Any], reference: complex, states: Sequence[tuple[str, int]]
+    statement: Statement, layers: Sequence[ReducedLayer], system: StatePencil, ends: Callable[[complex], Any], reference: complex
 ) -> Enclosable | None:
-    """The problem in balls; ends(σ) are those at infinity, reference an eigenvalue without any property, states the (name, order of
-    derivative) of the system's. None where it has no enclosure.
+    """The problem in balls; system is that of the first layer with all conditions, ends(σ) are those at infinity, reference is an
+    eigenvalue without any property. None where it has no enclosure.
     """
-    if statement.domain.given or statement.joints or statement.denominators:
+    if statement.domain.given or statement.denominators:
         return None
     from shootstab.formulation.enclosed import EquationEnclosable
     from shootstab.formulation.enclosed_axis import EnclosedAxis, is_enclosed
     from shootstab.formulation.enclosed_infinity import EnclosedInfinity
+    from shootstab.formulation.enclosed_layers import EnclosedJoint, EnclosedWay, LayeredWay, PeriodicWay
     from shootstab.multiprecision.enclosure import BetweenEnds
 
-    domain, unknowns = statement.domain, statement.names.unknowns
-    bounded = [i for i, (name, order) in enumerate(states) if order == 0 and name in unknowns]
+    if isinstance(statement.left, Periodic) and isinstance(statement.right, Periodic):
+        return None if statement.joints else EnclosedWay(PeriodicWay(system, places(statement)))
+    states = layers[0].first_order.states
+    domain, bounded = statement.domain, bounded_states(statement, states)
     counted = {at.where: at.decaying for at in ends(reference)}
     out: list[Any] = []
-    for end, side in ((statement.left, -1), (statement.right, 1)):
+    systems = [system, *(layer.states for layer in layers[1:])]
+    for end, side, own in ((statement.left, -1, systems[0]), (statement.right, 1, systems[-1])):
         if isinstance(end, Conditions):
             out.append(Fraction(Gaussian.of(end.at).re))
         elif isinstance(end, Axis):
             try:
-                regular = regular_singular_end(system, Fraction(Gaussian.of(end.at).re), -side, bounded, f"z = {end.at:g}")
+                regular = regular_singular_end(own, Fraction(Gaussian.of(end.at).re), -side, bounded, f"z = {end.at:g}")
                 if not is_enclosed(regular, bounded):
                     return None
             except InputError:
@@ -61,13 +68,39 @@ def enclosed(
             out.append(EnclosedAxis(regular, Fraction(Gaussian.of(end.at).re), -side, FARTHEST_START * length, reference))
         elif isinstance(end, Infinity) and end.start is None and end.limit is None:
             try:
-                limit = exponential_end(system, side)
+                limit = exponential_end(own, side)
             except InputError:
                 return None
             out.append(EnclosedInfinity(limit, system.size, counted[INFINITIES[side]], reference))
         else:
             return None
-    return BetweenEnds(EquationEnclosable(system, *out))
+    if not statement.joints:
+        return BetweenEnds(EquationEnclosable(system, *out))
+    joints = []
+    for joint, pair in zip(statement.joints, pairwise(layers), strict=True):
+        parts = parts_over_states(joint, (pair[0].first_order, pair[1].first_order))
+        joints.append(EnclosedJoint(Fraction(Gaussian.of(joint.at).re), *parts, system.size))
+    return EnclosedWay(LayeredWay(EquationEnclosable(system, *out), systems, joints))
+
+
+def bounded_states(statement: Statement, states: Sequence[tuple[str, int]]) -> list[int]:
+    """The states that are unknowns, which are power series at an axis."""
+    return [i for i, (name, order) in enumerate(states) if order == 0 and name in statement.names.unknowns]
+
+
+def with_polynomials(
+    statement: Statement, system: StatePencil, at_infinity: Sequence[Any], states: Sequence[tuple[str, int]]
+) -> dict[str, Any]:
+    """See polynomial_pencil.py; at_infinity tells how many solutions decay, states as in `enclosed`. Raises InputError as it does."""
+    from shootstab.formulation.polynomial_pencil import polynomial_pencil
+
+    decaying = {at.where: at.decaying for at in at_infinity}
+    return polynomial_pencil(statement, system, decaying, bounded_states(statement, states))
+
+
+def varies(statement: Statement) -> bool:
+    """Whether a parameter may be left open: in one layer between conditions at two finite ends."""
+    return all(statement.holding) and not statement.joints
 
 
 def varied(statement: Statement, name: str) -> Callable[[Any], Enclosable]:

@@ -98,6 +98,18 @@ def _without(joint: Joint, name: str, rows: list[EquationRow], vanishing: Vanish
     return out
 
 
+def parts_over_states(
+    joint: Joint, layers: tuple[FirstOrder, FirstOrder]
+) -> tuple[dict[tuple[int, int], Expression], dict[tuple[int, int], Expression]]:
+    """The conditions by (row, state), of the states before it and of those behind it."""
+    rows = rows_over_states(joint, layers)
+    before, behind = (
+        {(i, j): row[at] for i, row in enumerate(rows) for j, state in enumerate(layer.states) if (at := on_side(side, state)) in row}
+        for side, layer in zip(INTERFACE_SIDES, layers, strict=True)
+    )
+    return before, behind
+
+
 def interface_of(joint: Joint, layers: tuple[FirstOrder, FirstOrder], given: Given) -> Interface:
     """The conditions as matrices over the states."""
     rows, n = rows_over_states(joint, layers), layers[0].order

@@ -20,7 +20,7 @@ from shootstab.formulation.conditions import CoupledEnd
 from shootstab.formulation.continuous_spectrum import InteriorSpectrum
 from shootstab.formulation.coupled_ends import coupled_rows
 from shootstab.formulation.digits_of import digits_of
-from shootstab.formulation.enclosed_problems import enclosed, varied
+from shootstab.formulation.enclosed_problems import enclosed, varied, varies, with_polynomials
 from shootstab.formulation.equation_collocation import EquationCollocation, offered
 from shootstab.formulation.equation_family import EquationFamily, family_around
 from shootstab.formulation.evaluation import Given
@@ -125,10 +125,14 @@ class EquationProblem(LinearProblem):
 
     @property
     def enclosable(self) -> Enclosable | None:
-        """The problem's expressions in balls. None in layers, where a function is given to doubles only, an end is singular, without
+        """The problem's expressions in balls. None where a function is given to doubles only, an end is singular, without
         rational coefficients, or at infinity without an exponential limit, or the eigenvalue stands in a denominator.
         """
-        return enclosed(self.statement, self.states, self.ends, self.generic_sigma, self.first_order.states)
+        return enclosed(self.statement, self.layers, self.states, self.ends, self.generic_sigma)
+
+    def polynomial_pencil(self) -> dict[str, Any]:
+        """The problem as the checker of certificates takes it. Raises InputError where it has no such form."""
+        return with_polynomials(self.statement, self.states, self.ends(self.generic_sigma), self.first_order.states)
 
     @cached_property
     def growing_region(self) -> Callable[..., tuple[Rectangle, str]] | None:
@@ -140,7 +144,7 @@ class EquationProblem(LinearProblem):
     @property
     def varied(self) -> Callable[[str], Callable[[Any], Enclosable]] | None:
         """varied(name)(p) is the problem in balls with another value p, an acb, of that parameter. None as for `enclosable`."""
-        return None if self.enclosable is None or not all(self.statement.holding) else partial(varied, self.statement)
+        return partial(varied, self.statement) if self.enclosable and varies(self.statement) else None
 
     @property
     def crossings(self) -> tuple[tuple[NDArray[np.float64], ComplexArray], ...]:

@@ -87,14 +87,19 @@ class Enclosure:
 
     def __call__(self, sigma: Any) -> Any:
         """A ball that holds D(σ) for every σ in the ball given, which should be thin. To be called at the working precision."""
-        y = self._start(sigma)
+        return self._at_wall(sigma, self.carried(sigma, self._start(sigma)))
+
+    def carried(self, sigma: Any, y: Any) -> Any:
+        """The compound vector y (m, 1) at the second end from that at the first."""
         here, wall = self.problem.ends()
         whole = float((wall - here).mid())
+        if whole == 0.0 and (wall - here).is_zero():
+            return y
         length = whole
         for _ in range(ENCLOSURE_STEPS):
             y, taken, last = self._step(sigma, y, here, wall, length)
             if last:
-                return self._at_wall(sigma, y)
+                return y
             here = here + arb(taken)
             length = 2.0 * taken
         raise ConvergenceError(f"the enclosure of D would need more than {ENCLOSURE_STEPS} steps at sigma = {complex(sigma.mid()):.6g}")

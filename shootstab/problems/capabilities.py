@@ -169,3 +169,5 @@ RECORDED = Capability("recorded", None, "this problem has no recorded pencil")
 UNCHANGING = Capability("unchanging", False, "this problem calls functions that may read what changes")
 # certificates(proof, count, spare_bits): what to try as a certificate of a proof, each with more bits, for the checker of this problem
 CERTIFICATES = Capability("certificates", None, "this problem has no checker of certificates")
+# polynomial_pencil(): the problem with polynomial coefficients, for the checker of such; it raises InputError where it has no such form
+POLYNOMIAL_PENCIL = Capability("polynomial_pencil", None, "a certificate asks for a problem in equations, plane Poiseuille flow or a chute")

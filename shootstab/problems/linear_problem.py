@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from shootstab.core.errors import InputError, shortened
 from shootstab.core.given import is_complex
 from shootstab.core.regions import Rectangle
-from shootstab.problems.capabilities import ENCLOSABLE, FAMILY, MULTIPRECISION, VARIED
+from shootstab.problems.capabilities import ENCLOSABLE, FAMILY, MULTIPRECISION, POLYNOMIAL_PENCIL, VARIED
 from shootstab.problems.decaying_space import AsymptoticRates, DecayingSpace
 from shootstab.problems.ends import Infinity, Interface, Wall
 from shootstab.problems.first_mesh import resolving
@@ -238,6 +238,11 @@ class LinearProblem:
     def enclosable(self) -> Any:
         """The problem in balls, where this one was posed in equations; otherwise None."""
         return None if self._in_equations is None else ENCLOSABLE.of(self._in_equations)
+
+    @property
+    def polynomial_pencil(self) -> Any:
+        """The problem with polynomial coefficients, for certificates; None where it is not in equations."""
+        return None if self._in_equations is None else POLYNOMIAL_PENCIL.of(self._in_equations)
 
     @property
     def varied(self) -> Any:

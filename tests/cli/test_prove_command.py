@@ -42,10 +42,12 @@ def test_what_is_no_certificate_is_bad_input(tmp_path: Path, capsys: pytest.Capt
     assert "closed form" in capsys.readouterr().err
     assert cli.main(["prove", "poiseuille", "--region=-0.1,-1,0.1,0", "--certificate", str(tmp_path / "a.json")]) == 2
     assert "allowed with --guess, --disc and --growing" in capsys.readouterr().err
-    assert (
-        cli.main(["prove", "benard", "--guess", "2", "--certificate", str(tmp_path / "b.json")]) == 2
-    )  # before a second is spent on a proof
-    assert "allowed is one for plane Poiseuille, granular chute" in capsys.readouterr().err
+    exponential = '[problem]\nunknowns = ["y"]\nequations = ["d(y,2) = exp(z)*sigma*y"]\n'
+    scene = tmp_path / "exponential.toml"
+    scene.write_text(exponential + 'left = { at = 0, conditions = ["y"] }\nright = { at = 1, conditions = ["y"] }\n')
+    # refused before a second is spent on a proof
+    assert cli.main(["prove", str(scene), "--guess=-6", "--certificate", str(tmp_path / "b.json")]) == 2
+    assert "rational function" in capsys.readouterr().err
     assert cli.main(["prove", "benard", "--guess", "2", "--over", "rayleigh=1,2"]) == 2
     assert cli.main(["prove", "benard", "--growing", "0", "--over", "rayleigh=1"]) == 2
     assert cli.main(["prove", "benard", "--growing", "0", "--over", "taylor=1,2"]) == 2

@@ -1,0 +1,184 @@
+"""Layers with interfaces, and periodic ends, in balls (theory, lemmas E15 and E16).
+
+At an interface L(σ) ψ(before) + R(σ) ψ(behind) = 0, and the minors behind it are Λ^k T y, T = −R⁻¹L. Between periodic ends
+D = det(Φ − 1) with the matrix Φ that carries ψ from one to the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any, Protocol
+
+from shootstab.core.balls import acb, acb_mat
+from shootstab.core.errors import ConvergenceError
+from shootstab.formulation.enclosed import on_balls
+from shootstab.formulation.expression import Expression
+from shootstab.formulation.state_pencil import StatePencil
+from shootstab.formulation.system import coefficients
+from shootstab.multiprecision.enclosable import EnclosableSystem, ball
+from shootstab.multiprecision.enclosure import MOST_POINTS, OUTER, Enclosure
+from shootstab.multiprecision.minors import MinorEntries
+
+EntriesByPlace = dict[tuple[int, int], Expression]  # polynomials in σ by row and column
+
+
+class Carrying(Protocol):
+    """What a way through layers makes D of."""
+
+    @property
+    def lemmas(self) -> tuple[str, ...]:
+        """What it rests on beside steps."""
+        ...
+
+    def value(self, bits: int, sigma: Any) -> Any:
+        """D(σ), at the working precision."""
+        ...
+
+    @property
+    def multiple(self) -> tuple[Any, ...]:
+        """See enclosable.BoundedDiscriminant."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class EnclosedWay:
+    """See enclosable.Enclosable."""
+
+    way: Carrying
+    outer: float = OUTER
+    most_points: int = MOST_POINTS
+    premise: str = ""
+
+    @property
+    def lemmas(self) -> tuple[str, ...]:
+        """The lemmas of steps and of the way."""
+        return ("E2", "E3", *self.way.lemmas)
+
+    def enclosure(self, bits: int, *regions: Any) -> WayEnclosure:
+        """One and the same D for every region."""
+        return WayEnclosure(self.way, bits)
+
+
+@dataclass(frozen=True, eq=False)
+class WayEnclosure:
+    """See enclosable.BoundedDiscriminant; |D| is bounded by its values for thick σ."""
+
+    way: Carrying
+    bits: int
+    real: bool = False
+
+    @property
+    def multiple(self) -> tuple[Any, ...]:
+        """The multiple of the way."""
+        return self.way.multiple
+
+    def __call__(self, sigma: Any) -> Any:
+        return self.way.value(self.bits, sigma)
+
+    def growth(self, sigma: Any) -> Any:
+        """An upper bound of ln |D|."""
+        return abs(self(sigma)).upper().log()
+
+
+@dataclass(frozen=True, eq=False)
+class LayerBetween:
+    """The pencil of one layer from one place to another, both arb, of which k-minors are carried; see enclosable.EnclosableSystem."""
+
+    states: StatePencil
+    decaying: int
+    places: tuple[Any, Any]
+
+    @property
+    def size(self) -> int:
+        return self.states.size
+
+    def ends(self) -> tuple[Any, Any]:
+        return self.places
+
+    def pencil(self, z: Any) -> tuple[list[MinorEntries], list[MinorEntries]]:
+        at = on_balls(z, {})
+        C, D = ([{place: at(entry) for place, entry in part.items()} for part in powers] for powers in (self.states.C, self.states.D))
+        return C, D
+
+    def carried(self, bits: int, sigma: Any, y: Any) -> Any:
+        """The minors y (m, 1) at the other place."""
+        return Enclosure(self, bits).carried(sigma, y)  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True, eq=False)
+class EnclosedJoint:
+    """L and R at an interface at a place, by entries."""
+
+    at: Any
+    before: EntriesByPlace
+    behind: EntriesByPlace
+    size: int
+
+    def across(self, sigma: Any, y: Any, k: int) -> Any:
+        """The k-minors behind it. Raises ConvergenceError where R may be singular."""
+        at = on_balls(acb(ball(self.at)), {})
+        L, R = (self._matrix(at, part, sigma) for part in (self.before, self.behind))
+        try:
+            T = (R.inv() * L * -1).tolist()
+        except ZeroDivisionError:
+            raise ConvergenceError("conditions at an interface may not determine what is behind it: take a smaller disc") from None
+        subsets = list(combinations(range(self.size), k))
+        minors = [[acb_mat([[T[i][j] for j in columns] for i in rows]).det() for columns in subsets] for rows in subsets]
+        return acb_mat(minors) * y
+
+    def _matrix(self, at: Any, entries: EntriesByPlace, sigma: Any) -> Any:
+        out = acb_mat(self.size, self.size)
+        for place, entry in entries.items():
+            for power, part in coefficients(entry).items():
+                out[place] += acb(at(part)) * sigma**power
+        return out
+
+
+@dataclass(frozen=True, eq=False)
+class LayeredWay:
+    """Layers from left to right and the interfaces between them; ends gives the minors at the left and those of conditions at the right."""
+
+    ends: EnclosableSystem
+    layers: Sequence[StatePencil]
+    joints: Sequence[EnclosedJoint]
+
+    @property
+    def lemmas(self) -> tuple[str, ...]:
+        """Those of the ends, and of interfaces."""
+        return (*self.ends.lemmas, "E15")
+
+    @property
+    def multiple(self) -> tuple[Any, ...]:
+        """What the ends chose."""
+        return self.ends.multiple
+
+    def value(self, bits: int, sigma: Any) -> Any:
+        """D(σ)."""
+        k, first = self.ends.decaying, self.ends.start(sigma)
+        left, right = self.ends.ends()
+        places = [left, *(ball(joint.at) for joint in self.joints), right]
+        y = acb_mat(len(first), 1, first)
+        for j, layer in enumerate(self.layers):
+            y = LayerBetween(layer, k, (places[j], places[j + 1])).carried(bits, sigma, y)
+            if j < len(self.joints):
+                y = self.joints[j].across(sigma, y, k)
+        return sum((w * y[i, 0] for i, w in enumerate(self.ends.wall(sigma))), acb(0))
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodicWay:
+    """det(Φ − 1) of the way from one place to another."""
+
+    states: StatePencil
+    places: tuple[Any, Any]
+    lemmas: tuple[str, ...] = ("E8", "E16")
+    multiple: tuple[Any, ...] = ()
+
+    def value(self, bits: int, sigma: Any) -> Any:
+        """D(σ)."""
+        n = self.states.size
+        way = LayerBetween(self.states, 1, (ball(self.places[0]), ball(self.places[1])))
+        columns = [way.carried(bits, sigma, acb_mat([[int(i == j)] for i in range(n)])) for j in range(n)]
+        return acb_mat([[columns[j][i, 0] - int(i == j) for j in range(n)] for i in range(n)]).det()
