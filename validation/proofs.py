@@ -150,7 +150,7 @@ def cases(quick: bool) -> Iterator[Case]:
 
 CLAIM = Claim(
     "What the program says of modes is proved in ball arithmetic, and certificates are accepted by a checker of their own.",
-    "guide/proofs.md, lemmas E1 to E14, P1, P2, C1 to C6, K1 to K3, R1 and R2",
+    "guide/proofs.md, lemmas E1 to E18, P1, P2, C1 to C6, K1 to K3, R1 and R2",
     cases,
 )
 

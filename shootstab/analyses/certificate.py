@@ -3,7 +3,7 @@
 {"format": 2, "problem": {…}, "count": n, "region": {"re", "im", "radius"} or {"floor"}, "outer", "weight", "points", "bits", "order",
 "steps"}: what is claimed, and the settings with which the checker finds that it holds; or {"format": 2, "parts": [… of these]}. One that
 has a base flow says besides between which values it lies, and which lemmas are relied on. Problems in equations are written with
-polynomial coefficients (formulation/polynomial_pencil.py), which stand in the certificate. The checker trusts none of the settings; poor
+polynomial coefficients (formulation/polynomial_form.py), which stand in the certificate. The checker trusts none of the settings; poor
 ones make it refuse.
 """
 

@@ -185,6 +185,7 @@ class PencilChecker:
         _require(self.right.admitted == n - self.k, "both ends together admit as many solutions as there are components")
         self.weights = [_whole(e, -MOST_WEIGHT, MOST_WEIGHT, "weight") for e in certificate["weights"]]
         _require(len(self.weights) == n and 1 <= len(problem["layers"]) <= MOST_LAYERS, "weights, or layers")
+        _require(all(isinstance(problem[part], list) for part in ("layers", "joints")), "layers and joints are lists")
         _require(len(problem["joints"]) == len(problem["layers"]) - 1, "a joint lies between two layers")
         self.joints = [[read.rows(joint[side], n) for side in ("before", "behind")] for joint in problem["joints"]]
         _require(all(len(rows) == n for joint in self.joints for rows in joint), f"{n} conditions at a joint")

@@ -11,7 +11,7 @@ the conditions admit (lemma E12), at a regular singular point the regular ones (
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from itertools import combinations
 from typing import Any, Protocol
@@ -32,6 +32,7 @@ class DecayingEnd(Protocol):
     """An end at infinity (enclosed_infinity), or a regular singular one (enclosed_axis): regular solutions stand for decaying ones."""
 
     decaying: int
+    inwards: bool  # whether its solutions are best carried inwards
 
     @property
     def lemmas(self) -> tuple[str, ...]:
@@ -53,6 +54,14 @@ class DecayingEnd(Protocol):
         ...
 
 
+class FlowInBalls(Protocol):
+    """A base flow (enclosed_boundary_layer.py)."""
+
+    def on(self, z: Any) -> Callable[[str, int], Any]:
+        """Its functions at z, an acb or a TailedSeries that is linear in t, by name and order of derivative."""
+        ...
+
+
 class EquationEnclosable:
     """See multiprecision.enclosable.EnclosableSystem: a system without given functions between ends with conditions or at infinity."""
 
@@ -62,9 +71,10 @@ class EquationEnclosable:
         left: Fraction | DecayingEnd,
         right: Fraction | DecayingEnd,
         parameters: Mapping[Atom, Any] | None = None,
+        flow: FlowInBalls | None = None,
     ) -> None:
-        """parameters: values, acb, of those that are left open in the system."""
-        self._system, self._left, self._right, self._parameters = system, left, right, parameters or {}
+        """parameters: values, acb, of those that are left open in the system; flow: the base flow, if there is one."""
+        self._system, self._left, self._right, self._parameters, self._flow = system, left, right, parameters or {}, flow
 
     @property
     def lemmas(self) -> tuple[str, ...]:
@@ -76,6 +86,11 @@ class EquationEnclosable:
     def multiple(self) -> tuple[Any, ...]:
         """What the ends at infinity chose."""
         return tuple(end.multiple for end in (self._left, self._right) if not isinstance(end, Fraction))
+
+    @property
+    def matched(self) -> bool:
+        """Whether solutions are carried inwards from both ends: from infinities from which errors would grow across the whole line."""
+        return all(not isinstance(end, Fraction) and end.inwards for end in (self._left, self._right))
 
     @property
     def size(self) -> int:
@@ -91,7 +106,7 @@ class EquationEnclosable:
         return left, right
 
     def pencil(self, z: Any) -> tuple[list[MinorEntries], list[MinorEntries]]:
-        at = on_balls(z, self._parameters)
+        at = on_balls(z, self._parameters, self._flow)
         C, D = ([{place: at(entry) for place, entry in part.items()} for part in powers] for powers in (self._system.C, self._system.D))
         return C, D
 
@@ -106,12 +121,17 @@ class EquationEnclosable:
             found.append(-minor if sum(chosen) % 2 else minor)
         return found
 
+    def arriving(self, sigma: Any) -> list[Any]:
+        """The minors of the solutions that the right end admits, which is no finite one."""
+        assert not isinstance(self._right, Fraction)
+        return self._right.minors(sigma)
+
     def wall(self, sigma: Any) -> list[Any]:
         if not isinstance(self._right, Fraction):
-            return self._complementary(self._right.minors(sigma))
+            return self.complementary(self._right.minors(sigma))
         return row_minors(self._rows(self._system.right, self.decaying, self._right, sigma)) if self.decaying else [acb(1)]
 
-    def _complementary(self, found: list[Any]) -> list[Any]:
+    def complementary(self, found: list[Any]) -> list[Any]:
         """w_I = (−1)^{Σ I} of the minor in the rows that are not in I: D = ± det of both bases, by Laplace's expansion."""
         every, n, k = range(self.size), self.size, self.decaying
         known = dict(zip(combinations(every, n - k), found, strict=True))
@@ -119,7 +139,7 @@ class EquationEnclosable:
         return [-x if sum(chosen) % 2 else x for chosen, x in rest]
 
     def _rows(self, parts: Powers, count: int, z: Fraction, sigma: Any) -> list[list[Any]]:
-        at = on_balls(acb(ball(z)), self._parameters)
+        at = on_balls(acb(ball(z)), self._parameters, self._flow)
         rows = [[acb(0)] * self.size for _ in range(count)]
         for power, part in enumerate(parts):
             for (i, j), entry in part.items():
@@ -127,10 +147,10 @@ class EquationEnclosable:
         return rows
 
 
-def on_balls(z: Any, parameters: Mapping[Atom, Any]) -> Evaluator:
+def on_balls(z: Any, parameters: Mapping[Atom, Any], flow: FlowInBalls | None = None) -> Evaluator:
     """Expressions at z, an acb or a TailedSeries: both have the functions as methods, and the branches of numbers."""
     known = {"z": z, "pi": acb(arb.pi())}
-    return Evaluator(_number, _applied, _power, known, _not_given, parameters=parameters)
+    return Evaluator(_number, _applied, _power, known, _not_given if flow is None else flow.on(z), parameters=parameters)
 
 
 def _number(c: Gaussian) -> Any:

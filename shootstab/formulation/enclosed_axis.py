@@ -45,6 +45,7 @@ class EnclosedAxis:
     """See enclosed.DecayingEnd: an end for which is_enclosed holds, at z0, left in a direction."""
 
     lemmas = ("E14", "E11")
+    inwards = False
 
     def __init__(self, end: RegularSingularEnd, at: Fraction, direction: int, farthest: float, reference: complex) -> None:
         """farthest: how far from z0 it may be left; reference: an eigenvalue, any one; it settles where it is left."""

@@ -35,6 +35,7 @@ class EnclosedInfinity:
     """One end of a system of n states, of which k solutions decay."""
 
     lemmas = ("E12", "E11")
+    inwards = False
 
     def __init__(self, end: ExponentialEnd, size: int, decaying: int, reference: complex) -> None:
         """reference: an eigenvalue, any one with k decaying solutions; it settles where the end is left."""

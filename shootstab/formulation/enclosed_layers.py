@@ -6,18 +6,18 @@ D = det(Φ − 1) with the matrix Φ that carries ψ from one to the other.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from itertools import combinations
 from typing import Any, Protocol
 
 from shootstab.core.balls import acb, acb_mat
 from shootstab.core.errors import ConvergenceError
-from shootstab.formulation.enclosed import on_balls
+from shootstab.formulation.enclosed import EquationEnclosable, on_balls
 from shootstab.formulation.expression import Expression
 from shootstab.formulation.state_pencil import StatePencil
 from shootstab.formulation.system import coefficients
-from shootstab.multiprecision.enclosable import EnclosableSystem, ball
+from shootstab.multiprecision.enclosable import BoundedDiscriminant, Enclosable, EnclosableSystem, ball
 from shootstab.multiprecision.enclosure import MOST_POINTS, OUTER, Enclosure
 from shootstab.multiprecision.minors import MinorEntries
 
@@ -165,6 +165,76 @@ class LayeredWay:
             if j < len(self.joints):
                 y = self.joints[j].across(sigma, y, k)
         return sum((w * y[i, 0] for i, w in enumerate(self.ends.wall(sigma))), acb(0))
+
+
+@dataclass(frozen=True, eq=False)
+class MatchedWay:
+    """One layer between two infinities: decaying solutions grow inwards, and D is the determinant of both at z = 0."""
+
+    ends: EquationEnclosable
+    states: StatePencil
+
+    @property
+    def lemmas(self) -> tuple[str, ...]:
+        """The lemmas of the ends."""
+        return self.ends.lemmas
+
+    @property
+    def multiple(self) -> tuple[Any, ...]:
+        """What the ends chose."""
+        return self.ends.multiple
+
+    def value(self, bits: int, sigma: Any) -> Any:
+        """D(σ)."""
+        k, n = self.ends.decaying, self.ends.size
+        found = []
+        for place, count, first in zip(self.ends.ends(), (k, n - k), (self.ends.start(sigma), self.ends.arriving(sigma)), strict=True):
+            y = LayerBetween(self.states, count, (place, acb(0).real)).carried(bits, sigma, acb_mat(len(first), 1, first))
+            found.append([y[i, 0] for i in range(len(first))])
+        left, right = found
+        return sum((w * y for w, y in zip(self.ends.complementary(right), left, strict=True)), acb(0))
+
+
+@dataclass(frozen=True, eq=False)
+class FirstBounded:
+    """See enclosable.Enclosable: the first of several forms that has a bound for the regions asked for, or else a value in the middle."""
+
+    forms: Sequence[Enclosable]
+
+    @property
+    def lemmas(self) -> tuple[str, ...]:
+        """The lemmas of the form that was used last, or else of all."""
+        return self.forms[self._last[-1]].lemmas if self._last else tuple(dict.fromkeys(x for form in self.forms for x in form.lemmas))
+
+    outer: float = OUTER
+    most_points: int = MOST_POINTS
+    premise: str = ""
+    _last: list[int] = field(default_factory=list, repr=False)
+
+    def enclosure(self, bits: int, *regions: Any) -> BoundedDiscriminant:
+        """The enclosure of the form."""
+
+        def bounded(found: BoundedDiscriminant) -> bool:
+            return all(found.growth(region).is_finite() for region in regions)
+
+        def known(found: BoundedDiscriminant) -> bool:
+            return all(found(acb(region).mid()).is_finite() for region in regions)
+
+        chosen = next((j for holds in (bounded, known) for j, form in enumerate(self.forms) if _holds(holds, form, bits, regions)), 0)
+        self._last[:] = [chosen]
+        return self.forms[chosen].enclosure(bits, *regions)
+
+
+def _holds(test: Callable[[BoundedDiscriminant], bool], form: Enclosable, bits: int, regions: Sequence[Any]) -> bool:
+    try:
+        return test(form.enclosure(bits, *regions))
+    except ConvergenceError:
+        return False
+
+
+def first_that_holds(forms: Sequence[Enclosable]) -> Enclosable:
+    """One form alone, or the first of several that holds."""
+    return forms[0] if len(forms) == 1 else FirstBounded(forms)
 
 
 @dataclass(frozen=True, eq=False)

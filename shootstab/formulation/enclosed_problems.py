@@ -8,6 +8,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from shootstab.core.errors import InputError
+from shootstab.formulation.asymptotic_end import asymptotic_end
 from shootstab.formulation.atoms import Atom
 from shootstab.formulation.axis import FARTHEST_START
 from shootstab.formulation.conditions import Axis, Conditions, Periodic
@@ -24,6 +25,8 @@ from shootstab.formulation.statement import Statement
 from shootstab.problems.ends import INFINITIES, Infinity
 
 if TYPE_CHECKING:
+    from shootstab.formulation.enclosed import EquationEnclosable
+    from shootstab.formulation.enclosed_layers import EnclosedJoint
     from shootstab.multiprecision.enclosable import Enclosable
 
 
@@ -39,13 +42,13 @@ def enclosed(
     """The problem in balls; system is that of the first layer with all conditions, ends(σ) are those at infinity, reference is an
     eigenvalue without any property. None where it has no enclosure.
     """
-    if statement.domain.given or statement.denominators:
+    if statement.doubles_only or statement.denominators:
         return None
+    if statement.base is not None:
+        return _with_flow(statement, system, ends, reference)
     from shootstab.formulation.enclosed import EquationEnclosable
     from shootstab.formulation.enclosed_axis import EnclosedAxis, is_enclosed
-    from shootstab.formulation.enclosed_infinity import EnclosedInfinity
-    from shootstab.formulation.enclosed_layers import EnclosedJoint, EnclosedWay, LayeredWay, PeriodicWay
-    from shootstab.multiprecision.enclosure import BetweenEnds
+    from shootstab.formulation.enclosed_layers import EnclosedJoint, EnclosedWay, PeriodicWay, first_that_holds
 
     if isinstance(statement.left, Periodic) and isinstance(statement.right, Periodic):
         return None if statement.joints else EnclosedWay(PeriodicWay(system, places(statement)))
@@ -56,7 +59,7 @@ def enclosed(
     systems = [system, *(layer.states for layer in layers[1:])]
     for end, side, own in ((statement.left, -1, systems[0]), (statement.right, 1, systems[-1])):
         if isinstance(end, Conditions):
-            out.append(Fraction(Gaussian.of(end.at).re))
+            out.append((Fraction(Gaussian.of(end.at).re),))
         elif isinstance(end, Axis):
             try:
                 regular = regular_singular_end(own, Fraction(Gaussian.of(end.at).re), -side, bounded, f"z = {end.at:g}")
@@ -65,22 +68,66 @@ def enclosed(
             except InputError:
                 return None
             length = min(domain.right - domain.left, SERIES_LENGTHS * regular.length)
-            out.append(EnclosedAxis(regular, Fraction(Gaussian.of(end.at).re), -side, FARTHEST_START * length, reference))
+            out.append((EnclosedAxis(regular, Fraction(Gaussian.of(end.at).re), -side, FARTHEST_START * length, reference),))
         elif isinstance(end, Infinity) and end.start is None and end.limit is None:
-            try:
-                limit = exponential_end(own, side)
-            except InputError:
+            out.append(_at_infinity(own, side, counted[INFINITIES[side]], reference))
+            if not out[-1]:
                 return None
-            out.append(EnclosedInfinity(limit, system.size, counted[INFINITIES[side]], reference))
         else:
             return None
-    if not statement.joints:
-        return BetweenEnds(EquationEnclosable(system, *out))
+    forms = [
+        EquationEnclosable(system, left[j % len(left)], right[j % len(right)]) for left, right in (out,) for j in range(max(map(len, out)))
+    ]
     joints = []
     for joint, pair in zip(statement.joints, pairwise(layers), strict=True):
         parts = parts_over_states(joint, (pair[0].first_order, pair[1].first_order))
         joints.append(EnclosedJoint(Fraction(Gaussian.of(joint.at).re), *parts, system.size))
-    return EnclosedWay(LayeredWay(EquationEnclosable(system, *out), systems, joints))
+    return first_that_holds([_form(ends_, systems, joints) for ends_ in forms])
+
+
+def _with_flow(statement: Statement, system: StatePencil, ends: Callable[[complex], Any], reference: complex) -> Enclosable | None:
+    """The problem on a base flow, a boundary layer from a wall on."""
+    from shootstab.formulation.enclosed import EquationEnclosable
+    from shootstab.formulation.enclosed_boundary_layer import LayerEnd, boundary_layer_flow
+    from shootstab.multiprecision.enclosure import BetweenEnds
+
+    assert statement.base is not None
+    flow = None if statement.joints else boundary_layer_flow(statement.base)
+    if flow is None or not isinstance(statement.left, Conditions) or not isinstance(statement.right, Infinity):
+        return None
+    (counted,) = (at.decaying for at in ends(reference))
+    end = LayerEnd(flow, system, counted, reference)
+    left = Fraction(Gaussian.of(statement.left.at).re)
+    return BetweenEnds(EquationEnclosable(system, left, end, flow=flow), premise=flow.premise)
+
+
+def _form(ends: EquationEnclosable, systems: Sequence[StatePencil], joints: Sequence[EnclosedJoint]) -> Enclosable:
+    """One form of the problem in balls."""
+    from shootstab.formulation.enclosed_layers import EnclosedWay, LayeredWay, MatchedWay
+    from shootstab.multiprecision.enclosure import BetweenEnds
+
+    if joints:
+        return EnclosedWay(LayeredWay(ends, systems, joints))
+    return EnclosedWay(MatchedWay(ends, systems[0])) if ends.matched else BetweenEnds(ends)
+
+
+def _at_infinity(system: StatePencil, side: int, decaying: int, reference: complex) -> tuple[Any, ...]:
+    """An end at infinity in the forms that it has, one to be tried after the other: none where coefficients are no series in an
+    exponential, nor go as powers alone.
+    """
+    from shootstab.formulation.enclosed_graph import EnclosedGraph
+    from shootstab.formulation.enclosed_infinity import EnclosedInfinity
+
+    try:
+        found = exponential_end(system, side)
+        return tuple(made(found, system.size, decaying, reference) for made in (EnclosedInfinity, EnclosedGraph))
+    except InputError:
+        pass
+    try:
+        powers = asymptotic_end(system, side)
+    except InputError:
+        return ()
+    return () if powers.dropped else (EnclosedGraph(powers, system.size, decaying, reference),)
 
 
 def bounded_states(statement: Statement, states: Sequence[tuple[str, int]]) -> list[int]:
@@ -91,8 +138,8 @@ def bounded_states(statement: Statement, states: Sequence[tuple[str, int]]) -> l
 def with_polynomials(
     statement: Statement, system: StatePencil, at_infinity: Sequence[Any], states: Sequence[tuple[str, int]]
 ) -> dict[str, Any]:
-    """See polynomial_pencil.py; at_infinity tells how many solutions decay, states as in `enclosed`. Raises InputError as it does."""
-    from shootstab.formulation.polynomial_pencil import polynomial_pencil
+    """See polynomial_form.py; at_infinity tells how many solutions decay, states as in `enclosed`. Raises InputError as it does."""
+    from shootstab.formulation.polynomial_form import polynomial_pencil
 
     decaying = {at.where: at.decaying for at in at_infinity}
     return polynomial_pencil(statement, system, decaying, bounded_states(statement, states))

@@ -38,7 +38,7 @@ def test_what_is_no_certificate_is_bad_input(tmp_path: Path, capsys: pytest.Capt
         assert cli.main(["check", str(file)]) == 2
         assert len(capsys.readouterr().err.strip().splitlines()) == 1
     assert cli.main(["check", str(tmp_path / "none.json")]) == 2
-    assert cli.main(["prove", "blasius", "--guess", "0.004"]) == 2
+    assert cli.main(["prove", "malik-3", "--guess", "0.004"]) == 2
     assert "closed form" in capsys.readouterr().err
     assert cli.main(["prove", "poiseuille", "--region=-0.1,-1,0.1,0", "--certificate", str(tmp_path / "a.json")]) == 2
     assert "allowed with --guess, --disc and --growing" in capsys.readouterr().err
@@ -88,7 +88,7 @@ def test_verdicts_become_theorems(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert [first["upgraded"], spurious["upgraded"]] == ["proved", f"proved: none within {at_most(spurious['within'], 3)}"]
     cli.main(["verify", str(scene), str(claimed), "--prove"])
     assert "3 proved: no eigenvalue lies within" in capsys.readouterr().out
-    assert cli.main(["verify", "blasius", str(claimed), "--prove"]) == 2
+    assert cli.main(["verify", "malik-3", str(claimed), "--prove"]) == 2
     assert "a proof asks for" in capsys.readouterr().err
 
 

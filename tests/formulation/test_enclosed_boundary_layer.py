@@ -1,0 +1,95 @@
+"""The Blasius flow in balls: against a computation in sixty digits, and the modes of its boundary layer."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+
+pytest.importorskip("flint")
+
+import shootstab as st
+from shootstab.analyses.prove import prove, prove_disc
+from shootstab.core.balls import acb, arb, ctx
+from shootstab.formulation.enclosed_boundary_layer import BoundaryLayerFlow, advanced, boundary_layer_flow
+from shootstab.multiprecision.tailed_series import variable
+
+BLASIUS = {
+    "unknowns": ["f"],
+    "equations": ["2*d(f,3) + f*d(f,2) = 0"],
+    "left": {"at": 0, "conditions": ["f", "d(f)"]},
+    "right": {"infinity": True, "conditions": ["d(f) = 1"]},
+}
+SQUIRE = ["sigma*w + i*a*d(f)*w = (d(w,2) - a**2*w)/R"]  # velocity across a boundary layer: no mode of it grows
+
+
+def squire(R: float = 50.0) -> st.EquationProblem:
+    ends = st.Conditions(0, ["w"]), st.Infinity()
+    return st.equations(["w"], SQUIRE, *ends, parameters={"R": R, "a": 0.3}, variable="y", base=BLASIUS)
+
+
+def expanded(state: list[Any], h: Any, terms: int, c: Any) -> list[list[Any]]:
+    """The same recurrence on mpmath's numbers."""
+    a = [[x] for x in state]
+    for m in range(terms):
+        product = mpmath.fsum(a[0][j] * a[2][m - j] for j in range(m + 1))
+        for series, slope in zip(a, (a[1][m], a[2][m], -c * product), strict=True):
+            series.append(h * slope / (m + 1))
+    return a
+
+
+def test_the_flow_holds_the_truth_at_every_place() -> None:
+    flow, rng, inside = boundary_layer_flow(squire().statement.base), np.random.default_rng(1), 0
+    assert isinstance(flow, BoundaryLayerFlow) and (flow.c, flow.speed) == (Fraction(1, 2), 1)
+    with ctx.workprec(110), mpmath.workdps(75):
+        states, h, half = [[mpmath.mpf(0), mpmath.mpf(0), mpmath.mpf(1)]], mpmath.mpf(1) / 4, mpmath.mpf(1) / 2
+        for _ in range(90):
+            states.append([mpmath.fsum(series) for series in expanded(states[-1], h, 70, half)])
+        A = 1 / mpmath.sqrt(states[-1][1])
+        for _ in range(250):
+            y = float(rng.uniform(0, 15))
+            eta = A * mpmath.mpf(y)
+            j = int(eta / h)
+            g = [mpmath.fsum(series) for series in expanded(states[j], eta - j * h, 70, half)]
+            truth = [A * g[0], A**2 * g[1], A**3 * g[2], -half * A**4 * g[0] * g[2]]
+            given = flow.on(acb(y))
+            along = flow.on(variable(acb(y - 0.125), arb("0.125"), 40))
+            for order, exact in enumerate(truth):
+                for ball in (given("f", order).real, along("f", order).at(1).real):
+                    assert abs(ball - arb(mpmath.nstr(exact, 70))).lower() < arb("1e-60")
+                    assert abs(ball.rad()) < arb("1e-25")
+                    inside += 1
+        far = flow.far.on(None)
+        last = [A**2 * states[-1][1], A**3 * states[-1][2]]
+        assert far("f", 1).real.contains(1) and not far("f", 0).is_finite()
+        assert abs(far("f", 2).real.upper()) >= arb(mpmath.nstr(last[1], 20)) * arb("0.99")
+    assert inside == 2000
+
+
+def test_a_step_that_is_too_long_has_no_tail() -> None:
+    with ctx.workprec(80):
+        assert advanced([arb(0), arb(0), arb(1)], arb(8), 30, Fraction(1, 2)) is None
+        assert advanced([arb(0), arb(0), arb(1)], arb("0.25"), 30, Fraction(1, 2)) is not None
+
+
+def test_no_velocity_across_a_boundary_layer_grows_and_other_flows_have_no_enclosure() -> None:
+    proof = prove_disc(squire(), 0.05 - 0.2j, 2e-4)
+    assert proof.count == 0
+    assert proof.premise.startswith("for the only base flow, with d(f,2) = 0.33205733621519630 to 16 digits at the wall,")
+    assert {"E17", "E18"} <= set(proof.lemmas)
+    wedge = {**BLASIUS, "equations": ["d(f,3) + f*d(f,2) + 0.5*(1 - d(f)**2) = 0"]}
+    problem = st.equations(
+        ["w"], SQUIRE, st.Conditions(0, ["w"]), st.Infinity(), parameters={"R": 50.0, "a": 0.3}, variable="y", base=wedge
+    )
+    assert problem.enclosable is None
+    with pytest.raises(st.InputError, match="base flow"):
+        prove_disc(problem, 0.1, 0.01)
+
+
+@pytest.mark.slow
+def test_jordinsons_mode_is_proved() -> None:
+    proof = prove(st.gallery.blasius(), 0.00142478994549 - 0.065177993292667j, 12)
+    assert proof.count == 1
