@@ -98,6 +98,7 @@ def test_a_disc_without_the_mode_of_double_precision_is_refused(monkeypatch: pyt
         prove(string(), -9.8)
 
 
+@pytest.mark.slow
 def test_rates_that_differ_by_a_power_of_the_coefficients_do_not_matter() -> None:
     """The soliton of Korteweg and de Vries has them at its mode, where the series of single solutions have logarithms; a graph has none."""
     problem = load("kdv-soliton").problem
