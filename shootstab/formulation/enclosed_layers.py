@@ -81,6 +81,13 @@ class WayEnclosure:
         """An upper bound of ln |D|."""
         return abs(self(sigma)).upper().log()
 
+    def analytic(self, sigma: Any) -> bool:
+        """Whether |D| has a bound on the whole ball σ."""
+        try:
+            return bool(self.growth(sigma).is_finite())
+        except ConvergenceError:
+            return False
+
 
 @dataclass(frozen=True, eq=False)
 class LayerBetween:
