@@ -88,5 +88,5 @@ def _has_rate(limit: AsymptoticPencil, sigmas: ComplexArray, ells: NDArray[np.fl
         return np.zeros(len(sigmas), dtype=np.bool_)
     trace = np.abs(np.trace(inverse, axis1=1, axis2=2))
     near = len(limit.pencil.D0) <= trace * (TRUE * size - beside)
-    near[near] = np.linalg.cond(C[near]) < 1.0 / EPSILON
+    near[near] = np.linalg.cond(C[near], 1) < 1.0 / EPSILON
     return np.asarray(near)

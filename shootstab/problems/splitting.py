@@ -75,7 +75,7 @@ class AsymptoticPencil:
     def rates_at(self, sigmas: ComplexArray) -> ComplexArray:
         """The rates (m, n) at sigmas (m,), in no order; NaN where C is singular."""
         C, D = (polynomial.value(part, sigmas[:, None, None]) for part in (self.pencil.C, self.pencil.D))
-        whole = np.linalg.cond(C) < 1.0 / EPSILON
+        whole = np.linalg.cond(C, 1) < 1.0 / EPSILON
         rates = np.full(D.shape[:2], np.nan, dtype=np.complex128)
         rates[whole] = np.linalg.eigvals(self.direction * np.linalg.solve(C[whole], D[whole]))
         return rates
