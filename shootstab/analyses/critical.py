@@ -18,6 +18,7 @@ import numpy as np
 
 from shootstab.analyses.critical_circle import (
     ALPHA_RADIUS,
+    COARSE_RTOL,
     ERRORS_OF_MEAN,
     PARTNERS,
     ROUGH_RTOL,
@@ -91,6 +92,8 @@ def _iterated(
     step, change_R, longest = math.inf, np.zeros(2), 0
     for turn in range(CRITICAL_STEPS):
         rough = max(rtol, ROUGH_RTOL) if step > STILL_ROUGH * rtol else rtol
+        if turn > 0 and step > SHORT_ENOUGH_FOR_A_CHORD:
+            rough = max(rtol, COARSE_RTOL)
         here = on_circle(family, reynolds, alpha, values, rough)
         values, g = here.values, here.terms.real
         if turn < 2 or step > SHORT_ENOUGH_FOR_A_CHORD:  # a chord does from then on
