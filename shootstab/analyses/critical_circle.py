@@ -25,14 +25,14 @@ from shootstab.discriminants.frame import Frame
 from shootstab.problems.protocol import Problem
 
 ALPHA_POINTS = 12  # chosen: points on a circle in α, whose Fourier coefficients are σ and its first two α-derivatives
-ROUGH_POINTS = 8  # chosen: those of one on the way; what they leave out of σ′ is of the order 0.05^8
-COARSE_POINTS = 5  # chosen: those of one that a long step is made with
+ROUGH_POINTS = 8  # chosen: points of one on the way; what they leave out of σ′ is of the order 0.05^8
+COARSE_POINTS = 5  # chosen: points of one that a long step is made with
 ALPHA_RADIUS = 0.05  # chosen: radius of that circle; what the points leave out of σ′ is of the order 0.05^12
 WAY_OUT = (0.25, 0.5)  # chosen: places on the way from the middle, in that radius, so that no mode is guessed
 NOT_ANALYTIC = 1e-2  # chosen: part of σ's change over the radius by which its mean on the circle may miss σ in the middle
 ERRORS_OF_MEAN = 1e2  # chosen: error bounds of a mode by which the mean on the circle may miss σ in the middle
 ROUGH_RTOL = 1e-9  # chosen: relative accuracy of the modes on the way
-COARSE_RTOL = 1e-6  # chosen: that of modes with which long steps are made; a slope in R is then known to 1e-3
+COARSE_RTOL = 1e-6  # chosen: relative accuracy of the modes of long steps; a slope in R is then known to 1e-3
 LANDED = 10.0  # chosen: the error of a mode that Newton's iteration came to, in the local errors of its mesh
 PARTNERS = (1.5, 6.0)  # chosen: circles in which the mode that another one may meet is looked for, in the distance over which D is linear
 PARTNER_RTOL = 1e-6  # chosen: the local error with which it is
