@@ -14,6 +14,10 @@ import shootstab as st
 from shootstab.analyses.certificate import certify, check, read
 from shootstab.analyses.proof import Proof
 from shootstab.analyses.prove import prove, prove_growing, prove_interval, prove_region
+from shootstab.analyses.proved_verdicts import proved_verdicts
+from shootstab.analyses.reference import claims
+from shootstab.core.allowed import VERDICT_DIGITS
+from shootstab.core.records import CONFIRMED, SPURIOUS
 from shootstab.io import scenes
 from shootstab.models.catalogue.published import PUBLISHED
 from shootstab.problems.capabilities import CLOSED_FORM, ENCLOSABLE
@@ -76,7 +80,7 @@ def gallery(quick: bool) -> Iterator[Case]:
         )
 
 
-CHUTES = (("high", 0.00397, 17), ("mid", 0.00102, 17), ("fig2", 0.00169 - 0.00157j, 17), ("low", 0.00727 - 0.0119j, 8))
+CHUTES = (("high", 0.00397, 17), ("mid", 0.00102, 17), ("fig2", 0.00169 - 0.00157j, 17), ("low", 0.00727 - 0.0119j, 18))
 
 
 def chutes() -> Iterator[Case]:
@@ -95,15 +99,43 @@ def stated_of(name: str, proof: Proof, seconds: str) -> Case:
     return Case(f"chute, {name}", f"True and 1 in {proof.region['radius']}", found, 0.0, note)
 
 
-def bars() -> Iterator[Case]:
+def regions() -> Iterator[Case]:
+    """Half-annuli of the chute that hold a growing mode and no other."""
+    for name, centre, inner, outer in (("high", 0.0, 0.001, 0.05), ("low", -0.0383j, 0.02, 0.04)):
+        problem, region = scenes.load(name).problem, st.HalfAnnulus(centre, inner, outer)
+        proof, seconds = timed(lambda p=problem, r=region: prove_region(p, r, workers=1))
+        found = f"{'exists' in proof.premise} and {proof.count}"
+        yield Case(
+            f"chute, {name}: {inner} < |σ − ({centre})| < {outer}", "True and 1", found, 0.0, f"{seconds}, {proof.evaluations} enclosures"
+        )
+
+
+def verdicts() -> Iterator[Case]:
+    """The verdicts on the bundled spectra of the built-in chutes, to six digits, against theorems."""
+    for name, _, _ in CHUTES:
+        problem = scenes.load(name).problem
+        report = st.verify(problem, claims(problem, VERDICT_DIGITS, None).tolist(), missing="none")
+        found, seconds = timed(lambda p=problem, r=report: proved_verdicts(p, r))
+        asked = [
+            verdict.verdict for verdict, theorem in zip(report.verdicts, found, strict=True) if verdict.verdict in (CONFIRMED, SPURIOUS)
+        ]
+        proved = sum(theorem.proved is not None for theorem in found)
+        note = f"{proved} of {len(asked)} proved, {asked.count(CONFIRMED)} confirmed, {asked.count(SPURIOUS)} spurious, {seconds}"
+        yield Case(f"chute, {name}: verdicts overturned", "0", str(sum(theorem.contradicts for theorem in found)), 0.0, note)
+
+
+BARS = (
+    ("plane Poiseuille", st.gallery.PlanePoiseuille(), 0.00374 - 0.2375j),
+    ("plane Poiseuille, R = 100", st.gallery.PlanePoiseuille(100.0), -0.163 - 0.478j),
+    ("Bénard", st.gallery.benard(2000.0, 3.117), 2.146),
+)
+
+
+def bars(quick: bool) -> Iterator[Case]:
     """The bounds of double precision, by method and tolerance, against discs in which exactly one eigenvalue is proved to lie."""
-    problems = (
-        ("plane Poiseuille", st.gallery.PlanePoiseuille(), 0.00374 - 0.2375j),
-        ("plane Poiseuille, R = 100", st.gallery.PlanePoiseuille(100.0), -0.163 - 0.478j),
-        ("Bénard", st.gallery.benard(2000.0, 3.117), 2.146),
-    )
-    for name, problem, guess in problems:
-        proof = prove(problem, guess, 18)
+    scenes_too = () if quick else tuple((f"chute, {name}", scenes.load(name).problem, guess) for name, guess, _ in CHUTES)
+    for name, problem, guess in (*BARS, *scenes_too):
+        proof = prove(problem, guess, 17)
         with mpmath.workdps(30):
             truth = mpmath.mpc(proof.region["centre"]["re"], proof.region["centre"]["im"])
             broken, ratios = 0, []
@@ -124,11 +156,13 @@ def cases(quick: bool) -> Iterator[Case]:
     for rayleigh, said in ((1707.7617, "no eigenvalue has"), (1707.7618, "exactly one eigenvalue has")):
         near = st.gallery.benard(rayleigh, 3.11632355)
         yield stated(f"Bénard, Ra = {rayleigh}", f"{said} Re σ ≥ 0.0", lambda p=near: prove_growing(p, 0.0, None, NEAR))  # type: ignore[misc]
-    yield from bars()
+    yield from bars(quick)
     if quick:
         return
     yield from stored()
     yield from chutes()
+    yield from regions()
+    yield from verdicts()
     yield stated(
         "Bénard, every Ra",
         "for every rayleigh from 1 to 1707 no eigenvalue has Re σ ≥ 0.0",

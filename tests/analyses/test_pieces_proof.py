@@ -13,7 +13,7 @@ flint = pytest.importorskip("flint")
 from flint import acb, arb  # noqa: E402
 
 import shootstab as st  # noqa: E402
-from shootstab.analyses import pieces_proof  # noqa: E402
+from shootstab.analyses import pieces_proof, prove  # noqa: E402
 from shootstab.analyses.pieces_proof import by_pieces  # noqa: E402
 from shootstab.analyses.prove import prove_region  # noqa: E402
 from shootstab.core.errors import ConvergenceError  # noqa: E402
@@ -30,6 +30,8 @@ class KnownDiscriminant:
     lemmas: tuple[str, ...] = ()
     premise: str = ""
     multiple: tuple[Any, ...] = ()
+    outer: float = 0.0625
+    most_points: int = 18
 
     def enclosure(self, bits: int, *regions: Any) -> KnownDiscriminant:
         return self
@@ -104,6 +106,16 @@ def test_a_region_in_which_d_is_not_analytic_is_refused(region: Any, monkeypatch
         by_pieces(STRING, region, 10, None, 1)
     monkeypatch.setattr(pieces_proof, "require_analytic", lambda analytic, region: None)
     assert by_pieces(STRING, region, 24, None, 1).count == 0
+
+
+def test_a_disc_too_large_for_one_series_is_followed_along_its_circle(monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in (pieces_proof, prove):
+        monkeypatch.setattr(module, "factors", lambda problem: (KnownDiscriminant(root_and_two),))
+    found = prove.prove_disc(STRING, 0.6, 0.58)
+    assert found.statement == "exactly 3 eigenvalues lie in |σ − (0.6 + 0.0i)| < 0.58"
+    assert "E13" in found.lemmas
+    near = prove.prove_disc(STRING, 0.3, 1e-3)
+    assert near.count == 1 and "E13" not in near.lemmas
 
 
 def test_points_are_added_where_the_bound_came_to_more_than_was_seen(monkeypatch: pytest.MonkeyPatch) -> None:
