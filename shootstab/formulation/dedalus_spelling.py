@@ -13,7 +13,7 @@ from functools import cached_property
 from typing import Any
 
 from shootstab.core.errors import InputError
-from shootstab.formulation.grammar import LONGEST_FORMULA, TOKEN
+from shootstab.formulation.grammar import DEEPEST_NESTING, LONGEST_FORMULA, TOKEN
 
 LIFTS = ("lift", "Lift", "LiftTau")  # chosen: the names that scripts give to the operator of tau terms
 # chosen: operators of vectors and tensors, and means, that have no meaning for one component along one coordinate
@@ -72,19 +72,25 @@ class ScriptReader:
 
     def __init__(self, script: Script, tokens: list[str], where: str, arguments: Mapping[str, str], depth: int, sides: set[str]) -> None:
         self._script, self._tokens, self._where, self._arguments, self._depth = script, tokens, where, arguments, depth
-        self._at, self.sides = 0, sides
+        self._at, self.sides, self._nested = 0, sides, 0
         self.outside: list[str] = []  # what varies along the coordinate outside of values at an end
         if depth > MOST_NESTED:
             raise InputError(f"{where}: substitutions within each other, deeper than {MOST_NESTED}: allowed are ones that end")
 
     def rest(self, *ends: str) -> str:
-        """The text up to one of these tokens outside of parentheses, or the end."""
+        """The text up to one of these tokens outside of parentheses, or the end. Raises InputError where it is too long, or too deep."""
         out: list[str] = []
+        self._nested += 1
+        if self._nested > DEEPEST_NESTING:
+            raise InputError(f"{self._where}: allowed are {DEEPEST_NESTING} parentheses within each other")
         while self._at < len(self._tokens) and self._tokens[self._at] not in ends:
             token = self._tokens[self._at]
             if token == ")":
                 raise InputError(f"{self._where}: a parenthesis that was never opened")
             out.append(self._primary() if token == "(" or _is_name(token) else self._next())
+            if sum(map(len, out)) > LONGEST_FORMULA:
+                raise InputError(f"{self._where}: with its substitutions it has over {LONGEST_FORMULA} characters: allowed are fewer")
+        self._nested -= 1
         return " ".join(out)
 
     def _primary(self) -> str:

@@ -46,6 +46,8 @@ def problem_table(table: Mapping[str, Any]) -> tuple[dict[str, Any], tuple[str, 
     bounds = table["bounds"]
     if not isinstance(bounds, list) or len(bounds) != 2:
         raise InputError(f'[dedalus] bounds = {shortened(bounds)}: allowed are two numbers, or "-infinity" and "infinity"')
+    if not isinstance(table.get("parameters", {}), dict):
+        raise InputError(f"[dedalus] parameters = {shortened(table['parameters'])}: allowed is a table of numbers by name")
     script = Script(variables, coordinate, bounds, _substitutions(table), table.get("parameters", {}))
     read = [script.translated(formula, f"equation {i}") for i, formula in enumerate(formulas, 1)]
     plain = {name: body for name, (arguments, body) in script.substitutions.items() if arguments is None}

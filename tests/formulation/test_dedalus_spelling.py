@@ -113,6 +113,12 @@ def test_values_at_both_ends_couple_them() -> None:
         ({"bounds": 1}, r"bounds = 1: allowed are two numbers"),
         ({"axis": "top"}, r'axis = \'top\': allowed is "left" or "right"'),
         ({"variables": "u"}, r"variables = 'u': allowed is a list of strings"),
+        ({"parameters": [1]}, r"parameters = \[1\]: allowed is a table of numbers"),
+        ({"equations": ["(" * 100 + "u" + ")" * 100]}, r"allowed are 60 parentheses within each other"),
+        (
+            {"substitutions": {f"f{i}(A)": f"f{i + 1}(A) + f{i + 1}(A)" for i in range(30)}, "equations": ["f0(u) = 0"]},
+            r"over 20000 characters",
+        ),
         ({"grid": 4}, r"\[dedalus\] has the unknown key 'grid'"),
     ],
 )
