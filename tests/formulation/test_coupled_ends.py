@@ -160,3 +160,8 @@ def test_what_users_are_told(changed: dict[str, Any], told: str) -> None:
     posed |= changed
     with pytest.raises(InputError, match=told):
         st.equations(["u"], posed.pop("equations"), posed.pop("left"), posed.pop("right"), **posed)
+
+
+def test_a_proof_between_coupled_ends_is_refused() -> None:
+    with pytest.raises(InputError, match="between ends, not coupled, that are finite"):
+        st.prove(bloch(), guess=-0.49)
