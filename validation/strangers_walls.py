@@ -28,6 +28,16 @@ def two_strings(a: float, b: float) -> Any:
 
 
 ROWS4 = np.eye(4)[[0, 2]]  # exact
+SLOW_LENGTH = 12.0  # chosen: so long that D of the fast part follows its law of growth long before the slow part feels σ
+
+
+def two_times(epsilon: float) -> Any:
+    """y″ = σ y, w″ = (εσ − 2) k² w, k = π/L: σ = −k² n² and (2 − n²)/ε, of which one grows."""
+    square = (PI / SLOW_LENGTH) ** 2
+    D0, D1 = np.zeros((4, 4)), np.zeros((4, 4))
+    D0[0, 1] = D0[2, 3] = D1[1, 0] = 1
+    D0[3, 2], D1[3, 2] = -2 * square, epsilon * square
+    return lambda z: (D0, D1)
 
 
 def beam(z: Any) -> Any:
@@ -590,6 +600,14 @@ STRANGERS = [
         lambda: moving_mass_values(0.7, 3),
         region=st.Rectangle(-60 - 5j, -0.3 + 5.1j),
         quick=True,
+    ),
+    Stranger(
+        "two scales of time, 1 and 20",
+        "the kind of A2: a growing mode counted away",
+        "exact",
+        walls(4, two_times(0.05), 0, ROWS4, SLOW_LENGTH, ROWS4),
+        exactly(20, -40, *(-((PI / SLOW_LENGTH) ** 2) * n**2 for n in (1, 2, 3))),
+        unstable=1,
     ),
     Stranger(
         "noise of rounding in a coefficient",
