@@ -28,7 +28,7 @@ def two_strings(a: float, b: float) -> Any:
 
 
 ROWS4 = np.eye(4)[[0, 2]]  # exact
-SLOW_LENGTH = 12.0  # chosen: so long that D of the fast part follows its law of growth long before the slow part feels σ
+SLOW_LENGTH = 12.0  # chosen: a length over which D of the fast part follows its law of growth before the slow part feels σ
 
 
 def two_times(epsilon: float) -> Any:
