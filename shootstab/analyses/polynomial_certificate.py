@@ -20,6 +20,7 @@ from shootstab.multiprecision.tails import ABOVE_RADIUS, OF_LARGEST_ENTRY
 
 FIRST_BITS, CERTIFIED_KNOWN_BITS = 96, 28  # chosen: bits beyond those of the radius, and of D on the circle
 MOST_ATTEMPTS, LESS_BITS = 7, 1.4  # chosen: attempts, and the factor of bits where the checker has no value
+MOST_REFUSED = 2  # chosen: attempts without a value on any circle, for a singular point is that with any bits
 TERMS_OF_BITS, LEAST_TERMS = 0.7, 40  # chosen: terms of a series, for its tail to be below 2^−bits with the lengths below
 STEP_SHARE = 8  # chosen: the norm of a step over the number of terms, inverse: terms fall like (e/8)^N
 RADIUS = 4  # chosen: the series of coefficients hold in a disc so many times as large
@@ -41,9 +42,9 @@ def candidates(problem: Mapping[str, Any], proof: Proof, count: int) -> Iterator
     sigma = complex(float(centre["re"]), float(centre["im"]))
     size = max(abs(sigma), float(radius))
     bits = FIRST_BITS + max(0, math.ceil(math.log2(size / float(radius))))
-    reason = "no attempt was made"
+    reason, refused = "no attempt was made", 0
     for _ in range(MOST_ATTEMPTS):
-        if bits > PENCIL_LIMITS["bits"][1]:
+        if bits > PENCIL_LIMITS["bits"][1] or refused == MOST_REFUSED:
             break
         made = settled(problem, sigma, bits)
         made |= {"count": count, "region": {**centre, "radius": radius}}
@@ -68,6 +69,7 @@ def candidates(problem: Mapping[str, Any], proof: Proof, count: int) -> Iterator
                 break
         if fewest is not None and not lacking:
             yield {**made, "points": fewest[0], "outer": str(Fraction(radius) * 2 ** fewest[1])}
+        refused += fewest is None and not lacking
         bits = bits + lacking if lacking else math.ceil(LESS_BITS * bits)
     raise ConvergenceError(f"no settings for a certificate are found: {reason}")
 

@@ -1,7 +1,8 @@
 """Layers with interfaces, and periodic ends, in balls (theory, lemmas E15 and E16).
 
 At an interface L(σ) ψ(before) + R(σ) ψ(behind) = 0, and the minors behind it are Λ^k T y, T = −R⁻¹L. Between periodic ends
-D = det(Φ − 1) with the matrix Φ that carries ψ from one to the other.
+D = det(Φ − 1) with the matrix Φ that carries ψ from one to the other, between ends that conditions L ψ(left) + R ψ(right) = 0 couple
+D = det(L + R Φ).
 """
 
 from __future__ import annotations
@@ -13,9 +14,9 @@ from typing import Any, Protocol
 
 from shootstab.core.balls import acb, acb_mat
 from shootstab.core.errors import ConvergenceError
-from shootstab.formulation.enclosed import EquationEnclosable, on_balls
+from shootstab.formulation.enclosed import NOWHERE, EquationEnclosable, on_balls
 from shootstab.formulation.expression import Expression
-from shootstab.formulation.state_pencil import StatePencil
+from shootstab.formulation.state_pencil import Powers, StatePencil
 from shootstab.formulation.system import coefficients
 from shootstab.multiprecision.enclosable import BoundedDiscriminant, Enclosable, EnclosableSystem, ball
 from shootstab.multiprecision.enclosure import MOST_POINTS, OUTER, Enclosure
@@ -245,17 +246,26 @@ def first_that_holds(forms: Sequence[Enclosable]) -> Enclosable:
 
 
 @dataclass(frozen=True, eq=False)
-class PeriodicWay:
-    """det(Φ − 1) of the way from one place to another."""
+class CoupledWay:
+    """det(L + R Φ), Φ from one place to another, with the rows (L, R) (n, 2n) by powers of σ of all conditions; det(Φ − 1) without rows."""
 
     states: StatePencil
     places: tuple[Any, Any]
+    rows: Powers = ()
     lemmas: tuple[str, ...] = ("E8", "E16")
     multiple: tuple[Any, ...] = ()
 
     def value(self, bits: int, sigma: Any) -> Any:
         """D(σ)."""
-        n = self.states.size
+        n, at = self.states.size, on_balls(NOWHERE, {})
         way = LayerBetween(self.states, 1, (ball(self.places[0]), ball(self.places[1])))
         columns = [way.carried(bits, sigma, acb_mat([[int(i == j)] for i in range(n)])) for j in range(n)]
-        return acb_mat([[columns[j][i, 0] - int(i == j) for j in range(n)] for i in range(n)]).det()
+        Phi = acb_mat([[columns[j][i, 0] for j in range(n)] for i in range(n)])
+        if not self.rows:
+            return (Phi - acb_mat([[int(i == j) for j in range(n)] for i in range(n)])).det()
+        L, R = acb_mat(n, n), acb_mat(n, n)
+        for power, part in enumerate(self.rows):
+            for (i, j), entry in part.items():
+                side = L if j < n else R
+                side[i, j % n] += acb(at(entry)) * sigma**power
+        return (L + R * Phi).det()

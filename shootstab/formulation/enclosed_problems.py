@@ -11,7 +11,8 @@ from shootstab.core.errors import InputError
 from shootstab.formulation.asymptotic_end import asymptotic_end
 from shootstab.formulation.atoms import Atom
 from shootstab.formulation.axis import FARTHEST_START
-from shootstab.formulation.conditions import Axis, Conditions, Periodic
+from shootstab.formulation.conditions import Axis, Conditions, CoupledEnd, Periodic
+from shootstab.formulation.coupled_ends import over_both_ends
 from shootstab.formulation.exponentials import exponential_end
 from shootstab.formulation.expression import number
 from shootstab.formulation.first_order import first_order
@@ -22,6 +23,7 @@ from shootstab.formulation.regular_singular import regular_singular_end
 from shootstab.formulation.singular_ends import SERIES_LENGTHS
 from shootstab.formulation.state_pencil import StatePencil, in_states, state_pencil
 from shootstab.formulation.statement import Statement
+from shootstab.formulation.system import EquationRow
 from shootstab.problems.ends import INFINITIES, Infinity
 
 if TYPE_CHECKING:
@@ -37,10 +39,15 @@ def places(statement: Statement) -> tuple[Fraction, Fraction]:
 
 
 def enclosed(
-    statement: Statement, layers: Sequence[ReducedLayer], system: StatePencil, ends: Callable[[complex], Any], reference: complex
+    statement: Statement,
+    layers: Sequence[ReducedLayer],
+    system: StatePencil,
+    ends: Callable[[complex], Any],
+    reference: complex,
+    coupled: Sequence[EquationRow] = (),
 ) -> Enclosable | None:
     """The problem in balls; system is that of the first layer with all conditions, ends(σ) are those at infinity, reference is an
-    eigenvalue without any property. None where it has no enclosure.
+    eigenvalue without any property, coupled are all conditions of coupled ends. None where it has no enclosure.
     """
     if statement.doubles_only or statement.denominators:
         return None
@@ -48,10 +55,11 @@ def enclosed(
         return _with_flow(statement, system, ends, reference)
     from shootstab.formulation.enclosed import EquationEnclosable
     from shootstab.formulation.enclosed_axis import EnclosedAxis, is_enclosed
-    from shootstab.formulation.enclosed_layers import EnclosedJoint, EnclosedWay, PeriodicWay, first_that_holds
+    from shootstab.formulation.enclosed_layers import CoupledWay, EnclosedJoint, EnclosedWay, first_that_holds
 
-    if isinstance(statement.left, Periodic) and isinstance(statement.right, Periodic):
-        return None if statement.joints else EnclosedWay(PeriodicWay(system, places(statement)))
+    if isinstance(statement.left, Periodic | CoupledEnd):
+        rows = over_both_ends(coupled, layers[0].first_order) if coupled else ()
+        return None if statement.joints else EnclosedWay(CoupledWay(system, places(statement), rows))
     states = layers[0].first_order.states
     domain, bounded = statement.domain, bounded_states(statement, states)
     counted = {at.where: at.decaying for at in ends(reference)}

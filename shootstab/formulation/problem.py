@@ -128,7 +128,7 @@ class EquationProblem(LinearProblem):
         """The problem's expressions in balls. None where a function is given to doubles only, an end is singular, without
         rational coefficients, or at infinity without an exponential limit, or the eigenvalue stands in a denominator.
         """
-        return enclosed(self.statement, self.layers, self.states, self.ends, self.generic_sigma)
+        return enclosed(self.statement, self.layers, self.states, self.ends, self.generic_sigma, self.coupled)
 
     def polynomial_pencil(self) -> dict[str, Any]:
         """The problem as the checker of certificates takes it. Raises InputError where it has no such form."""

@@ -162,6 +162,6 @@ def test_what_users_are_told(changed: dict[str, Any], told: str) -> None:
         st.equations(["u"], posed.pop("equations"), posed.pop("left"), posed.pop("right"), **posed)
 
 
-def test_a_proof_between_coupled_ends_is_refused() -> None:
-    with pytest.raises(InputError, match="between ends, not coupled, that are finite"):
-        st.prove(bloch(), guess=-0.49)
+def test_a_mode_between_coupled_ends_is_proved() -> None:
+    proof = st.prove(bloch(), guess=-0.49)
+    assert proof.count == 1 and "E16" in proof.lemmas

@@ -12,6 +12,7 @@ pytest.importorskip("flint")
 
 import shootstab as st
 from shootstab.analyses.prove import prove, prove_disc
+from shootstab.analyses.proved_verdicts import proved_verdicts
 from shootstab.core.balls import acb, arb
 from shootstab.multiprecision.enclosure import at_bits, decimal
 
@@ -70,6 +71,17 @@ def test_an_interface_without_a_jump_is_none() -> None:
         assert decimal("1") == 1
 
 
+@pytest.mark.parametrize("phase", [0.7, 2.0])
+def test_coupled_ends_turn_a_wave_by_a_phase(phase: float) -> None:
+    """y″ = σ y with y(1) = e^{ip} y(0) and y′ alike: σ = −(p + 2nπ)²."""
+    turn = {"c": math.cos(phase), "s": math.sin(phase)}
+    rows = ["right(y) = (c + i*s)*left(y)", "right(d(y)) = (c + i*s)*left(d(y))"]
+    ring = st.equations(["y"], ["d(y,2) = sigma*y"], st.Conditions(0, []), st.Conditions(1, []), parameters=turn, coupled=rows)
+    for n in (0, -1):
+        assert prove_disc(ring, -((phase + 2 * n * math.pi) ** 2), 1e-6).count == 1
+    assert prove_disc(ring, 3.0, 1.0).count == 0
+
+
 @pytest.mark.parametrize("n", [1, 2])
 def test_periodic_ends_have_double_eigenvalues(n: int) -> None:
     """y″ = σ y with period 1: σ = −(2nπ)², twice."""
@@ -112,3 +124,13 @@ def test_a_shear_layer_of_straight_lines() -> None:
         truth = mpmath.sqrt(mpmath.exp(-mpmath.mpf(8) / 5) - mpmath.mpf(1) / 25) / 2
         assert abs(mpmath.mpf(proof.region["centre"]["re"]) - truth) < mpmath.mpf(proof.region["radius"])
     assert proof.count == 1 and {"E12", "E15"} <= set(proof.lemmas)
+
+
+def test_verdicts_on_layers_become_theorems() -> None:
+    problem, roots = waves(1.3, 0.8, 0.7, 2.0), truths(1.3, 0.8, 0.7, 2.0)
+    report = st.verify(problem, [*roots, roots[0] + 0.05])
+    confirmed, other, spurious = proved_verdicts(problem, report)
+    for proved in (confirmed, other):
+        assert proved.proved is not None and proved.proved.startswith("exactly one eigenvalue lies in") and not proved.contradicts
+    assert spurious.proved is not None and spurious.proved.startswith("no eigenvalue lies within")
+    assert spurious.within is not None and 0.001 < spurious.within < 0.05
