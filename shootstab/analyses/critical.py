@@ -89,9 +89,10 @@ def _iterated(
     family: ProblemsOverAlpha, on_circle: OnCircle, reynolds: float, alpha: float, values: FollowedValues, rtol: float
 ) -> Critical:
     """Newton's iteration on the real part of what is followed, and its slope over α."""
-    step, change_R, longest = math.inf, np.zeros(2), 0
+    step, change_R, longest, fine = math.inf, np.zeros(2), 0, False
     for turn in range(CRITICAL_STEPS):
-        rough = max(rtol, ROUGH_RTOL) if step > STILL_ROUGH * rtol else rtol
+        fine = fine or step <= STILL_ROUGH * rtol  # rough modes would lead elsewhere by more than that
+        rough = rtol if fine else max(rtol, ROUGH_RTOL)
         if turn > 0 and step > SHORT_ENOUGH_FOR_A_CHORD:
             rough = max(rtol, COARSE_RTOL)
         here = on_circle(family, reynolds, alpha, values, rough)
