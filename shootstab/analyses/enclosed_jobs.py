@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 import pickle
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import lru_cache
+from itertools import pairwise
 from typing import Any
 
 from shootstab.analyses.enclosables import factors
@@ -16,10 +18,11 @@ from shootstab.multiprecision.enclosable import BoundedDiscriminant, Enclosable
 from shootstab.multiprecision.enclosure import at_bits
 from shootstab.multiprecision.tails import largest
 from shootstab.roots.ellipses import Square, ball_of, point, quarters
-from shootstab.roots.pieces import ContourPiece
+from shootstab.roots.pieces import Bounded, ContourPiece, pieces
 
 DEEPEST = 3  # chosen: how often a square is cut in four where |D| has no bound on it, or a poor one
 THIN_SQUARE = 2.0**-6  # chosen: half a side of a square about a point on an ellipse, at which |D| is bounded to see what there is
+SHARED_RHO = 1.5  # chosen: ellipse at whose vertices an enclosure is told to hold
 
 Integers = tuple[int, int]  # m, e of m 2^e
 ExactBall = tuple[Integers, Integers, Integers, Integers]  # middle and radius of the real part, and of the imaginary part
@@ -153,3 +156,11 @@ def on_ellipse(rho: float, mirrored: bool) -> Sequence[complex]:
     """Its vertices; of a mirrored piece without that to the left."""
     across, up = (rho + 1 / rho) / 2, (rho - 1 / rho) / 2
     return [complex(0, up), complex(0, -up), complex(across), *([] if mirrored else [complex(-across)])]
+
+
+def next_to(region: Bounded, parts: int) -> list[Any]:
+    """Balls of σ next to the boundary, for which an enclosure is made: vertices of ellipses about so many parts of each piece."""
+    thin, ends = acb(arb(0, THIN_SQUARE), arb(0, THIN_SQUARE)), [Fraction(2 * k, parts) - 1 for k in range(parts + 1)]
+    cut = [replace(piece, low=low, high=high) for piece in pieces(region, False) for low, high in pairwise(ends)]
+    vertices = on_ellipse(SHARED_RHO, False)
+    return [part.at(acb(t.real, t.imag) + thin) for part in cut for t in (vertices if parts == 1 else vertices[:2])]

@@ -17,7 +17,6 @@ from typing import Any
 
 from shootstab.analyses.enclosables import factors
 from shootstab.analyses.enclosed_jobs import (
-    THIN_SQUARE,
     BallAnswer,
     BallQuestion,
     EllipseSample,
@@ -29,8 +28,8 @@ from shootstab.analyses.enclosed_jobs import (
     answered_elsewhere,
     ball_from,
     exact_ball,
+    next_to,
     number_from,
-    on_ellipse,
 )
 from shootstab.analyses.proof import Proof, gathered, in_order, lemmas, premise
 from shootstab.analyses.workers import parcel, spread
@@ -59,7 +58,7 @@ DEAREST = 600  # chosen: enclosures and bounds above which a piece is rather hal
 FIRST_ELLIPSE = 1.5  # chosen: the first of them that is tried
 SQUARE = 0.25  # chosen: the time of a bound of |D| over that of a value of D
 SAMPLES_OF_PIECE = 6  # chosen: points of a piece at which the size of D is judged
-SHARED_RHO = 1.5  # chosen: ellipse at whose vertices an enclosure is told to hold
+SHARED_PARTS = (1, 4, 16)  # chosen: parts of each piece with an ellipse of their own, more where wide ones meet the continuous spectrum
 
 
 @dataclass(frozen=True)
@@ -274,10 +273,15 @@ def _counted(
 def _contour(
     problem: Problem, place: int, form: Enclosable, region: Bounded, bits: int, spare: int, workers: int | None
 ) -> tuple[_Boundary, list[ContourPiece]]:
-    thin = acb(arb(0, THIN_SQUARE), arb(0, THIN_SQUARE))
-    around = [piece.at(acb(t.real, t.imag) + thin) for piece in pieces(region, False) for t in on_ellipse(SHARED_RHO, False)]
-    setting = Setting(place, bits, tuple(map(exact_ball, around)))
-    D = setting.enclosure(form)
+    for parts in SHARED_PARTS:
+        setting = Setting(place, bits, tuple(map(exact_ball, next_to(region, parts))))
+        try:
+            D = setting.enclosure(form)
+        except ConvergenceError:
+            if parts == SHARED_PARTS[-1]:
+                raise
+        else:
+            break
     return _Boundary(problem, setting, D, spare, workers), pieces(region, D.real)
 
 
