@@ -139,7 +139,7 @@ EXACT_UNKNOWNS = Capability("exact_unknowns", None, "this closed form does not n
 ENCLOSABLE = Capability(
     "enclosable",
     None,
-    "a proof asks for a problem in closed form or in equations, between ends, not coupled, that are finite or at which coefficients "
+    "a proof asks for a problem in closed form or in equations, between ends that are finite or at which coefficients "
     "are series in an exponential or go as powers; "
     "a base flow of its own is to be d(f,3) = -c*f*d(f,2) from a wall on, and no other function is given",
 )
