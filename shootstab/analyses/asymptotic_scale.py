@@ -22,7 +22,8 @@ SIGMA_SCALES = 0.01 * SCALE_RATIO ** np.arange(17.0)  # chosen: |σ| that are co
 SIGMA_DIRECTIONS = np.exp(1j * np.array([0.0, 0.4, -0.4]) * math.pi)  # chosen: directions of σ, away from the essential spectrum
 RATE_POINTS = 17  # chosen: z at which rates are taken, of the first mesh
 ANOTHER_POWER = 0.25  # chosen: difference of exponents that counts: those of rates differ by 1/4 or more
-RATE_NOISE = 1e-10  # chosen: part of the largest rate, or of the terms with σ, below which others are noise of rounding
+RATE_NOISE = 1e-10  # chosen: part of the largest rate below which others are noise of rounding
+CONDITION_NOISE = 1e-12  # chosen: part of the terms with σ of all conditions below which one is noise of rounding
 CROSSED_BY = 4.0  # chosen: factor by which a ratio of τ to σ has changed where it is not near 1 by chance
 BEGIN_ACCURACY = 1e-8  # chosen: accuracy of the far frame that places the first end
 
@@ -75,7 +76,7 @@ def _conditions_settled(rows: tuple[ComplexArray, ...], arriving: ComplexArray, 
     alpha, beta = (np.empty(A.shape[:-1], dtype=np.complex128) for _ in range(2))
     for at in np.ndindex(A.shape[:-2]):
         alpha[at], beta[at] = scipy.linalg.eig(A[at], B[at], right=False, homogeneous_eigvals=True)
-    beta = np.where(np.abs(beta) > RATE_NOISE * np.linalg.norm(rows[-1]), beta, 0.0)
+    beta = np.where(np.abs(beta) > CONDITION_NOISE * np.linalg.norm(B, axis=(-2, -1))[..., None], beta, 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         beyond = np.sort(np.log(np.abs(alpha)) - np.log(np.abs(beta) * np.abs(sigmas)[..., None]), axis=-1)
         crossed = (np.sign(beyond) != np.sign(beyond[-1])) & ~(np.abs(beyond - beyond[-1]) < math.log(CROSSED_BY))
@@ -104,7 +105,7 @@ def _arriving(problem: Problem, points: NDArray[np.float64], first: ComplexArray
 
 
 def _rising(matrices: ComplexArray, count: int | None) -> tuple[ComplexArray, int]:
-    """An orthonormal basis (…, n, count) of the solutions of so many largest growth rates, by default of those that grow at the last."""
+    """A basis (…, n, count) of the solutions of so many largest growth rates, by default of those that grow at the last."""
     if count is None:
         count = int((np.linalg.eigvals(matrices[-1, 0]).real > 0.0).sum())
     n = matrices.shape[-1]
@@ -112,8 +113,9 @@ def _rising(matrices: ComplexArray, count: int | None) -> tuple[ComplexArray, in
     for at in np.ndindex(matrices.shape[:-2]):
         growth = np.sort(np.linalg.eigvals(matrices[at]).real)
         between = 0.5 * (growth[n - count - 1] + growth[n - count]) if 0 < count < n else -math.inf
-        _, basis, _ = scipy.linalg.schur(matrices[at], output="complex", sort=lambda rate, b=between: rate.real > b)
-        out[at] = basis[:, :count]
+        balanced, (units, _) = scipy.linalg.matrix_balance(matrices[at], permute=False, separate=True)
+        _, basis, _ = scipy.linalg.schur(balanced, output="complex", sort=lambda rate, b=between: rate.real > b)
+        out[at] = units[:, None] * basis[:, :count]
     return out, count
 
 

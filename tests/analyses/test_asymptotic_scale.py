@@ -62,7 +62,7 @@ def test_a_wall_that_hardly_feels_sigma(side: int) -> None:
 
 @pytest.mark.parametrize("name", ["high", "mid", "low", "fig2"])
 def test_a_chute_has_no_slow_part(name: str) -> None:
-    assert asymptotic_scale(st.scene(name).problem) < 100.0
+    assert asymptotic_scale(st.scene(name).problem) < 400.0
 
 
 def test_a_known_scale_is_kept_where_it_serves() -> None:
@@ -70,3 +70,10 @@ def test_a_known_scale_is_kept_where_it_serves() -> None:
     whole = asymptotic_scale(problem)
     assert asymptotic_scale(problem, whole) == whole
     assert asymptotic_scale(problem, 1.0) == whole
+
+
+def test_rounding_of_the_conditions_of_a_chute_is_not_taken_for_a_slow_wall() -> None:
+    """Components of very different sizes are balanced first: flows of figure 8 seemed to have a slow wall in what rounding left of one."""
+    flow = st.chute.steady(far_temperature=1.7473800203733194, e=0.8, e_w=0.8, r=0.6, tan_theta=0.30)
+    for kx, ky in ((0.000298932, 0.00298932), (0.000298932, 0.0), (0.0, 0.1)):
+        assert asymptotic_scale(st.chute.problem(flow, kx=kx, ky=ky)) < 400.0
