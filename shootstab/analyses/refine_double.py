@@ -137,7 +137,10 @@ def _simple(continuation: Continuation, root: Root, rtol: float, atol: float | N
     coarse_value, coarse_error = coarse.with_derivative(root.sigma), continuation.method.rtol
     if not abs(coarse_value.newton_step) <= LEFT * rtol * abs(root.sigma):
         arrived = newton(coarse, root.sigma, LEFT * rtol)
-        if not arrived.converged or abs(arrived.sigma - root.sigma) > abs(root.sigma):
+        scale = surroundings(coarse, arrived.sigma).scale
+        scale = scale if math.isfinite(scale) else 0.0  # an iterate next to 0 may be far from a zero on its other side, in |σ|
+        settled = arrived.converged or arrived.step <= LEFT * NEUTRAL * scale
+        if not settled or abs(arrived.sigma - root.sigma) > max(abs(root.sigma), math.sqrt(NEUTRAL) * scale):
             if continuation.distance(root.sigma) <= max(root.step, max(rtol, OF_LOCAL_ERRORS * coarse_error) * abs(root.sigma)):
                 raise OnSpectrum(f"a zero of D lies on the continuous spectrum to the error with which it was found, at {root.sigma:.12g}")
             other = continuation.across(root.sigma)
@@ -146,7 +149,8 @@ def _simple(continuation: Continuation, root: Root, rtol: float, atol: float | N
                 raise ConvergenceError(f"{told}, and none of D itself, along the path {branch.path}: a resonance, not a mode")
             if not alone and surroundings(coarse, arrived.sigma).multiplicity > 1:
                 return _among_several(continuation, arrived.sigma, arrived.step, rtol, atol)
-            raise ConvergenceError(f"the iteration does not settle at {root.sigma:.6g} along the path {branch.path}")
+            why = f"the iteration does not settle at {root.sigma:.6g} along the path {branch.path}"
+            raise Inaccurate(why) if settled else ConvergenceError(why)  # a zero that another mesh has elsewhere: a finer one decides
         if arrived.multiplicity > 1 and not alone:
             return _among_several(continuation, arrived.sigma, max(arrived.step, LEFT * rtol * abs(arrived.sigma)), rtol, atol)
         coarse_value = coarse.with_derivative(arrived.sigma)

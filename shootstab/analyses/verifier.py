@@ -6,6 +6,7 @@ A verdict rests on a count of zeros in a circle, never on an iteration that stop
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import is_dataclass, replace
 
 from shootstab.analyses.accuracy import first_accurate, known_at, otherwise
@@ -15,7 +16,7 @@ from shootstab.analyses.refine_double import NEUTRAL, examine, several
 from shootstab.analyses.sighting import Sighting
 from shootstab.analyses.verdicts import NEAR_DIGITS, radius_of
 from shootstab.analyses.zeros import Crowded, Zeros, zeros_in
-from shootstab.core.errors import ConvergenceError, OnSpectrum
+from shootstab.core.errors import ConvergenceError, Inaccurate, OnSpectrum
 from shootstab.core.records import CONTINUUM, UNRESOLVED, Mode
 from shootstab.core.regions import Disc
 from shootstab.discriminants.continuation import Continuation, Undecidable
@@ -267,9 +268,10 @@ class Verifier:
     def _simple(self, sigma: complex, tight: float, far_off: bool, atol: float) -> Mode:
         root = Root(sigma, 0.0, 0, True)
         if far_off and self.loose is not self.continuation:
-            mode, _ = examine(self.loose, root, 10.0**-self.digits, atol)
-            if mode.converged:
-                return mode
+            with suppress(Inaccurate):
+                mode, _ = examine(self.loose, root, 10.0**-self.digits, atol)
+                if mode.converged:
+                    return mode
         accurate = self._continuations[self._continuations.index(self.continuation) :]
         mode = first_accurate(accurate, lambda continuation: _beside_the_spectrum(continuation, root, tight, atol))[1]
         return mode if mode.converged else refine(self.problem, sigma, tight, method=self.method, atol=atol)

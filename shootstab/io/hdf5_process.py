@@ -34,6 +34,9 @@ def from_hdf5(data: bytes, wanted: Wanted, largest: int) -> NDArray[np.complex12
         raise ValueError(f"HDF5 file: reading it takes more than {SECONDS} s of processor time: allowed is a file that h5dump can read")
     if done.returncode == REFUSED:
         raise ValueError(done.stdout.decode())
+    if done.returncode > 0:  # an exception of Python: no memory for the libraries, say
+        *_, why = done.stderr.decode(errors="replace").strip().splitlines() or ["no reason is told"]
+        raise ValueError(f"HDF5 file, which the process that reads it could not read: {why}")
     if done.returncode != 0:
         raise ValueError("broken HDF5 file, on which the library that reads it crashes: allowed is a file that h5dump can read")
     return np.load(io.BytesIO(done.stdout), allow_pickle=False)  # type: ignore[no-any-return]
@@ -46,7 +49,8 @@ def _answer() -> int:
         import resource
 
         # a machine that does other things too makes no file unreadable: what is limited is the processor time, beyond which comes SIGXCPU
-        resource.setrlimit(resource.RLIMIT_CPU, (int(sys.argv[2]), resource.RLIM_INFINITY))
+        allowed, (_, most) = int(sys.argv[2]), resource.getrlimit(resource.RLIMIT_CPU)
+        resource.setrlimit(resource.RLIMIT_CPU, (allowed if most == resource.RLIM_INFINITY else min(allowed, most), most))
     dataset, row, largest = json.loads(sys.argv[1])
     try:
         values = hdf5.from_hdf5(sys.stdin.buffer.read(), Wanted(dataset, row), largest)

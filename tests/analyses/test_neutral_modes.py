@@ -134,3 +134,20 @@ def test_an_iteration_that_comes_to_a_double_zero_at_0_exactly_or_ever_nearer_ha
         mode = st.refine(st.scene("mri").problem, guess, rtol=1e-9)
         assert (mode.multiplicity, mode.converged) == (2, True)
         assert abs(mode.sigma) <= mode.error < 1e-9
+
+
+def test_a_claim_of_0_on_a_mode_that_another_mesh_has_on_the_other_side_of_0() -> None:
+    """sine-Gordon's kink, φ″ = (σ + 1 − 2 sech² x) φ, and Coffey–Evans' three wells: iterates next to 0 are far from it, in |σ|."""
+    string = np.array([[0, 0], [1, 0]], complex)
+
+    def kink(x: float) -> tuple[np.ndarray, np.ndarray]:
+        return np.array([[0, 1], [1 - 2 / np.cosh(x) ** 2, 0]], complex), string
+
+    def wells(x: float, beta: float = 30.0) -> tuple[np.ndarray, np.ndarray]:
+        return np.array([[0, 1], [beta**2 * np.sin(2 * x) ** 2 - 2 * beta * np.cos(2 * x), 0]], complex), string
+
+    walls = st.Wall(-np.pi / 2, [[1, 0]]), st.Wall(np.pi / 2, [[1, 0]])
+    for problem in (st.problem(2, kink, st.Infinity(), st.Infinity()), st.problem(2, wells, *walls)):
+        report = st.verify(problem, [0.0])
+        assert [v.verdict for v in report.verdicts] == ["confirmed"]
+        assert all(abs(m.sigma) > 1e-3 for m in report.missing)

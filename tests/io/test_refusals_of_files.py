@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -40,4 +43,25 @@ def test_a_library_that_does_not_end_is_ended_by_its_processor_time(tmp_path: Pa
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(hdf5_process, "SECONDS", 1)
     with pytest.raises(ValueError, match="reading it takes more than 1 s of processor time: allowed is a file that h5dump can read"):
+        hdf5_process.from_hdf5(b"\x89HDF\r\n\x1a\n", Wanted(None, None), 100)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such limits")
+def test_a_limit_on_processor_time_that_the_user_has_set_makes_no_file_unreadable(tmp_path: Path) -> None:
+    """A process may lower its hard limit and not raise it: `ulimit -t`, or a batch system's."""
+    with h5py.File(tmp_path / "modes.h5", "w") as file:
+        file["sigma"] = np.array([0.25 - 1j, 0.5])
+    told = (
+        "import pathlib, resource\n"
+        "from shootstab.io.arrays import Wanted\nfrom shootstab.io.hdf5_process import from_hdf5\n"
+        "resource.setrlimit(resource.RLIMIT_CPU, (600, 600))\n"
+        f"print(from_hdf5(pathlib.Path({str(tmp_path / 'modes.h5')!r}).read_bytes(), Wanted(None, None), 100).tolist())"
+    )
+    done = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=False)
+    assert done.stdout.strip() == "[(0.25-1j), (0.5+0j)]", done.stderr
+
+
+def test_what_the_process_that_reads_a_file_raises_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(hdf5_process, "SECONDS", "no number")
+    with pytest.raises(ValueError, match="could not read: ValueError: invalid literal"):
         hdf5_process.from_hdf5(b"\x89HDF\r\n\x1a\n", Wanted(None, None), 100)
