@@ -78,9 +78,12 @@ def integration_error(
     errors on both. shares (N,) are the c_j, None where they are not known.
     """
     whole = coarse_value.newton_step - fine_value.newton_step
-    sample = _halves(coarse, coarse_value, whole) if shares is None else float(np.linalg.norm(shares))
-    fallen = _fallen(coarse.local_errors(coarse_value.sigma), fine.local_errors(fine_value.sigma))
-    return float(max(abs(whole) / HALVING, SAFETY * sample / fallen))
+    before, left = coarse.local_errors(coarse_value.sigma), fine.local_errors(fine_value.sigma)
+    if shares is None:
+        sample = _halves(coarse, coarse_value, whole) / _fallen_of_most(before, left)
+    else:
+        sample = float(np.linalg.norm(shares / _fallen(before, left)))
+    return float(max(abs(whole) / HALVING, SAFETY * sample))
 
 
 def _halves(coarse: MeshedDiscriminant, value: Value, whole: complex) -> float:
@@ -93,15 +96,19 @@ def _halves(coarse: MeshedDiscriminant, value: Value, whole: complex) -> float:
     return max(abs(d) if cmath.isfinite(d) else math.inf for d in drawn)
 
 
-def _fallen(before: NDArray[np.float64], left: NDArray[np.float64]) -> float:
-    """The factor by which the errors (m,) of steps fell when each was halved, (2m,): of a quarter of those that count it is smaller."""
+def _fallen(before: NDArray[np.float64], left: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The factors (m,) by which the errors (m,) of steps fell when each was halved, (2m,): HALVING at least, STEP_HALVING at most."""
     if len(left) != 2 * len(before):  # a step between neighbouring numbers has no middle
-        return HALVING
+        return np.full(len(before), HALVING)
     parts = left.reshape(-1, 2).sum(axis=1)
+    known = np.isfinite(before) & np.isfinite(parts) & (parts > 0.0)
+    return np.clip(np.divide(before, parts, out=np.full(len(before), HALVING), where=known), HALVING, STEP_HALVING)
+
+
+def _fallen_of_most(before: NDArray[np.float64], left: NDArray[np.float64]) -> float:
+    """The factor of which that of a quarter of the steps that count is smaller; HALVING where the errors are no numbers, or none."""
     counts = before > COUNTING_STEP * before.max(initial=0.0)
-    if not (counts.any() and np.isfinite(before).all() and np.isfinite(parts).all() and (parts[counts] > 0.0).all()):
-        return HALVING
-    return min(max(float(np.quantile(before[counts] / parts[counts], SLOWLY_FALLING)), HALVING), STEP_HALVING)
+    return float(np.quantile(_fallen(before, left)[counts], SLOWLY_FALLING)) if counts.any() else HALVING
 
 
 def budget(

@@ -34,9 +34,10 @@ FARTHEST_POINT = 1e3  # chosen: the largest of them
 
 
 def digits_held(found: Spectrum) -> float:
-    """Σ of the digits that two truncations share, of a spectrum filtered by the tolerances above."""
-    size = np.maximum(np.abs(found.eigenvalues), TINY)
-    digits = -np.log10(np.maximum(found.drift / size / DRIFT_COUNTED, 10.0**-MOST_COUNTED))
+    """Σ of the digits that two truncations share, of a spectrum filtered by the tolerances above; an eigenvalue 0 has none to count."""
+    counted = found.eigenvalues != 0.0
+    size = np.maximum(np.abs(found.eigenvalues[counted]), TINY)
+    digits = -np.log10(np.maximum(found.drift[counted] / size / DRIFT_COUNTED, 10.0**-MOST_COUNTED))
     return float(digits.sum())
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import shootstab as st
-from shootstab.analyses import critical, eigenfunction_digits, find, refine_digits, verifier, workers
+from shootstab.analyses import critical, critical_circle, eigenfunction_digits, find, refine_digits, verifier, workers
 from shootstab.analyses.prove import prove_interval
 from shootstab.analyses.refine_double import examine
 from shootstab.analyses.sensitivity import sensitivities
@@ -136,7 +136,8 @@ def test_a_critical_point_that_is_not_reached_is_refused(monkeypatch: pytest.Mon
         return st.problem(2, lambda z: (D0, D1), st.Wall(0, FIXED), st.Wall(1, FIXED))
 
     monkeypatch.setattr(critical, "CRITICAL_STEPS", 1)
-    monkeypatch.setattr(critical, "ALPHA_POINTS", 4)
+    monkeypatch.setattr(critical_circle, "COARSE_POINTS", 4)
+    monkeypatch.setattr(critical_circle, "ROUGH_POINTS", 4)
     with pytest.raises(ConvergenceError, match=r"no critical point found near 9\.8596, 2: the last step was"):
         st.critical(hill, 10.0, 2.1, 0.1)
 

@@ -64,8 +64,8 @@ def test_the_minors_of_two_decaying_solutions_are_those_in_closed_form() -> None
 def test_modes_between_ends_at_infinity_are_proved() -> None:
     proof = st.prove(well(2.5), guess=6.2, digits=12)
     assert proof.count == 1 and proof.region["centre"]["re"].startswith("6.2500000000000")
-    assert "E12" in proof.lemmas
-    assert {"E2", "E3", "E4"} <= set(proof.lemmas)
+    assert {"E2", "E3", "E17"} <= set(proof.lemmas)
+    assert {"E4", "E12"} <= set(prove_disc(well(2.3), 1.69, 0.01).lemmas)
     assert prove_disc(well(2.5), 0.25, 0.01).count == 1
 
 
@@ -78,7 +78,12 @@ def test_half_of_the_line_has_the_odd_modes(ends: dict[str, Any]) -> None:
 def test_next_to_the_essential_spectrum_nothing_is_proved() -> None:
     with pytest.raises(ConvergenceError, match="it is not proved that 1 of 2 solutions decay and the others grow"):
         prove_disc(well(2.5), -1.0, 0.1)
-    # a double exponent at infinity
+
+
+def test_exponents_that_are_not_told_apart_are_enclosed_as_a_graph() -> None:
+    """Both equations have the same exponents: 1 is a mode of 2 sech² and of 6 sech², and 4 one of the latter."""
     told = ["d(u,2) - (sigma - 2*sech(z)**2)*u", "d(v,2) - (sigma - 6*sech(z)**2)*v - sech(z)**2*u"]
-    with pytest.raises(ConvergenceError, match="two exponents of the solutions are not told apart"):
-        prove_disc(st.equations(["u", "v"], told, st.Infinity(), st.Infinity()), 1.0, 0.01)
+    problem = st.equations(["u", "v"], told, st.Infinity(), st.Infinity())
+    proof = prove_disc(problem, 1.0, 0.01)
+    assert proof.count == 2 and "E17" in proof.lemmas
+    assert prove_disc(problem, 4.0, 0.01).count == 1
