@@ -102,7 +102,7 @@ def _fallen(before: NDArray[np.float64], left: NDArray[np.float64]) -> NDArray[n
         return np.full(len(before), HALVING)
     parts = left.reshape(-1, 2).sum(axis=1)
     known = np.isfinite(before) & np.isfinite(parts) & (parts > 0.0)
-    return np.clip(np.divide(before, parts, out=np.full(len(before), HALVING), where=known), HALVING, STEP_HALVING)
+    return np.asarray(np.clip(np.divide(before, parts, out=np.full(len(before), HALVING), where=known), HALVING, STEP_HALVING))
 
 
 def _fallen_of_most(before: NDArray[np.float64], left: NDArray[np.float64]) -> float:
