@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, is_dataclass, replace
 from typing import Any
 
 from shootstab.analyses.accuracy import Tightening
@@ -28,13 +28,14 @@ from shootstab.discriminants.method import AdaptiveDiscriminant, Method
 from shootstab.problems.capabilities import GROWING_REGION
 from shootstab.problems.protocol import Problem
 
-LAW = 0.2  # chosen: departure of q from its law that is allowed on every arc: a zero between two of them departs by more
+LAW = 0.12  # chosen: departure of q from its law that is allowed on every arc: up to three zeros between two of them depart by more
 OUTWARDS = (1.0, 4.0, 16.0, 64.0)  # chosen: radii, in that of the bound, on which the law is checked at least
 FALLEN = 0.5  # chosen: the last departure in the largest: the next order of the law falls by half an arc
-AS_GOOD_AS_NONE = 0.02  # chosen: a departure that need not fall
+AS_GOOD_AS_NONE = 1e-3  # chosen: a departure that need not fall
 SMALLEST_RADIUS = LARGEST_FLOOR
 LARGEST_RADIUS = 1e6  # chosen: the radius up to which a bound is looked for
 UNSTABLE_COUNTING = Frame(rtol=1e-8)  # chosen: local error with which growing modes are counted
+LAW_FOLLOWED = Frame(rtol=1e-6)  # chosen: a departure of 0.1 in q of some hundreds is seen
 MOST_WORK = 40_000  # chosen: steps of all meshes on which a bound is looked for, which take some seconds
 
 
@@ -123,8 +124,9 @@ def _closed(problem: Problem, method: Method, floor: float) -> tuple[HalfDisc | 
             return *theorem(floor), 0.0
         except InputError:
             pass  # the floor lies above all of its region: the law is asked
-    radius, departure = bound(method.on(problem))
-    return HalfDisc(radius, floor), "", departure
+    accurate = replace(method, rtol=LAW_FOLLOWED.rtol) if is_dataclass(method) and method.rtol > LAW_FOLLOWED.rtol else method
+    law = growth_beyond(accurate.on(problem))
+    return HalfDisc(law.radius, floor), "", law.departure
 
 
 def growth_beyond(discriminant: AdaptiveDiscriminant, radius: float = SMALLEST_RADIUS, settled: float | None = None) -> GrowthLaw:
@@ -159,11 +161,11 @@ def growth_beyond(discriminant: AdaptiveDiscriminant, radius: float = SMALLEST_R
 
 
 def bound(discriminant: AdaptiveDiscriminant) -> tuple[float, float]:
-    """The radius of `growth_beyond`, and the largest departure seen."""
-    law = growth_beyond(discriminant)
+    """The radius of `growth_beyond`, and the largest departure seen, of D with the local errors of LAW_FOLLOWED."""
+    law = growth_beyond(LAW_FOLLOWED.on(discriminant.problem))
     return law.radius, law.departure
 
 
 def departure_from_law(discriminant: AdaptiveDiscriminant, radius: float) -> float:
-    """max |q − A σ^(1/2) − B| on the arc, with A and B fitted to it."""
-    return GrowthLaw.on(discriminant, radius).departure
+    """max |q − A σ^(1/2) − B − C σ^(−1/2)| on the arc, with A, B and C fitted to it, of D with the local errors of LAW_FOLLOWED."""
+    return GrowthLaw.on(LAW_FOLLOWED.on(discriminant.problem), radius).departure

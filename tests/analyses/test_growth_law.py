@@ -49,7 +49,7 @@ def test_a_law_is_found_where_it_is_one(scenes: dict[str, ChuteProblem]) -> None
     left = abs(1 / (cmath.exp(2 * cmath.sqrt(400j)) - 1))
     assert law.departure < 40 * left
     assert pytest.approx(0.5, abs=2 * left) == law.A
-    assert pytest.approx(-0.5, abs=40 * left) == law.B
+    assert pytest.approx(-0.5, abs=80 * left) == law.B  # the third function, 1/20 of the second there, takes its share of what is left
     assert law.work == len(ANGLES)
     assert not GrowthLaw.on(string, 1.0).departure < 1e-3  # type: ignore[arg-type]
 

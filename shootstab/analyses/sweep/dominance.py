@@ -13,7 +13,7 @@ from shootstab.analyses.find import find_modes
 from shootstab.analyses.growth_law import GrowthLaw
 from shootstab.analyses.reference import spectrum
 from shootstab.analyses.sweep.following import land
-from shootstab.analyses.unstable import SMALLEST_RADIUS, HalfDisc, growth_beyond
+from shootstab.analyses.unstable import LAW_FOLLOWED, SMALLEST_RADIUS, HalfDisc, growth_beyond
 from shootstab.core.allowed import GROWTH_FLOOR
 from shootstab.core.discriminant import Value
 from shootstab.core.errors import ConvergenceError, InputError
@@ -33,7 +33,6 @@ RAISE = 30.0  # chosen: factor by which the floor rises where it is too near the
 HIGHEST_FLOOR = 1e-4  # chosen: the floor up to which it does
 SWEEP_COUNTING = Frame(rtol=1e-5)  # chosen: a phase needs few digits; where it needs more, the tolerance is tightened
 SWEEP_FINDING = Frame(rtol=1e-6)  # chosen: a mode that is found is told from one that is known, to SAME_MODE
-LAW_FOLLOWED = Frame(rtol=1e-6)  # chosen: a departure of 0.2 in q of some hundreds is seen
 SUGGESTING_TRUNCATIONS = (40, 64)  # chosen: orders of the pseudospectral spectra that suggest modes
 SUGGESTED = 12  # chosen: suggested modes that are tried, the fastest first
 COUNTED = ("mode is counted", "modes are counted")  # words for a number of them
