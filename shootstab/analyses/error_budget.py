@@ -80,8 +80,8 @@ def integration_error(
     whole = coarse_value.newton_step - fine_value.newton_step
     before, left = coarse.local_errors(coarse_value.sigma), fine.local_errors(fine_value.sigma)
     if shares is not None:
-        kept = shares / _fallen(before, left)
-        return float(SAFETY * max(abs(kept.sum()), float(np.linalg.norm(kept))))
+        kept = shares / np.where(_counting(before), _fallen(before, left), _fallen_of_most(before, left))
+        return float(max(min(SAFETY * abs(kept.sum()), abs(whole) / HALVING), SAFETY * float(np.linalg.norm(kept))))
     sample = _halves(coarse, coarse_value, whole) / _fallen_of_most(before, left)
     return float(max(abs(whole) / HALVING, SAFETY * sample))
 
@@ -105,9 +105,14 @@ def _fallen(before: NDArray[np.float64], left: NDArray[np.float64]) -> NDArray[n
     return np.asarray(np.clip(np.divide(before, parts, out=np.full(len(before), HALVING), where=known), HALVING, STEP_HALVING))
 
 
+def _counting(before: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """The steps (m,) whose errors are not small against the largest: those of others are noise where the largest is small."""
+    return np.asarray(before > COUNTING_STEP * before.max(initial=0.0))
+
+
 def _fallen_of_most(before: NDArray[np.float64], left: NDArray[np.float64]) -> float:
     """The factor of which that of a quarter of the steps that count is smaller; HALVING where the errors are no numbers, or none."""
-    counts = before > COUNTING_STEP * before.max(initial=0.0)
+    counts = _counting(before)
     return float(np.quantile(_fallen(before, left)[counts], SLOWLY_FALLING)) if counts.any() else HALVING
 
 

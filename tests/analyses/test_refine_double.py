@@ -118,13 +118,13 @@ def test_a_discriminant_that_underflows_gives_no_mode() -> None:
 
 
 def test_a_continuous_spectrum_inside_the_bound_is_said() -> None:
-    """A string whose continuous spectrum is said to pass at 2.5e-9 from its mode −64π²: 1e-4 does not tell on which side the mode is."""
+    """A string whose continuous spectrum is said to pass at 1e-9 from its mode −64π²: 1e-4 does not tell on which side the mode is."""
     shift, mode = np.array([[0.0, 0.0], [1.0, 0.0]]), -64 * math.pi**2
     walls = st.Wall(0, [[1, 0]]), st.Wall(1, [[1, 0]])
-    string = st.problem(2, lambda z: (np.eye(2, k=1), shift), *walls, continuum=lambda z: mode + 2.5e-9 + 1j * (z - 0.5))
+    string = st.problem(2, lambda z: (np.eye(2, k=1), shift), *walls, continuum=lambda z: mode + 1e-9 + 1j * (z - 0.5))
     found = st.refine(string, mode, rtol=1e-4)
     assert not found.converged
-    assert re.search(r"the continuous spectrum passes at 2\.\de-09, inside the error bound [34]\.\de-09", found.status)
+    assert re.search(r"the continuous spectrum passes at 1\.\de-09, inside the error bound 1\.\de-09", found.status)
     assert st.refine(string, mode, rtol=1e-12).converged
 
 
