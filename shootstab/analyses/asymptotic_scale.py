@@ -31,13 +31,18 @@ BEGIN_ACCURACY = 1e-8  # chosen: accuracy of the far frame that places the first
 def asymptotic_scale(problem: Problem, known: float = 0.0) -> float:
     """The least of SIGMA_SCALES, not below the known one, from which on rates and conditions are as at the largest.
 
-    Infinite where they are not even next to that.
+    Infinite where they are not even next to that, and where C is singular at a z at which rates are taken.
     """
     scales = SIGMA_SCALES[known <= SIGMA_SCALES]
     points = problem.mesh(problem.start(GENERIC_SIGMA, BEGIN_ACCURACY))
     z = points[np.unique(np.linspace(0, len(points) - 1, RATE_POINTS).round().astype(int))].astype(np.complex128)
     sigmas = np.asarray(scales[:, None] * SIGMA_DIRECTIONS, dtype=np.complex128)
-    matrices = _matrices(problem.pencil(z), sigmas)
+    try:
+        matrices = _matrices(problem.pencil(z), sigmas)
+    except np.linalg.LinAlgError:
+        return math.inf
+    if not np.isfinite(matrices).all():
+        return math.inf
     arriving = _arriving(problem, points, matrices[:, :, 0], matrices[:, :, -1])
     settled = _rates_settled(matrices) & _conditions_settled(problem.wall_rows(), arriving, sigmas)
     last = np.flatnonzero(~settled)

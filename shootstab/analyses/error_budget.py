@@ -75,7 +75,8 @@ def integration_error(
 
     The zeros of the two differ by Σ c_j over the steps. Where these cancel by chance, the sum tells nothing of the halved mesh, whose own
     sum need not: the root of Σ |c_j|² is what it is for signs at random. How much of c_j is left on the halved mesh is told by the local
-    errors on both. shares (N,) are the c_j, None where they are not known; where they are, what is left of all is their sum or their root.
+    errors on both. shares (N,) are the c_j, None where they are not known; where they are, |Σ| and root
+    of what each keeps are taken, the former no larger than Richardson says.
     """
     whole = coarse_value.newton_step - fine_value.newton_step
     before, left = coarse.local_errors(coarse_value.sigma), fine.local_errors(fine_value.sigma)

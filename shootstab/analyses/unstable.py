@@ -136,6 +136,11 @@ def growth_beyond(discriminant: AdaptiveDiscriminant, radius: float = SMALLEST_R
     default found as in asymptotic_scale.py), and the departure falls along them. Raises ConvergenceError, before long, where none is found.
     """
     settled = asymptotic_scale(discriminant.problem) if settled is None else settled
+    if settled == math.inf:
+        raise ConvergenceError(
+            "no bound on |sigma| of growing modes is known: no |sigma| is found from which on sigma rules all rates and conditions; "
+            "modes can be counted in a region that is named"
+        )
     work, without, laws = 0, "", list[GrowthLaw]()
     while work <= MOST_WORK and not (radius > LARGEST_RADIUS and not laws):
         try:

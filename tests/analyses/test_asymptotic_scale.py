@@ -9,6 +9,7 @@ import pytest
 
 import shootstab as st
 from shootstab.analyses.asymptotic_scale import asymptotic_scale
+from shootstab.analyses.unstable import growth_beyond
 from shootstab.core.errors import ConvergenceError
 
 LENGTH = 12.0
@@ -77,3 +78,13 @@ def test_rounding_of_the_conditions_of_a_chute_is_not_taken_for_a_slow_wall() ->
     flow = st.chute.steady(far_temperature=1.7473800203733194, e=0.8, e_w=0.8, r=0.6, tan_theta=0.30)
     for kx, ky in ((0.000298932, 0.00298932), (0.000298932, 0.0), (0.0, 0.1)):
         assert asymptotic_scale(st.chute.problem(flow, kx=kx, ky=ky)) < 400.0
+
+
+def test_where_no_scale_is_found_that_is_said_at_once() -> None:
+    """(σ − 5.12) y′ = w, w′ = (σ − 9) y: C is singular at one of the σ at which rates are taken."""
+    C0, C1 = np.diag([-0.01 * 8.0**3, 1.0]).astype(complex), np.diag([1.0, 0.0]).astype(complex)
+    D0 = np.array([[0, 1], [-9, 0]], complex)
+    problem = st.problem(2, lambda z: (C0, C1, D0, STRING), st.Wall(0, [[0, 1]]), st.Wall(1, [[1, 0]]), continuum=False)
+    assert asymptotic_scale(problem) == math.inf
+    with pytest.raises(ConvergenceError, match=r"no bound on .*: no .sigma. is found from which on sigma rules all rates and conditions"):
+        growth_beyond(st.Frame(rtol=1e-6).on(two_times(0.5)), settled=math.inf)
