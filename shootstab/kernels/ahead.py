@@ -1,8 +1,8 @@
 """Kernels compiled in a second process while the first one compiles others: which are needed first differs, and the cache is one.
 
 Numba looks into its cache before it compiles a kernel, so that whoever is first saves the other the work. What is compiled here is what the
-first answer about a flow needs last: the transports of frames, what moves a zero, the continuation of a flow off the real axis, series in
-complex numbers.
+first answer about a flow needs last, in the order in which it is needed: the transports of frames, what moves a zero, the continuation of a
+flow off the real axis; at the end what moves a zero of a real system, which few answers ask for.
 """
 
 from __future__ import annotations
@@ -12,6 +12,19 @@ import os
 import subprocess
 import sys
 from typing import Any
+
+import numba
+import numpy as np
+
+from shootstab.core.straight_line import Recorder, program
+from shootstab.kernels.frame_gradient import back_substitute, ends_of_steps, entries_at_random
+from shootstab.kernels.frame_transport import transport
+from shootstab.kernels.recorded_programs import evaluate
+from shootstab.kernels.reduced_system import ReducedSystem
+from shootstab.kernels.tableau import STAGES
+from shootstab.kernels.taylor_pieces import along_path
+
+Kind = type[np.float64] | type[np.complex128]
 
 helpers: list[subprocess.Popen[bytes]] = []  # the second process, once it was started
 
@@ -37,34 +50,49 @@ def end() -> None:
 
 def compile_all() -> None:
     """Compile the kernels by calling them with little."""
-    import numba
-    import numpy as np
+    _transport(np.float64)
+    _transport(np.complex128)
+    _gradient(np.complex128)
+    _path()
+    _changes(np.complex128)
+    _gradient(np.float64)
+    _changes(np.float64)
 
-    from shootstab.core.straight_line import Recorder, program
-    from shootstab.kernels.frame_gradient import back_substitute, ends_of_steps, entries_at_random
-    from shootstab.kernels.frame_transport import transport
-    from shootstab.kernels.frobenius import recurrence, series_terms
-    from shootstab.kernels.recorded_programs import evaluate
-    from shootstab.kernels.reduced_system import ReducedSystem
-    from shootstab.kernels.tableau import STAGES
-    from shootstab.kernels.taylor_pieces import along_path
 
-    for kind in (np.float64, np.complex128):
-        # ψ₁′ = ψ₂, ψ₂′ = ψ₁, one step of length 1 along one column
-        lists: list[Any] = [np.array(a, dtype=np.uint64) for a in ([0, 1, 2], [1, 0], [], [], [], [])]
-        numbers = np.ones((1, STAGES, 2), kind), np.zeros((1, STAGES, 0, 0), kind), np.zeros((1, STAGES, 2, 0, 0), kind)
-        Y = np.eye(2, 1, dtype=kind)
-        transport(ReducedSystem(*lists, *numbers), kind(0.0), Y, Y.copy(), True, np.empty(1))  # type: ignore[call-arg]
-    for kind in (np.float64, np.complex128):
-        one, two, table = np.ones(2, kind), np.ones((2, 2), kind), np.ones((2, STAGES, 2), kind)
-        of_step = *lists, table, np.ones((2, STAGES, 0, 0), kind), np.ones((2, STAGES, 0, 0), kind), kind(0.0)
-        x, K, entries = np.ones((STAGES + 2, 2), kind), np.ones((STAGES, 2), kind), np.ones((STAGES, 2), kind)
-        ends_of_steps(*of_step, np.zeros(2, np.int64), two, two.copy(), x, K, entries)  # type: ignore[call-arg]
-        Q, gG = np.stack((np.eye(2, 1, dtype=kind),) * 3), np.ones((2, STAGES, 2, 0, 0), kind)
-        work = Q, one[:1], one.copy(), x, K, entries, two[:1, :1].copy(), np.ones((2, STAGES, 2), kind)
-        solutions = np.ones((2, 3, 2), kind)
-        back_substitute(*of_step, *work, *solutions, table, of_step[7], gG, np.zeros(2))  # type: ignore[call-arg]
-        entries_at_random(table, table, np.ones(2), np.ones(2), two)
+def _one_step(kind: Kind) -> tuple[list[Any], Any, Any]:
+    """ψ₁′ = ψ₂, ψ₂′ = ψ₁, along one column: the lists of the reduced system, no V, and no γ."""
+    lists = [np.array(a, dtype=np.uint64) for a in ([0, 1, 2], [1, 0], [], [], [], [])]
+    return lists, np.zeros((2, STAGES, 0, 0), kind), np.zeros((2, STAGES, 2, 0, 0), kind)
+
+
+def _transport(kind: Kind) -> None:
+    lists, V, G = _one_step(kind)
+    Y = np.eye(2, 1, dtype=kind)
+    transport(ReducedSystem(*lists, np.ones((2, STAGES, 2), kind), V, G), kind(0.0), Y, Y.copy(), True, np.empty(2))  # type: ignore[call-arg]
+
+
+def _gradient(kind: Kind) -> None:
+    """Back along the mesh."""
+    lists, V, gG = _one_step(kind)
+    one, two, table = np.ones(2, kind), np.ones((2, 2), kind), np.ones((2, STAGES, 2), kind)
+    of_step = *lists, table, V, V.copy(), kind(0.0)
+    x, K, entries = np.ones((STAGES + 2, 2), kind), np.ones((STAGES, 2), kind), np.ones((STAGES, 2), kind)
+    Q = np.stack((np.eye(2, 1, dtype=kind),) * 3)
+    work = Q, one[:1], one.copy(), x, K, entries, two[:1, :1].copy(), np.ones((2, STAGES, 2), kind)
+    back_substitute(*of_step, *work, *np.ones((2, 3, 2), kind), table, V, gG, np.zeros(2))  # type: ignore[call-arg]
+
+
+def _changes(kind: Kind) -> None:
+    """What a step changes, and what numbers changed at random do."""
+    lists, V, _ = _one_step(kind)
+    two, table = np.ones((2, 2), kind), np.ones((2, STAGES, 2), kind)
+    work = np.ones((STAGES + 2, 2), kind), np.ones((STAGES, 2), kind), np.ones((STAGES, 2), kind)
+    ends_of_steps(*lists, table, V, V.copy(), kind(0.0), np.zeros(2, np.int64), two, two.copy(), *work)  # type: ignore[call-arg]
+    entries_at_random(table, table, np.ones(2), np.ones(2), two)
+
+
+def _path() -> None:
+    """A flow at complex points, and what is computed from it there."""
     recorder = Recorder()
     (at,) = recorder.inputs(1)
     (factor,) = recorder.parameters(1)
@@ -73,9 +101,6 @@ def compile_all() -> None:
     path = (formula.lists(False), unit, points, 1.0, 2, 1j, unit, unit, np.ones(1, np.bool_), np.ones((1, 1), np.complex128))
     along_path.compile(tuple(map(numba.typeof, path)))
     evaluate(formula, np.ones((1, 1), np.complex128), unit)
-    C, D = np.ones((2, 2, 1, 1), np.complex128), np.ones((2, 2, 1, 1), np.complex128)
-    P = np.ones((2, 1, 1), np.complex128)
-    series_terms(recurrence(C, D), 1j, 0.5, 0 * unit, 0 * unit, P, P.copy(), True)
 
 
 if __name__ == "__main__":
