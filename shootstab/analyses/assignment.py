@@ -7,6 +7,7 @@ would leave a second claim without a mode where both could have one.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -40,8 +41,15 @@ class Candidate:
 
 
 def assign(candidates: Sequence[Sequence[Candidate]]) -> list[int | None]:
-    """The number of the mode given to each claim, or None; the problem falls apart where no candidates are shared."""
-    from scipy.optimize import linear_sum_assignment
+    """The number of the mode given to each claim, or None; the problem falls apart where no candidates are shared.
+
+    Where every claim can have the one that is worth most to it, no sum is larger.
+    """
+    dearest = [max(some, key=lambda c: c.worth) if some else None for some in candidates]
+    wanted = Counter(c.mode for c in dearest if c is not None)
+    if all(wanted[c.mode] <= c.multiplicity for c in dearest if c is not None):
+        return [None if c is None else c.mode for c in dearest]
+    from scipy.optimize import linear_sum_assignment  # only here: its import takes longer than most lists
 
     given: list[int | None] = [None] * len(candidates)
     for claims in shared(candidates):

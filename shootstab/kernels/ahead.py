@@ -24,7 +24,7 @@ from shootstab.kernels.reduced_system import ReducedSystem
 from shootstab.kernels.tableau import STAGES
 from shootstab.kernels.taylor_pieces import along_path
 
-Numbers = type[np.float64] | type[np.complex128]
+Scalar = type[np.float64] | type[np.complex128]
 
 helpers: list[subprocess.Popen[bytes]] = []  # the second process, once it was started
 
@@ -59,19 +59,19 @@ def compile_all() -> None:
     _changes(np.float64)
 
 
-def _one_step(kind: Numbers) -> tuple[list[Any], Any, Any]:
+def _one_step(kind: Scalar) -> tuple[list[Any], Any, Any]:
     """ψ₁′ = ψ₂, ψ₂′ = ψ₁, along one column: the lists of the reduced system, no V, and no γ."""
     lists = [np.array(a, dtype=np.uint64) for a in ([0, 1, 2], [1, 0], [], [], [], [])]
     return lists, np.zeros((2, STAGES, 0, 0), kind), np.zeros((2, STAGES, 2, 0, 0), kind)
 
 
-def _transport(kind: Numbers) -> None:
+def _transport(kind: Scalar) -> None:
     lists, V, G = _one_step(kind)
     Y = np.eye(2, 1, dtype=kind)
     transport(ReducedSystem(*lists, np.ones((2, STAGES, 2), kind), V, G), kind(0.0), Y, Y.copy(), True, np.empty(2))  # type: ignore[call-arg]
 
 
-def _gradient(kind: Numbers) -> None:
+def _gradient(kind: Scalar) -> None:
     """Back along the mesh."""
     lists, V, gG = _one_step(kind)
     one, two, table = np.ones(2, kind), np.ones((2, 2), kind), np.ones((2, STAGES, 2), kind)
@@ -82,7 +82,7 @@ def _gradient(kind: Numbers) -> None:
     back_substitute(*of_step, *work, *np.ones((2, 3, 2), kind), table, V, gG, np.zeros(2))  # type: ignore[call-arg]
 
 
-def _changes(kind: Numbers) -> None:
+def _changes(kind: Scalar) -> None:
     """What a step changes, and what numbers changed at random do."""
     lists, V, _ = _one_step(kind)
     two, table = np.ones((2, 2), kind), np.ones((2, STAGES, 2), kind)
