@@ -45,9 +45,11 @@ class GrowthLaw:
         """The law fitted to the arc |σ| = radius, Re σ ≥ 0."""
         sigmas = radius * np.exp(1j * ANGLES)
         meshes = SharedMeshes()
-        made = [meshes.at(discriminant, s) for s in sigmas.tolist()]
-        q = np.array([s * D.with_derivative(s).logarithmic_derivative for s, D in zip(sigmas.tolist(), made, strict=True)])
-        work = sum(D.steps for D in made)
+        q, work = np.empty_like(sigmas), 0
+        for i, s in enumerate(sigmas.tolist()):
+            D = meshes.at(discriminant, s)
+            q[i] = s * D.with_derivative(s).logarithmic_derivative  # the value by which the mesh was found to serve
+            work += D.steps
         if not (np.isfinite(q).all() and np.abs(q).max() >= LEAST_TURN):
             return cls(radius, 0j, 0j, math.inf, work)
         basis = np.stack((np.sqrt(sigmas), np.ones_like(sigmas), 1.0 / np.sqrt(sigmas)), axis=1)

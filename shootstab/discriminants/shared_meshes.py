@@ -6,7 +6,9 @@ contour, or to one line, whose points come in one order: which mesh serves a σ 
 
 from __future__ import annotations
 
+from collections import deque
 from contextlib import suppress
+from dataclasses import dataclass, field
 
 from shootstab.core.discriminant import Value
 from shootstab.core.errors import ConvergenceError
@@ -15,29 +17,48 @@ from shootstab.discriminants.method import AdaptiveDiscriminant, MeshedDiscrimin
 from shootstab.discriminants.subsystems import Coupled
 from shootstab.problems.protocol import Problem
 
-MESHES_TRIED = 2  # chosen: meshes that are tried before another one is made, those that served last
+MESHES_TRIED = 3  # chosen: meshes that are tried before another one is made
+ASKED_LAST = 32  # chosen: the latest σ that were asked of a mesh, by which it is judged
 SHORT_MESH = 32  # chosen: steps up to which a mesh may serve any σ: a value on them costs less than a mesh
 SHARED_WITHIN = 8.0  # chosen: the ratio of |σ| over which a longer mesh is shared; steps go with |σ|^(1/2) where there are many
 
 
+@dataclass
+class _Mesh:
+    """D on a mesh that was made for a σ of this size, and the latest σ that it served, or did not."""
+
+    made: MeshedDiscriminant
+    size: float
+    asked: deque[tuple[complex, bool]] = field(default_factory=lambda: deque(maxlen=ASKED_LAST))
+
+    def serves(self, sigma: complex) -> bool:
+        """Whether it serves σ, remembered."""
+        self.asked.append((sigma, _serves(self.made, sigma)))
+        return self.asked[-1][1]
+
+    def nearest(self, sigma: complex) -> tuple[float, bool]:
+        """How far σ is from the nearest of those that were asked, in their size, and whether it refused that one."""
+        return min((abs(sigma - s) / ((abs(sigma) + abs(s)) or 1.0), not served) for s, served in self.asked)
+
+
 class SharedMeshes:
-    """Meshes of a discriminant, or of several, in the order in which they served last; the first one made is tried always."""
+    """Meshes of a discriminant, or of several; tried are those that served what was nearest to σ of all that they were asked."""
 
     def __init__(self) -> None:
-        self._kept: dict[AdaptiveDiscriminant, list[tuple[MeshedDiscriminant, float]]] = {}
+        self._kept: dict[AdaptiveDiscriminant, list[_Mesh]] = {}
 
     def at(self, discriminant: AdaptiveDiscriminant, sigma: complex) -> MeshedDiscriminant:
         """D on a mesh that serves σ, if it can be one that served a point before. Raises ConvergenceError where none is found."""
         kept, size = self._kept.setdefault(discriminant, []), abs(sigma)
-        for known in (*kept[: -MESHES_TRIED - 1 : -1], *kept[: max(0, len(kept) - MESHES_TRIED)][:1]):
-            made, of = known
-            if (made.steps <= SHORT_MESH or size <= SHARED_WITHIN * of <= SHARED_WITHIN**2 * size) and _serves(made, sigma):
-                if known is not kept[0]:
-                    kept.remove(known)
-                    kept.append(known)
-                return made
-        kept.append((discriminant.at(sigma), size))
-        return kept[-1][0]
+        near = [m for m in kept if m.made.steps <= SHORT_MESH or size <= SHARED_WITHIN * m.size <= SHARED_WITHIN**2 * size]
+        ranked = sorted((*m.nearest(sigma), i) for i, m in enumerate(near))
+        for known in [near[i] for _, refused, i in ranked if not refused][:MESHES_TRIED]:
+            if known.serves(sigma):
+                return known.made
+        own = _Mesh(discriminant.at(sigma), size)
+        own.asked.append((sigma, True))
+        kept.append(own)
+        return own.made
 
 
 class NeighbouringD:

@@ -7,6 +7,7 @@ J. A. C. Weideman & S. C. Reddy, ACM TOMS 26 (2000) 465; J.-P. Berrut & L. N. Tr
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -27,8 +28,9 @@ def roots(degree: int) -> RealArray:
     return np.asarray(np.sin(np.pi * (degree - 2 * j) / (2 * degree + 2)))
 
 
+@lru_cache(maxsize=16)
 def differentiation(degree: int) -> RealArray:
-    """D (N + 1, N + 1) with (D f)_i = f′(y_i) on the extrema, for every polynomial f of degree ≤ N.
+    """D (N + 1, N + 1), to be read only, with (D f)_i = f′(y_i) on the extrema, for every polynomial f of degree ≤ N.
 
     D_ij = (c_i/c_j)(−1)^{i+j}/(y_i − y_j), c = 2 at both ends and 1 between them. The differences are taken as products of sines
     and the diagonal as the negative sum of its row, so that constants have the derivative zero to rounding.
@@ -45,6 +47,7 @@ def differentiation(degree: int) -> RealArray:
     D: RealArray = np.divide.outer(weights, weights) / differences
     np.fill_diagonal(D, 0.0)
     np.fill_diagonal(D, -D.sum(axis=1))
+    D.flags.writeable = False
     return D
 
 
@@ -79,10 +82,13 @@ def _cosines(degree: int) -> RealArray:
     return np.cos(np.pi * (np.multiply.outer(j, j) % (2 * degree)) / degree)
 
 
+@lru_cache(maxsize=16)
 def _to_coefficients(degree: int) -> RealArray:
     halves = np.ones(degree + 1)
     halves[[0, -1]] = 0.5
-    return 2 / degree * halves[:, None] * _cosines(degree) * halves
+    matrix: RealArray = 2 / degree * halves[:, None] * _cosines(degree) * halves
+    matrix.flags.writeable = False
+    return matrix
 
 
 @dataclass(frozen=True, eq=False)

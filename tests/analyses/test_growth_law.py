@@ -54,6 +54,16 @@ def test_a_law_is_found_where_it_is_one(scenes: dict[str, ChuteProblem]) -> None
     assert not GrowthLaw.on(string, 1.0).departure < 1e-3  # type: ignore[arg-type]
 
 
+def test_a_direction_of_an_arc_costs_one_value(scenes: dict[str, ChuteProblem]) -> None:
+    """That by which a mesh is found to serve is the value; next to a radius whose mesh is known nothing else is computed."""
+    D = Frame(rtol=1e-6).on(scenes["low"])
+    law = GrowthLaw.on(D, 2.56)
+    spent = D.evaluations
+    next_to = GrowthLaw.on(D, 2.55)
+    assert next_to.work == law.work
+    assert D.evaluations - spent == len(ANGLES)
+
+
 class _SinhOfRoot:
     """sinh √σ/√σ as a discriminant of one step."""
 

@@ -30,6 +30,18 @@ def test_a_long_mesh_serves_only_sigma_of_its_size(scenes: dict[str, ChuteProble
     assert shared.at(D, 0.5).steps < large.steps
 
 
+def test_a_mesh_that_refused_what_is_next_to_sigma_is_not_asked(scenes: dict[str, ChuteProblem]) -> None:
+    """The far frame of small σ begins farther out: a mesh of large σ refuses the first one of them, and is not asked about the others."""
+    D, shared = Frame(rtol=1e-5).on(st.chute.problem(scenes["high"].flow, kx=5e-4, ky=0.012)), SharedMeshes()
+    large, small = shared.at(D, 0.002 - 0.64j), shared.at(D, 0.002 - 0.0044j)
+    assert large is not small and not large.serves(0.002 - 0.005j)
+    spent = large.evaluations
+    for y in np.linspace(0.0045, 0.007, 6).tolist():
+        assert shared.at(D, complex(0.002, -y)) is small
+    assert large.evaluations == spent
+    assert shared.at(D, 0.002 - 0.6j) is large
+
+
 def test_a_neighbour_lends_its_mesh_and_the_mode_is_its_own(scenes: dict[str, ChuteProblem]) -> None:
     flow = scenes["high"].flow
     one = NeighbouringD(st.chute.problem(flow, kx=5e-4, ky=0.0100), Frame(rtol=1e-9), None)

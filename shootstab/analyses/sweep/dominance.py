@@ -155,6 +155,14 @@ def suggested(problem: Problem) -> list[complex]:
     return _suggested(Continuation(problem, SWEEP_FINDING), SUGGESTING_TRUNCATIONS[0])
 
 
+def next_to(problem: Problem, sigma: complex) -> complex | None:
+    """The zero of D next to a mode of a neighbouring problem; None where the iteration does not show that it is the next one."""
+    try:
+        return land(Continuation(problem, SWEEP_FINDING).along(sigma)[0], sigma)
+    except ConvergenceError:
+        return None
+
+
 def _suggested(continuation: Continuation, truncation: int) -> list[complex]:
     """Zeros of D next to the growing eigenvalues of a pseudospectral discretization: suggestions, which a count confirms or not."""
     try:
