@@ -79,10 +79,10 @@ def polished(form: Enclosable, seed: complex, error: float, places: int, radius:
     near = 10.0 ** (math.floor(math.log10(abs(seed))) - SEED)
     near = min(near, max(2.0 * error, LEAST_NEAR * near))  # two points as near to the zero as the seed save a step
     extra = math.ceil(math.log2(10) * max(0.0, places + math.log10(near)))
-    bits, _ = _enough_bits(form, start, repr(near), max(SPARE_BITS + extra, _first_bits(abs(seed), radius)), TOLD + extra)
+    bits, _ = enough_bits(form, start, repr(near), max(SPARE_BITS + extra, _first_bits(abs(seed), radius)), TOLD + extra)
     with at_bits(bits), mpmath.workprec(bits):
-        enclosure = form.enclosure(bits, disc(_number(start), arb(form.outer * abs(seed))))
-        x = [_number(start), _number(start) + decimal(repr(near))]  # the point that the bits were found with, asked for once
+        enclosure = form.enclosure(bits, disc(number(start), arb(form.outer * abs(seed))))
+        x = [number(start), number(start) + decimal(repr(near))]  # the point that the bits were found with, asked for once
         D = [enclosure(s).mid() for s in x]
         for _ in range(SECANTS):
             if D[1] == D[0] or not abs(x[1] - x[0]) < arb(FARTHEST_SECANT * near):
@@ -99,9 +99,9 @@ def polished(form: Enclosable, seed: complex, error: float, places: int, radius:
 
 def _counted(form: Enclosable, centre: Decimals, radius: str, alone: bool) -> _CountedFactor:
     size = max(abs(complex(float(centre[0]), float(centre[1]))), float(radius))
-    bits, spent = _enough_bits(form, centre, radius, _first_bits(size, radius), KNOWN_BITS)
+    bits, spent = enough_bits(form, centre, radius, _first_bits(size, radius), KNOWN_BITS)
     with at_bits(bits):
-        at, r = _number(centre), decimal(radius)
+        at, r = number(centre), decimal(radius)
         surrounded = _surrounded(form, bits, at, size, float(radius))
         model = _model(surrounded, r)
         count = model.proved()
@@ -123,15 +123,15 @@ def _first_bits(size: float, radius: str) -> int:
     return SPARE_BITS + max(0, math.ceil(math.log2(size / float(radius))))
 
 
-def _enough_bits(form: Enclosable, centre: Decimals, radius: str, bits: int, wanted: int) -> tuple[int, int]:
+def enough_bits(form: Enclosable, centre: Decimals, radius: str, bits: int, wanted: int) -> tuple[int, int]:
     """Bits with which D on the circle is known to so many as are wanted, and how many values it took to find out."""
     size = abs(complex(float(centre[0]), float(centre[1])))
     before: tuple[int, int] | None = None
     for spent in range(1, MOST_PROBES):
         tried = bits
         with at_bits(bits):
-            enclosure = form.enclosure(bits, disc(_number(centre), arb(_outer(form, size, float(radius)))))
-            known = int(enclosure(_number(centre) + decimal(radius)).rel_accuracy_bits())
+            enclosure = form.enclosure(bits, disc(number(centre), arb(_outer(form, size, float(radius)))))
+            known = int(enclosure(number(centre) + decimal(radius)).rel_accuracy_bits())
         if known >= wanted:
             return bits, spent
         if known >= TOLD:
@@ -248,5 +248,5 @@ def disc(centre: Any, radius: Any) -> Any:
     return acb(centre.real + spread, centre.imag + spread)
 
 
-def _number(at: Decimals) -> Any:
+def number(at: Decimals) -> Any:
     return acb(decimal(at[0]), decimal(at[1]))

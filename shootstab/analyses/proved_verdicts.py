@@ -1,14 +1,17 @@
 """Verdicts as theorems: that a claim is confirmed, or that no eigenvalue lies near it, proved in ball arithmetic.
 
 A confirmed claim is proved where exactly as many eigenvalues as the verdict says lie in the circle that its digits mean; a spurious one
-where none lies in it. The verdicts stand: what is not proved says why, and a proof that finds another number says so.
+where none lies in it, or, where the circle is not enclosed, in the disc that one value of D gives. The verdicts stand: what is not proved
+says why, and a proof that finds another number says so.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from shootstab.analyses.proof import at_most
+from shootstab.analyses.enclosables import factors
+from shootstab.analyses.one_value_proof import clear_of_zeros
+from shootstab.analyses.proof import Proof, at_most
 from shootstab.analyses.prove import prove_disc
 from shootstab.analyses.verdicts import radius_of
 from shootstab.core.errors import ConvergenceError, InputError
@@ -47,9 +50,8 @@ def proved_verdicts(problem: Problem, report: Report, progress: Progress | None 
 def _proved(problem: Problem, verdict: Verdict, digits: int) -> ProvedVerdict:
     if verdict.verdict not in (CONFIRMED, SPURIOUS):
         return ProvedVerdict(reason=f"only what is {CONFIRMED} or {SPURIOUS} can be proved")
-    claim = verdict.claimed
     try:
-        proof = prove_disc(problem, claim, max(radius_of(claim, digits), verdict.atol), alone=verdict.verdict == SPURIOUS)
+        proof = _theorem(problem, verdict, max(radius_of(verdict.claimed, digits), verdict.atol))
     except (ConvergenceError, InputError) as error:
         return ProvedVerdict(reason=str(error))
     within = float(proof.region["radius"]) if proof.alone is None else proof.alone
@@ -63,3 +65,17 @@ def _proved(problem: Problem, verdict: Verdict, digits: int) -> ProvedVerdict:
     short = replace(proof, premise="").statement
     upgraded = None if contradicts else "proved"
     return ProvedVerdict(proof.statement, contradicts=contradicts, within=within, upgraded=upgraded, premise=proof.premise, short=short)
+
+
+def _theorem(problem: Problem, verdict: Verdict, radius: float) -> Proof:
+    """What is proved of the circle of a claim's digits; of a spurious one's, where that is nothing, what its value of D says."""
+    if verdict.verdict != SPURIOUS:
+        return prove_disc(problem, verdict.claimed, radius)
+    try:
+        return prove_disc(problem, verdict.claimed, radius, alone=True)
+    except ConvergenceError as error:
+        centre = repr(verdict.claimed.real), repr(verdict.claimed.imag)
+        try:
+            return clear_of_zeros(factors(problem), centre)
+        except ConvergenceError:
+            raise error from None
