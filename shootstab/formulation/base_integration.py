@@ -19,7 +19,7 @@ from shootstab.core.errors import ConvergenceError
 from shootstab.formulation.base_flow import BaseEnd, BaseFlow
 from shootstab.formulation.evaluation import Evaluator
 from shootstab.formulation.expression import Expression
-from shootstab.formulation.series_digits import BaseFields, on_numbers, on_relaxed
+from shootstab.formulation.series_digits import BaseFields, NumberFunctions, on_numbers, on_relaxed
 from shootstab.formulation.system import Jet
 from shootstab.multiprecision.arithmetic import TAIL_TERMS, Arithmetic
 from shootstab.multiprecision.relaxed_series import RelaxedSeries, RelaxedSystem
@@ -62,11 +62,11 @@ class FlowBranch:
 class FlowRecurrence:
     """The Taylor recurrence of a base flow."""
 
-    def __init__(self, arithmetic: Arithmetic, flow: BaseFlow) -> None:
+    def __init__(self, arithmetic: Arithmetic, flow: BaseFlow, numbers: NumberFunctions | None = None) -> None:
         self.arithmetic, self.flow = arithmetic, flow
         self._graph = RelaxedSystem(arithmetic)
         self._z, *self._y = (self._graph.unknown() for _ in range(1 + len(flow.states)))
-        at = on_relaxed(self._graph, self._z, fields_of(flow, dict(zip(flow.states, self._y, strict=True))))
+        at = on_relaxed(self._graph, self._z, fields_of(flow, dict(zip(flow.states, self._y, strict=True))), numbers)
         self._slopes = [self._as_series(at(slope)) for slope in flow.slopes]
 
     def _as_series(self, value: Any) -> RelaxedSeries:

@@ -95,18 +95,16 @@ def enclosed(
 
 def _with_flow(statement: Statement, system: StatePencil, ends: Callable[[complex], Any], reference: complex) -> Enclosable | None:
     """The problem on a base flow, a boundary layer from a wall on."""
-    from shootstab.formulation.enclosed import EquationEnclosable
-    from shootstab.formulation.enclosed_boundary_layer import LayerEnd, boundary_layer_flow
-    from shootstab.multiprecision.enclosure import BetweenEnds
+    from shootstab.formulation.enclosed_boundary_layer import BoundaryLayerFlow
+    from shootstab.formulation.layer_form import layer_form
+    from shootstab.formulation.layer_path import LayerEnclosable
 
     assert statement.base is not None
-    flow = None if statement.joints else boundary_layer_flow(statement.base)
-    if flow is None or not isinstance(statement.left, Conditions) or not isinstance(statement.right, Infinity):
+    form = None if statement.joints else layer_form(statement.base)
+    if form is None or not isinstance(statement.left, Conditions) or not isinstance(statement.right, Infinity):
         return None
-    (counted,) = (at.decaying for at in ends(reference))
-    end = LayerEnd(flow, system, counted, reference)
-    left = Fraction(Gaussian.of(statement.left.at).re)
-    return BetweenEnds(EquationEnclosable(system, left, end, flow=flow), premise=flow.premise)
+    left, (counted,) = Fraction(Gaussian.of(statement.left.at).re), (at.decaying for at in ends(reference))
+    return LayerEnclosable(BoundaryLayerFlow(form), system, left, counted, reference) if left >= form.wall else None
 
 
 def _form(ends: EquationEnclosable, systems: Sequence[StatePencil], joints: Sequence[EnclosedJoint]) -> Enclosable:

@@ -20,6 +20,8 @@ from shootstab.multiprecision.taylor import Taylor
 
 # the derivative, of this order, of a base flow's function by name, in what the evaluator computes with
 BaseFields = Callable[[Evaluator, str, int], Any]
+# a function of a number by its name, and a power of one, where others than the midpoints of numbers count
+NumberFunctions = tuple[Callable[[str, Any], Any], Callable[[Any, Fraction], Any]]
 
 
 def on_numbers(arithmetic: Arithmetic, z: Any, fields: BaseFields | None = None) -> Evaluator:
@@ -30,20 +32,21 @@ def on_numbers(arithmetic: Arithmetic, z: Any, fields: BaseFields | None = None)
     return given.at
 
 
-def on_relaxed(system: RelaxedSystem, z: RelaxedSeries, fields: BaseFields) -> Evaluator:
+def on_relaxed(system: RelaxedSystem, z: RelaxedSeries, fields: BaseFields, numbers: NumberFunctions | None = None) -> Evaluator:
     """Expressions, real ones, on a series z that is known only as far as it has been computed."""
     arithmetic = system.arithmetic
+    seed, root = numbers or (partial(_seed, arithmetic), partial(_root, arithmetic))
 
     def exponent(e: Fraction) -> Any:
         return arithmetic.number(e)
 
-    functions = RelaxedFunctions(system, partial(_seed, arithmetic), partial(_root, arithmetic), exponent)
+    functions = RelaxedFunctions(system, seed, root, exponent)
 
     def applied(name: str, x: Any) -> Any:
-        return functions.apply(name, x) if isinstance(x, RelaxedSeries) else _seed(arithmetic, name, x)
+        return functions.apply(name, x) if isinstance(x, RelaxedSeries) else seed(name, x)
 
     def power(x: Any, e: Fraction) -> Any:
-        return functions.power(x, e) if isinstance(x, RelaxedSeries) else _root(arithmetic, x, e)
+        return functions.power(x, e) if isinstance(x, RelaxedSeries) else root(x, e)
 
     given = _FieldDerivatives(fields)
     given.at = Evaluator(partial(_number, arithmetic), applied, power, {"z": z, "pi": arithmetic.pi}, given)

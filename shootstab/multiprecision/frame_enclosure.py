@@ -60,7 +60,11 @@ class EnclosedPath(Protocol):
 
     @property
     def singular(self) -> Sequence[Any]:
-        """Balls that together hold every σ at which D may not be analytic."""
+        """Balls at which D may not be analytic, as far as they are known beforehand."""
+        ...
+
+    def analytic(self, sigma: Any) -> bool:
+        """Whether D is seen to be analytic on the whole ball σ."""
         ...
 
 
@@ -96,8 +100,8 @@ class FrameEnclosure:
         return det * (_columns(W, rows) + _columns(W, _others(path.size, rows)) * graph).det()
 
     def analytic(self, sigma: Any) -> bool:
-        """Whether the ball σ holds nothing of what is singular."""
-        return not any(acb(sigma).overlaps(place) for place in self.path.singular)
+        """Whether D is seen to be analytic on the whole ball σ."""
+        return self.path.analytic(sigma)
 
     def growth(self, sigma: Any) -> Any:
         """An upper bound of ln |D| for all σ in a ball, by lemma E4."""

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from shootstab.core.balls import acb, arb, ctx
+from shootstab.core.balls import arb, ctx
 from shootstab.core.errors import ConvergenceError
 from shootstab.core.series import Series
 from shootstab.models.chute.balance import slopes
@@ -25,14 +25,11 @@ from shootstab.models.chute.flow_set import FlowDerivative, FlowSet, TailedField
 from shootstab.models.chute.multiprecision_flow import Descent, FlowAtBase, energy_defect, far_series
 from shootstab.models.chute.parameters import Chute
 from shootstab.multiprecision.flint_backend import FlintArithmetic
+from shootstab.multiprecision.mapped_tails import change, following, tailed
 from shootstab.multiprecision.settings import Settings
 from shootstab.multiprecision.tailed_series import NO_TAIL, TailedSeries
 
-TAIL_ATTEMPTS, TAIL_ROOM = 12, 1.5  # chosen: guesses of the tails, and by what each exceeds what the inequality asked for
-# chosen: the factor from one attempt at a step, or at a start of the far field, to the next where nothing is known, and where they end
-SHORTER, SHORTEST_PART, SMALLEST_START = 0.75, 2.0**-12, 2.0**-48
-# chosen: the contraction that is aimed at, in units of what is allowed, and by what a step, or a start, changes at most
-AIM, MOST_CHANGE = 0.85, 4.0
+SHORTEST_PART, SMALLEST_START = 2.0**-12, 2.0**-48  # chosen: where attempts at a step, and at a start of the far field, end
 LAST_STEP_OVER = 1.05  # chosen: the last step over the way to the base, which lies inside it
 BASE_ITERATIONS = 12  # chosen: Newton steps to the base, each of which doubles its digits
 BASE_ROOM = 16.0  # chosen: half width of the interval searched for the base over the step of Newton's iteration
@@ -80,25 +77,6 @@ class EnclosedFlow:
         return bool(self.start == other.start and low < other.depth and other.depth < high)
 
 
-def tailed(terms: Sequence[Sequence[Any]], scale: Any, needed: Callable[[TailedFields], Sequence[Any]]) -> TailedFields | None:
-    """The series of these terms times scale^m with tails r for which needed(r) ≤ r; None where none of the guesses will do."""
-    N = len(terms[0])
-    powers = [arb(1)]
-    for _ in range(N - 1):
-        powers.append(powers[-1] * scale)
-    coefficients = [[acb(c * p) for c, p in zip(y, powers, strict=True)] for y in terms]
-    tails = [(2 * sum((abs(x) for x in c[-2:]), NO_TAIL)).upper() for c in coefficients]
-    for _ in range(TAIL_ATTEMPTS):
-        fields = tuple(TailedSeries(c, N, r, True) for c, r in zip(coefficients, tails, strict=True))
-        asked = needed(fields)
-        if not all(a.is_finite() for a in asked):
-            return None
-        if all(a <= r for a, r in zip(asked, tails, strict=True)):
-            return fields
-        tails = [r if a <= r else (TAIL_ROOM * a).upper() for a, r in zip(asked, tails, strict=True)]
-    return None
-
-
 class EnclosedDescent:
     """The flow of the chute that decays to T_∞, a ball, on its way down."""
 
@@ -117,7 +95,7 @@ class EnclosedDescent:
             reached = math.inf if found is None else contraction(found)
             if found is not None and reached <= 1.0:
                 return nu, found
-            nu = (nu * _change(reached)).mid()
+            nu = (nu * change(reached)).mid()
         raise ConvergenceError(f"no volume fraction above {SMALLEST_START:.1e} is small enough for an enclosure of the far field")
 
     def descend(self, nu: Any, far: TailedFields, length: float, contraction: Callable[[Piece], float] = lambda piece: 0.0) -> EnclosedFlow:
@@ -136,7 +114,7 @@ class EnclosedDescent:
                 reached = math.inf if found is None else contraction(found[0])
                 if found is not None and reached <= 1.0:
                     break
-                part *= _change(reached)
+                part *= change(reached)
                 if part < SHORTEST_PART:
                     raise ConvergenceError("no step is short enough for an enclosure along the steady flow")
             piece, there = found
@@ -151,7 +129,7 @@ class EnclosedDescent:
                 return EnclosedFlow(chute, self._far_temperature, nu, far, every, base, first and steady, above - h * t, alone)
             first = first and _not_met(chute, piece.at, arb(0))
             pieces.append(piece)
-            part = min(1.0, part * _next(reached))
+            part = min(1.0, part * following(reached))
             here = there
             left += float(h.mid())
 
@@ -186,16 +164,6 @@ class EnclosedDescent:
         N = nu.terms
         decay, T_z, u_z, Q_z = _slopes_of(self._chute, fields)
         return [abs(h) / N * f.beyond()[min(N - 1, len(f.c))] for f in (nu * decay, T_z, u_z, Q_z, -(nu * u))]
-
-
-def _change(reached: float) -> float:
-    """The factor to a shorter step, or a smaller start, from the contraction of one that is not admitted."""
-    return min(SHORTER, max(AIM / reached, 1 / MOST_CHANGE)) if reached < math.inf else 0.5
-
-
-def _next(reached: float) -> float:
-    """The factor to the next step from the contraction of one that is admitted."""
-    return min(MOST_CHANGE, AIM / max(reached, AIM / MOST_CHANGE))
 
 
 def _slopes_of(chute: Chute, state: Sequence[Any]) -> Any:

@@ -15,7 +15,7 @@ from shootstab.core.balls import acb, arb, ctx
 from shootstab.core.errors import ConvergenceError
 from shootstab.models.chute import first_order_system as system
 from shootstab.models.chute.background import background
-from shootstab.models.chute.enclosed_flow import AIM, EnclosedDescent, EnclosedFlow, Piece
+from shootstab.models.chute.enclosed_flow import EnclosedDescent, EnclosedFlow, Piece
 from shootstab.models.chute.flow_set import TailedFields
 from shootstab.models.chute.multiprecision_far import leading, turned, wavenumber
 from shootstab.models.chute.multiprecision_problem import ChuteDigits
@@ -25,6 +25,7 @@ from shootstab.models.chute.wall import wall_rows
 from shootstab.multiprecision.arithmetic import Matrix, exact
 from shootstab.multiprecision.flint_backend import FlintArithmetic
 from shootstab.multiprecision.frame_enclosure import CELLS_OF_STEP, FrameEnclosure
+from shootstab.multiprecision.mapped_tails import AIM
 from shootstab.multiprecision.settings import GUARD_DIGITS, Settings
 from shootstab.multiprecision.tailed_pencil import BALLS, TailedPencil
 
@@ -87,6 +88,10 @@ class ChutePath:
                 raise ConvergenceError("the continuous spectrum of the flow is not enclosed: take more bits")
             found.append(place)
         return found
+
+    def analytic(self, sigma: Any) -> bool:
+        """Whether the ball σ holds nothing of the continuous spectrum."""
+        return not any(acb(sigma).overlaps(place) for place in self.singular)
 
     def wall(self, sigma: Any) -> Matrix:
         flow = self.flow

@@ -17,13 +17,14 @@ from shootstab.core.errors import ConvergenceError  # noqa: E402
 from shootstab.models.chute import ChuteProblem, Flow  # noqa: E402
 from shootstab.models.chute import first_order_system as system  # noqa: E402
 from shootstab.models.chute.background import background  # noqa: E402
-from shootstab.models.chute.enclosed_flow import EnclosedDescent, EnclosedFlow, tailed  # noqa: E402
+from shootstab.models.chute.enclosed_flow import EnclosedDescent, EnclosedFlow  # noqa: E402
 from shootstab.models.chute.enclosed_problem import ChuteEnclosable  # noqa: E402
 from shootstab.models.chute.flow_set import FlowSet  # noqa: E402
 from shootstab.models.chute.multiprecision_far import leading, wavenumber  # noqa: E402
 from shootstab.models.chute.multiprecision_flow import descend  # noqa: E402
 from shootstab.multiprecision.arithmetic import exact  # noqa: E402
 from shootstab.multiprecision.flint_backend import FlintArithmetic  # noqa: E402
+from shootstab.multiprecision.mapped_tails import tailed  # noqa: E402
 from shootstab.multiprecision.settings import Settings  # noqa: E402
 from shootstab.multiprecision.tailed_pencil import BALLS  # noqa: E402
 
