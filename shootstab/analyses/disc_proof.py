@@ -10,7 +10,7 @@ from typing import Any
 import mpmath
 
 from shootstab.analyses.proof import Decimals, Proof, lemmas, named, premise, rounded
-from shootstab.core.balls import acb, arb
+from shootstab.core.balls import acb, arb, ctx
 from shootstab.core.errors import ConvergenceError
 from shootstab.multiprecision.enclosable import BoundedDiscriminant, Enclosable
 from shootstab.multiprecision.enclosure import at_bits, decimal
@@ -103,18 +103,24 @@ def _counted(form: Enclosable, centre: Decimals, radius: str, alone: bool) -> _C
     with at_bits(bits):
         at, r = number(centre), decimal(radius)
         surrounded = _surrounded(form, bits, at, size, float(radius))
-        model = _model(surrounded, r)
+        if not alone:
+            model, widest = _model(surrounded, r), float(radius)
+            spent += len(model.sizes) + 1
+        else:
+            wider = _wide_model(surrounded, r, size).with_first(surrounded.D(at))
+            model = wider.shrunk(r)
+            spent += len(wider.sizes) + 3
         count = model.proved()
+        if count is None and alone:
+            model = _model(surrounded, r)
+            count = model.proved()
+            spent += len(model.sizes)
         if count is None:
             raise ConvergenceError(
                 f"no term dominates the Taylor series of D on the circle of radius {radius}: take a smaller disc, or another centre"
             )
-        spent += len(model.sizes) + 1
-        widest = float(radius)
         if alone:
-            wider = _wide_model(surrounded, float(radius), size)
             widest = max(_alone(wider, count, float(radius)), float(radius))
-            spent += len(wider.sizes) + 2
     return _CountedFactor(count, model.margin(count), bits, len(model.sizes), spent, widest)
 
 
@@ -194,8 +200,12 @@ def _model(about: _Surrounded, radius: Any, spare: int = 0) -> TaylorModel:
     return taylor_model(about.D, about.bound, about.centre, radius, arb(about.outer), points, about.D.real)
 
 
-def _wide_model(about: _Surrounded, radius: float, size: float) -> TaylorModel:
-    """The polynomial model of D on a circle of WIDEST·|σ|, or a smaller one for which the points that may be taken do."""
+def _wide_model(about: _Surrounded, r: Any, size: float) -> TaylorModel:
+    """The polynomial model of D on a circle of WIDEST·|σ|, or a smaller one for which the points that may be taken do; r at least.
+
+    There D is larger than on the circle of radius r, for which its bits are, by the ratio of the two: as many fewer do.
+    """
+    radius = float(r)
     wide = min(WIDEST * size, about.outer / WIDEST_CIRCLE)
     log_size = _log_size(about.D, about.centre + arb(radius))
     log_size += math.log(wide / radius) if radius < wide else 0.0  # D grows about so much, being linear
@@ -204,8 +214,13 @@ def _wide_model(about: _Surrounded, radius: float, size: float) -> TaylorModel:
     spare = min(SPARE_POINTS, few.most // SPARE_PART)
     if nats_for(about.bound, log_size) > (few.most - spare) * math.log(about.outer / wide):
         few = replace(few, bound=_rim_bound(about))
-    far = about.outer * math.exp(-nats_for(few.bound, log_size) / (few.most - spare))
-    return _model(few, arb(max(min(wide, far), radius)), spare)
+    far = min(wide, about.outer * math.exp(-nats_for(few.bound, log_size) / (few.most - spare)))
+    if far <= radius:
+        return _model(few, r, spare)
+    bits = min(ctx.prec, max(SPARE_BITS, ctx.prec - math.floor(math.log2(far / radius))))
+    few = replace(few, D=about.D.rougher(bits))
+    with at_bits(ctx.prec if few.D is about.D else bits):
+        return _model(few, arb(far), spare)
 
 
 def _halved(about: _Surrounded) -> bool:

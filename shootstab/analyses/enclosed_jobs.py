@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import math
 import pickle
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from fractions import Fraction
+from dataclasses import dataclass
 from functools import lru_cache
-from itertools import pairwise
 from typing import Any
 
 from shootstab.analyses.enclosables import factors
@@ -18,11 +15,10 @@ from shootstab.multiprecision.enclosable import BoundedDiscriminant, Enclosable
 from shootstab.multiprecision.enclosure import at_bits
 from shootstab.multiprecision.tails import largest
 from shootstab.roots.ellipses import Square, ball_of, point, quarters
-from shootstab.roots.pieces import Bounded, ContourPiece, pieces
+from shootstab.roots.pieces import ContourPiece
 
 DEEPEST = 3  # chosen: how often a square is cut in four where |D| has no bound on it, or a poor one
-THIN_SQUARE = 2.0**-6  # chosen: half a side of a square about a point on an ellipse, at which |D| is bounded to see what there is
-SHARED_RHO = 1.5  # chosen: ellipse at whose vertices an enclosure is told to hold
+THIN_SQUARE = 2.0**-6  # chosen: half a side of a square about a point, in t, for which an enclosure is made
 
 Integers = tuple[int, int]  # m, e of m 2^e
 ExactBall = tuple[Integers, Integers, Integers, Integers]  # middle and radius of the real part, and of the imaginary part
@@ -39,22 +35,15 @@ class PieceValue:
 
 @dataclass(frozen=True)
 class SquareBound:
-    """ln |D| on a square of a piece's t-plane, which is cut where it has a bound above `allowed` or none."""
+    """ln |D| on a square of a piece's t-plane, which is cut up to `cuts` times where it has a bound above `allowed` or none."""
 
     piece: ContourPiece
     box: Square
     allowed: float
+    cuts: int = DEEPEST
 
 
-@dataclass(frozen=True)
-class EllipseSample:
-    """ln |D| next to some points on an ellipse of a piece, the largest; to choose an ellipse, and no bound."""
-
-    piece: ContourPiece
-    rho: float
-
-
-BallQuestion = PieceValue | SquareBound | EllipseSample
+BallQuestion = PieceValue | SquareBound
 
 
 @dataclass(frozen=True)
@@ -105,7 +94,7 @@ def answered(D: BoundedDiscriminant, job: BallQuestion) -> BallAnswer:
     """The answer to a job, at the working precision. Raises ConvergenceError for a value that is not enclosed."""
     if isinstance(job, PieceValue):
         return BallAnswer(D.multiple, value=exact_ball(D(job.piece.at(point(job.j, job.K)))))
-    found = _bound(D, job.piece, job.box, job.allowed, DEEPEST) if isinstance(job, SquareBound) else _largest(D, job.piece, job.rho)
+    found = _bound(D, job.piece, job.box, job.allowed, job.cuts)
     if not found.is_finite():
         return BallAnswer(D.multiple)
     man, exp = found.upper().man_exp()
@@ -142,25 +131,7 @@ def _bound(D: BoundedDiscriminant, piece: ContourPiece, box: Square, allowed: fl
     return largest(parts)
 
 
-def _largest(D: BoundedDiscriminant, piece: ContourPiece, rho: float) -> Any:
-    found = [arb(-math.inf)]
-    for t in on_ellipse(rho, piece.mirrored):
-        try:
-            found.append(D.growth(piece.at(acb(t.real, t.imag) + acb(arb(0, THIN_SQUARE), arb(0, THIN_SQUARE)))).upper())
-        except ConvergenceError:
-            return arb.nan()
-    return largest(found)
-
-
-def on_ellipse(rho: float, mirrored: bool) -> Sequence[complex]:
-    """Its vertices; of a mirrored piece without that to the left."""
-    across, up = (rho + 1 / rho) / 2, (rho - 1 / rho) / 2
-    return [complex(0, up), complex(0, -up), complex(across), *([] if mirrored else [complex(-across)])]
-
-
-def next_to(region: Bounded, parts: int) -> list[Any]:
-    """Balls of σ next to the boundary, for which an enclosure is made: vertices of ellipses about so many parts of each piece."""
-    thin, ends = acb(arb(0, THIN_SQUARE), arb(0, THIN_SQUARE)), [Fraction(2 * k, parts) - 1 for k in range(parts + 1)]
-    cut = [replace(piece, low=low, high=high) for piece in pieces(region, False) for low, high in pairwise(ends)]
-    vertices = on_ellipse(SHARED_RHO, False)
-    return [part.at(acb(t.real, t.imag) + thin) for part in cut for t in (vertices if parts == 1 else vertices[:2])]
+def next_to(piece: ContourPiece, places: Sequence[complex]) -> list[Any]:
+    """Balls of σ about places t of a piece, for which an enclosure is made."""
+    thin = acb(arb(0, THIN_SQUARE), arb(0, THIN_SQUARE))
+    return [piece.at(acb(t) + thin) for t in places]

@@ -7,6 +7,7 @@ D = det(L + R Φ).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
@@ -88,6 +89,14 @@ class WayEnclosure:
             return bool(self.growth(sigma).is_finite())
         except ConvergenceError:
             return False
+
+    def rougher(self, bits: int) -> WayEnclosure:
+        """Itself: its values are cheap, and where it begins may depend on the precision."""
+        return self
+
+    def room(self, sigma: complex) -> float:
+        """Infinite: where D is singular is not known beforehand."""
+        return math.inf
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,6 +35,17 @@ class BoundedDiscriminant(Protocol):
         """Whether D is seen to be analytic on the whole ball σ, which may be wide."""
         ...
 
+    def rougher(self, bits: int) -> BoundedDiscriminant:
+        """The same D, no other multiple, to be called at so many bits, where that costs less, or else itself.
+
+        It is to be asked for at the working precision of this one.
+        """
+        ...
+
+    def room(self, sigma: complex) -> float:
+        """The distance of σ to what is singular, about, infinite where that is not known; a choice of sizes, and no bound."""
+        ...
+
 
 class Enclosable(Protocol):
     """A problem whose D can be enclosed."""

@@ -119,6 +119,14 @@ class Enclosure:
         except ConvergenceError:
             return False
 
+    def rougher(self, bits: int) -> Enclosure:
+        """Itself: its values are cheap, and where it begins may depend on the precision."""
+        return self
+
+    def room(self, sigma: complex) -> float:
+        """Infinite: where D is singular is not known beforehand."""
+        return math.inf
+
     def _step(self, sigma: Any, y: Any, here: Any, wall: Any, longest: float) -> tuple[Any, float, bool]:
         """The compound vector after one step, its length and whether it ends at the wall."""
         left = wall - here

@@ -11,11 +11,16 @@ exactly: what is uncertain in G is carried by the derivative of the map, which c
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Protocol
 
-from shootstab.core.balls import acb, acb_mat, arb
+import numpy as np
+from numpy.typing import NDArray
+
+from shootstab.core.balls import acb, acb_mat, arb, ctx
 from shootstab.core.errors import ConvergenceError
 from shootstab.multiprecision import small_matrices as matrices
 from shootstab.multiprecision.arithmetic import Matrix
@@ -24,6 +29,7 @@ from shootstab.multiprecision.growth import log_bound
 from shootstab.multiprecision.minors import minors
 from shootstab.multiprecision.tailed_pencil import BALLS, TailedPencil
 
+PART_OF_TERMS = 0.7  # chosen: the least part of the terms of a step, with which the tail is bounded
 CELLS_OF_STEP = 4  # chosen: cells over which growth is bounded; more make the bound tighter, fewer looser, none wrong
 
 
@@ -69,6 +75,53 @@ class EnclosedPath(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
+class _ShortenedPath:
+    """See EnclosedPath: another one whose steps have a part of their terms, no less than PART_OF_TERMS of them.
+
+    Its ends are those of the other one, at the bits of that: where a path begins may depend on the precision.
+    """
+
+    path: EnclosedPath
+    part: float
+    bits: int
+
+    @property
+    def size(self) -> int:
+        return self.path.size
+
+    @property
+    def decaying(self) -> int:
+        return self.path.decaying
+
+    @property
+    def multiple(self) -> tuple[Any, ...]:
+        with ctx.workprec(self.bits):
+            return self.path.multiple
+
+    @cached_property
+    def steps(self) -> Sequence[TailedPencil]:
+        """The steps by fewer terms."""
+        return [step.shortened(math.ceil(max(self.part, PART_OF_TERMS) * step.terms)) for step in self.path.steps]
+
+    def far(self, sigma: Any) -> Matrix:
+        with ctx.workprec(self.bits):
+            return self.path.far(sigma)
+
+    def wall(self, sigma: Any) -> Matrix:
+        with ctx.workprec(self.bits):
+            return self.path.wall(sigma)
+
+    @property
+    def singular(self) -> Sequence[Any]:
+        with ctx.workprec(self.bits):
+            return self.path.singular
+
+    def analytic(self, sigma: Any) -> bool:
+        with ctx.workprec(self.bits):
+            return self.path.analytic(sigma)
+
+
+@dataclass(frozen=True, eq=False)
 class FrameEnclosure:
     """See multiprecision.enclosable.BoundedDiscriminant: D of a path."""
 
@@ -91,17 +144,33 @@ class FrameEnclosure:
         path = self.path
         rows, graph, det = _normalized(_matrix(path.far(sigma)))
         for step in path.steps:
-            Phi = step.transition(sigma)
-            if Phi is None:
+            found = step.carried(sigma, *_begun(path.size, rows, graph.mid()))
+            if found is None:
                 raise ConvergenceError(f"a step is too long for an enclosure at sigma = {complex(acb(sigma).mid()):.6g}")
-            rows, graph, factor = _carried(_matrix(Phi), rows, graph)
+            known, second = map(_matrix, found)
+            rows, graph, factor = _moved(known, second, graph)
             det = det * factor
         W = _matrix(path.wall(sigma))
         return det * (_columns(W, rows) + _columns(W, _others(path.size, rows)) * graph).det()
 
+    def rougher(self, bits: int) -> FrameEnclosure:
+        """The same D by fewer terms, for so many bits; to be asked for at the working precision of this one."""
+        return FrameEnclosure(_ShortenedPath(self.path, bits / ctx.prec, ctx.prec), self.real)
+
     def analytic(self, sigma: Any) -> bool:
         """Whether D is seen to be analytic on the whole ball σ."""
         return self.path.analytic(sigma)
+
+    @cached_property
+    def _places(self) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+        """The middles and radii of what is singular, in doubles."""
+        places = self.path.singular
+        return np.array([complex(x.mid()) for x in places]), np.array([float(abs(x - x.mid()).upper()) for x in places])
+
+    def room(self, sigma: complex) -> float:
+        """The distance of σ to what is singular, infinite where nothing is."""
+        middles, radii = self._places
+        return max(0.0, float((np.abs(middles - sigma) - radii).min(initial=math.inf)))
 
     def growth(self, sigma: Any) -> Any:
         """An upper bound of ln |D| for all σ in a ball, by lemma E4."""
@@ -122,18 +191,27 @@ def _normalized(Y: Any) -> tuple[list[int], Any, Any]:
     return rows, _solved(_rows(Y, _others(Y.nrows(), rows)), top), top.det()
 
 
-def _carried(Phi: Any, rows: list[int], graph: Any) -> tuple[list[int], Any, Any]:
-    """The rows, G and the factor of D after a step."""
-    n = Phi.nrows()
-    first, second = _columns(Phi, rows), _columns(Phi, _others(n, rows))
-    middle = graph.mid()
-    known = first + second * middle
+def _begun(n: int, rows: Sequence[int], middle: Any) -> tuple[Matrix, Matrix]:
+    """(I; Ḡ) (n, k) and (0; I) (n, n − k), with I or 0 in these rows; numbers are real where all are."""
+    table, others = middle.tolist(), _others(n, rows)
+    if all(x.imag.is_zero() for row in table for x in row):
+        table = [[x.real for x in row] for row in table]
+    one, nothing = BALLS.number(1), BALLS.number(0)
+    first = {row: [one if q == p else nothing for q in range(len(rows))] for p, row in enumerate(rows)}
+    first |= dict(zip(others, table, strict=True))
+    second = [[one if i == row else nothing for row in others] for i in range(n)]
+    return [first[i] for i in range(n)], second
+
+
+def _moved(known: Any, second: Any, graph: Any) -> tuple[list[int], Any, Any]:
+    """The rows, G and the factor of D after a step, from M̄ = Φ (I; Ḡ) and Φ₂."""
+    n = known.nrows()
     chosen = matrices.pivots(BALLS, known.mid().tolist())
-    others = _others(n, chosen)
+    others, off = _others(n, chosen), graph - graph.mid()
     moved = _rows(known, chosen)
     F = _solved(_rows(known, others), moved)
-    whole = moved + _rows(second, chosen) * (graph - middle)
-    spread = _solved((_rows(second, others) - F * _rows(second, chosen)) * (graph - middle), whole)
+    whole = moved + _rows(second, chosen) * off
+    spread = _solved((_rows(second, others) - F * _rows(second, chosen)) * off, whole)
     return chosen, F + spread, whole.det()
 
 

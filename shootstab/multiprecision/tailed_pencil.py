@@ -23,6 +23,8 @@ from shootstab.multiprecision.taylor import Taylor
 BALLS = FlintArithmetic(radii=True)  # exact: the arithmetic of every enclosure
 QUOTIENT_CONTRACTION, SOLUTION_CONTRACTION = 0.85, 0.5  # chosen: spectral radii of the two G up to which a step is not too long
 
+ROUGH_PART = 0.65  # chosen: part of the terms of a step for solutions that are wanted roughly; by half of them the tail is not bounded
+Quotient = tuple[dict[tuple[int, int], Any], SizedEntries, list[Any]]  # the terms of A = C⁻¹D, their moduli, and X of A
 SEEN_BITS = 16  # chosen: bits above the working precision from which on terms left out would be seen
 
 
@@ -60,24 +62,43 @@ class TailedPencil:
         C, D = self._kept["beyond"]
         return C, D
 
-    def transition(self, sigma: Any) -> Matrix | None:
-        """Φ (n, n) with ψ(1) = Φ ψ(0), as balls; None where it is not bounded."""
-        found = self.expansion(sigma)
-        return None if found is None else _summed(*found)
-
     def expansion(self, sigma: Any) -> tuple[list[Matrix], list[Any]] | None:
         """The terms of Φ(t) (n, n), ψ(t) = Φ(t) ψ(0), and bounds (n,) of what they leave out in each row; None where it is not bounded."""
         found = self._quotient(sigma)
+        return (
+            None
+            if found is None
+            else self._solutions(found, [[BALLS.number(int(i == j)) for j in range(self.size)] for i in range(self.size)], self.terms)
+        )
+
+    def carried(self, sigma: Any, Y: Matrix, Z: Matrix) -> tuple[Matrix, Matrix] | None:
+        """Φ Y (n, k) and, by fewer terms and so less closely, Φ Z (n, q), as balls; None where they are not bounded."""
+        found = self._quotient(sigma)
         if found is None:
             return None
-        A, sizes, rest = found
+        few = math.ceil(ROUGH_PART * self.terms)
+        parts = [self._solutions(found, start, terms) for start, terms in ((Y, self.terms), (Z, few))]
+        if parts[1] is None:
+            parts[1] = self._solutions(found, Z, self.terms)
+        first, second = (None if part is None else _summed(*part) for part in parts)
+        return None if first is None or second is None else (first, second)
+
+    def shortened(self, terms: int) -> TailedPencil:
+        """The same pencils by fewer terms."""
+        C, D = ([{at: y.shortened(terms) for at, y in part.items()} for part in parts] for parts in (self.C, self.D))
+        return TailedPencil(self.size, C, D, terms)
+
+    def _solutions(self, quotient: Quotient, start: Matrix, terms: int) -> tuple[list[Matrix], list[Any]] | None:
+        """Terms of the solutions from a matrix (n, k) on, and bounds (n,) of the rest."""
+        A, sizes, rest = quotient
+        every = range(self.size)
         with capped(self.terms):
-            rows = [[_parts(A.get((i, j))) for j in range(self.size)] for i in range(self.size)]
+            rows = [[_parts(A.get((i, j))) for j in every] for i in every]
             nothing = [[(None, None)] * self.size] * self.size
-            identity = [[BALLS.number(int(i == j)) for j in range(self.size)] for i in range(self.size)]
-            terms = BALLS.expanded([*rows, *nothing], identity, identity, self.terms)
-        tail = SolutionBounds.of_step(self.size, sizes, rest, self.terms).tail(terms)
-        return None if tail is None else (terms, tail)
+            identity = [[BALLS.number(int(i == j)) for j in every] for i in every]
+            found = BALLS.expanded([*rows, *nothing], identity, start, terms)
+        tail = SolutionBounds.of_step(self.size, sizes, rest, terms).tail(found)
+        return None if tail is None else (found, tail)
 
     def decaying(self, sigma: Any, P0: Matrix, rate: Any, nilpotent: Matrix) -> Matrix | None:
         """P(1) (n, k) of the solutions P(t) t^(rate + nilpotent (k, k)), P(0) = P0, at a singular end, as balls; None where not bounded.
@@ -149,7 +170,7 @@ class TailedPencil:
         inverse = _inverse(self._leading(sigma))
         return None if inverse is None else QuotientBounds.of(inverse, *self.beyond, abs(sigma).upper())
 
-    def _quotient(self, sigma: Any) -> tuple[dict[tuple[int, int], Any], SizedEntries, list[Any]] | None:
+    def _quotient(self, sigma: Any) -> Quotient | None:
         """The terms of A = C⁻¹D, their moduli, and X of A; None where it is not bounded."""
         bounds = self._quotient_bounds(sigma)
         if bounds is None:

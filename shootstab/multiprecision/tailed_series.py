@@ -73,6 +73,10 @@ class TailedSeries:
             sums.append(sums[-1] + abs(x))
         return sums[::-1]
 
+    def shortened(self, terms: int) -> TailedSeries:
+        """The same functions by fewer terms: those dropped belong to the tail."""
+        return TailedSeries(self.c[:terms], terms, self.tail + _norm(self.c[terms:]), self.real)
+
     def _like(self, c: Sequence[Any], tail: Any, real: bool) -> TailedSeries:
         return TailedSeries(c, self.terms, tail, real)
 

@@ -57,7 +57,7 @@ def boxes(rho: float, longest: float, mirrored: bool) -> Iterator[Square]:
     for i in range(0 if mirrored else -columns, columns):
         for j in range(-rows, rows):
             box = (2 * i + 1) * half, (2 * j + 1) * half, half
-            if _meets(box, rho):
+            if meets(box, rho):
                 yield box
 
 
@@ -69,7 +69,7 @@ def quarters(box: Square) -> Iterator[Square]:
             yield x + i * half / 2, y + j * half / 2, half / 2
 
 
-def _meets(box: Square, rho: float) -> bool:
+def meets(box: Square, rho: float) -> bool:
     """Whether a square may hold a point of the ellipse |t − 1| + |t + 1| ≤ ρ + 1/ρ; no square that does is left out."""
     t = ball_of(box)
     return not abs(t - 1) + abs(t + 1) > arb(rho) + 1 / arb(rho)

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -53,6 +53,10 @@ class TaylorModel:
             raise ValueError("a Taylor series is known on its own circle and on smaller ones")
         powers = [ratio**k for k in range(len(self.sizes) + 1)]
         return TaylorModel(self.centre, radius, tuple(x * p for x, p in zip(self.sizes, powers[:-1], strict=True)), self.tail * powers[-1])
+
+    def with_first(self, value: Any) -> TaylorModel:
+        """The same series where D(c) is known to be this."""
+        return replace(self, sizes=(abs(value), *self.sizes[1:]))
 
     def proved(self) -> int | None:
         """The number of zeros, None where the inequality holds for no n."""

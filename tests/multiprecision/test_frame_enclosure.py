@@ -102,3 +102,19 @@ def test_a_wide_frame_is_carried_by_its_contraction() -> None:
         exact_far = path.far
         path.far = lambda sigma: [[x + acb(arb(0, 1e-20), 0) for x in row] for row in exact_far(sigma)]  # type: ignore[method-assign]
         assert FrameEnclosure(path, False)(acb(0.3, 0.2)).rel_accuracy_bits() > 45
+
+
+def test_fewer_bits_enclose_the_same_multiple_of_d() -> None:
+    """Where a path begins may depend on the working precision: here its basis is scaled by the bits."""
+    form = st.gallery.PlanePoiseuille(200.0, 1.1, half=True)
+    with ctx.workprec(200):
+        path, sigma = ClosedPath(form), acb(-0.1, -0.4)
+        exact_far = path.far
+        path.far = lambda sigma: [[x * ctx.prec for x in row] for row in exact_far(sigma)]  # type: ignore[method-assign]
+        D = FrameEnclosure(path, False)
+        rough = D.rougher(100)
+        assert max(step.terms for step in rough.path.steps) < TERMS
+        found = D(sigma)
+    with ctx.workprec(100):
+        fewer = rough(sigma)
+    assert fewer.overlaps(found) and 20 < fewer.rel_accuracy_bits() < found.rel_accuracy_bits()

@@ -53,13 +53,16 @@ def marched() -> Any:
 
 
 class Path:
-    """One step with ψ(1) = Φ ψ(0) of two equations, one decaying solution of which begins with these values; see EnclosedPath."""
+    """One step with ψ(1) = ψ(0) of two equations, or one too long; a decaying solution begins with these values. See EnclosedPath."""
 
     size, decaying = 2, 1
 
-    def __init__(self, transition: Any, first: Any, second: Any) -> None:
-        self.transition, self._begins = transition, [[first], [second]]
+    def __init__(self, bounded: bool, first: Any, second: Any) -> None:
+        self._bounded, self._begins = bounded, [[first], [second]]
         self.steps = [self]
+
+    def carried(self, sigma: Any, *starts: Any) -> Any:
+        return starts if self._bounded else None
 
     def far(self, sigma: Any) -> Any:
         return self._begins
@@ -73,12 +76,12 @@ def test_enclosures_too_wide_or_unbounded_are_refused() -> None:
     from shootstab.multiprecision.frame_enclosure import FrameEnclosure
 
     acb, arb = flint.acb, flint.arb
-    identity, sigma = [[1, 0], [0, 1]], acb(0.25, -1)
-    assert FrameEnclosure(Path(lambda sigma: identity, 2, 1), False)(sigma).contains(2)
+    sigma = acb(0.25, -1)
+    assert FrameEnclosure(Path(True, 2, 1), False)(sigma).contains(2)
     with pytest.raises(ConvergenceError, match=r"a step is too long for an enclosure at sigma = 0\.25-1j"):
-        FrameEnclosure(Path(lambda sigma: None, 2, 1), False)(sigma)
+        FrameEnclosure(Path(False, 2, 1), False)(sigma)
     with pytest.raises(ConvergenceError, match="too wide to tell the decaying solutions apart: take more bits"):
-        FrameEnclosure(Path(lambda sigma: identity, acb(arb(1, 2)), acb(arb(0, 2))), False)(sigma)
+        FrameEnclosure(Path(True, acb(arb(1, 2)), acb(arb(0, 2))), False)(sigma)
 
 
 def test_a_matrix_that_may_be_singular_is_not_divided_by() -> None:
