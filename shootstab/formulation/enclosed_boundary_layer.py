@@ -1,4 +1,4 @@
-"""A base flow that is a layer (layer_form.py) in balls: its functions at places and on series (theory, lemmas E18 to E21)."""
+"""A base flow that is a layer (layer_form.py) in balls: its functions at places and on series (theory, lemmas E18, E19, E21 and E22)."""
 
 from __future__ import annotations
 

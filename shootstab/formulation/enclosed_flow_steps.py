@@ -1,7 +1,7 @@
 """Steps of a base flow in balls: its Taylor series with a tail, and how far flows of other states are from it at most.
 
 The tail is that of lemma C1. Two flows of y′ = F(y) differ by δ with δ′ = A δ, A a mean of ∂F/∂y over states between them. Where M holds
-upper bounds of Re A_ii and |A_ij| along the step, |δ| at its end is e^{hM} times that at its beginning at most, entrywise (lemma E20), and
+upper bounds of Re A_ii and |A_ij| along the step, |δ| at its end is e^{hM} times that at its beginning at most, entrywise (lemma E22), and
 on the way e^{hM₊} times it, M₊ being M without what is negative: what dies away in the flow dies away in the bound.
 """
 

@@ -23,7 +23,7 @@ from shootstab.multiprecision.minors import at_sigma, solved
 from shootstab.multiprecision.tailed_pencil import BALLS, SOLUTION_CONTRACTION, TailedPencil
 from shootstab.multiprecision.tailed_series import TailedSeries, variable
 
-LAYER_LEMMAS = ("C1", "E3", "E4", "E8", "E11", "E17", "E19", "E20", "E21")  # lemmas of the guide's page on proofs
+LAYER_LEMMAS = ("C1", "E3", "E4", "E8", "E11", "E17", "E19", "E21", "E22")  # lemmas of the guide's page on proofs
 LAYER_OUTER, LAYER_POINTS = 2.0**-4, 40  # chosen: see Enclosable; a value of D takes a second
 PATH_BITS, SPARE_PATH_TERMS = 2.0, 12  # chosen: bits that a term of a step gains, from which their number follows; terms beyond those
 FIRST_PATH_PART, SHORTEST_PATH_PART = 2.0**-4, 2.0**-16  # chosen: first step tried, and one too short, in the whole way
