@@ -6,13 +6,15 @@ F = X − X̂:
 
     dF/ds = K F − F H − F A_Jc F + ρ,   K = A_cc − X̂ A_Jc,   H = A_JJ + A_Jc X̂.
 
-In bases in which K and H are almost diagonal a tube |F_ij| ≤ δ is left everywhere where, with the sum a of all |A_Jc|,
+In a basis in which A is almost diagonal a tube |F_ij| ≤ δ u_i v_j, u_i > 0 and v_j > 0, is left everywhere where, with
+a = Σ v_p |A_pq| u_q over the entries of A_Jc,
 
-    (Re K_ii − Re H_jj − Σ_{l≠i} |K_il| − Σ_{l≠j} |H_lj|) δ > a δ² + |ρ_ij|.
+    (Re K_ii − Re H_jj − Σ_{l≠i} |K_il| u_l/u_i − Σ_{l≠j} |H_lj| v_l/v_j) δ > a δ² + |ρ_ij|/(u_i v_j).
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -25,6 +27,9 @@ from shootstab.multiprecision.tails import largest
 
 SeriesMatrix = list[list[TailedSeries]]  # a matrix of series in t, |t| ≤ 1
 SeriesSlope = Callable[[TailedSeries], TailedSeries]  # df/ds of a series f in t, which is 0 at t = 0
+
+
+LEAST_WEIGHT = 2.0**-40  # chosen: the least u_i and v_j, in the largest
 
 
 def decaying_rows(A: Any, k: int) -> tuple[int, ...]:
@@ -47,57 +52,45 @@ def graph(A: SeriesMatrix, rows: Sequence[int], slope: SeriesSlope, orders: int)
     order = [*rows, *(i for i in range(n) if i not in rows)]
     A = [[A[i][j] for j in order] for i in order]
     leading = acb_mat([[entry.c[0].mid() for entry in row] for row in A])
-    W, X0 = _bases(leading, k)
+    W = _basis(leading)
     try:
         inverse = W.inv()
     except ZeroDivisionError:
-        raise ConvergenceError("the solutions that decay are no graph over the rows that were chosen") from None
+        raise ConvergenceError("the solutions that decay are not told from the others: take more bits") from None
     A = _product(_product(_constant(inverse, A[0][0]), A), _constant(W, A[0][0]))
     parts = [[row[j : j + m] for row in A[i : i + height]] for i, height in ((0, k), (k, n - k)) for j, m in ((0, k), (k, n - k))]
-    (JJ, Jc, cJ, cc), zero = parts, A[0][0] * 0
+    (H, Jc, left, K), zero = parts, A[0][0] * 0
     X = _approximate(parts, slope, orders, zero)
-    H = _sum(JJ, _product(Jc, X))
-    K = _sum(cc, _product([[-x for x in row] for row in X], Jc))
-    left = _sum(
-        _sum(cJ, _product(cc, X)), [[-(x + slope(y)) for x, y in zip(a, b, strict=True)] for a, b in zip(_product(X, H), X, strict=True)]
-    )
-    delta = _tube(H, K, Jc, left)
-    found = acb_mat([[widened(x.at(1), delta) for x in row] for row in X])
-    Wc, WJ = _block(W, k, n), _block(W, 0, k)
-    return Wc * found * WJ.inv() + X0
+    left = _sum(left, _product(K, X))
+    H = _sum(H, _product(Jc, X))
+    K = _sum(K, _product([[-x for x in row] for row in X], Jc))
+    left = _sum(left, [[-(x + slope(y)) for x, y in zip(a, b, strict=True)] for a, b in zip(_product(X, H), X, strict=True)])
+    tube = _tube(H, K, Jc, left)
+    found = acb_mat([[widened(x.at(1), radius) for x, radius in zip(*rows_, strict=True)] for rows_ in zip(X, tube, strict=True)])
+    (JJ, Jc), (cJ, cc) = ([_block(W, rows_, columns) for columns in (range(k), range(k, n))] for rows_ in (range(k), range(k, n)))
+    one = acb_mat([[int(i == j) for j in range(k)] for i in range(k)])
+    try:  # (W_cJ + W_cc F)(W_JJ + W_Jc F)⁻¹, and what F makes of it apart
+        back = JJ.inv()
+        return cJ * back + (cc - cJ * back * Jc) * (found * back) * (one + Jc * (found * back)).inv()
+    except ZeroDivisionError:
+        raise ConvergenceError("the solutions that decay are no graph over the rows that were chosen") from None
 
 
-def _bases(A: Any, k: int) -> tuple[Any, Any]:
-    """W = (1 0; X_0 1) diag(V_J, V_c), in whose coordinates the leading matrix is almost diagonal, and X_0: midpoints, choices alone."""
+def _basis(A: Any) -> Any:
+    """W, the eigenvectors, those of the smallest real parts first, in whose coordinates the leading matrix is almost diagonal: midpoints, a
+    choice alone.
+    """
     n = A.nrows()
-    values, vectors = A.eig(right=True, algorithm="approx")
-    chosen = sorted(range(n), key=lambda q: float(values[q].real.mid()))[:k]
-    Y = acb_mat([[vectors[i, q].mid() for q in chosen] for i in range(n)])
-    top, low = (acb_mat(Y.tolist()[a:b]) for a, b in ((0, k), (k, n)))
     try:
-        X0 = (low * top.inv()).mid()
-        table = A.tolist()
-        Ac, Jc = acb_mat([row[k:] for row in table[k:]]), acb_mat([row[k:] for row in table[:k]])
-        _, Vc = (Ac - X0 * Jc).mid().eig(right=True, algorithm="approx")
-    except (ZeroDivisionError, ValueError):
+        values, vectors = A.eig(right=True, algorithm="approx")
+    except ValueError:
         raise ConvergenceError("the solutions that decay are not told from the others: take more bits") from None
-    VJ, Vc = top.mid(), Vc.mid()
-    # X in these coordinates is V_c⁻¹ (X − X_0) V_J, small
-    W = acb_mat(n, n)
-    low = X0 * VJ
-    for i in range(n):
-        for j in range(n):
-            if i < k and j < k:
-                W[i, j] = VJ[i, j]
-            elif i >= k and j < k:
-                W[i, j] = low[i - k, j].mid()
-            elif i >= k and j >= k:
-                W[i, j] = Vc[i - k, j - k]
-    return W, X0
+    order = sorted(range(n), key=lambda q: float(values[q].real.mid()))
+    return acb_mat([[vectors[i, q].mid() for q in order] for i in range(n)])
 
 
-def _block(W: Any, first: int, last: int) -> Any:
-    return acb_mat([row[first:last] for row in W.tolist()[first:last]])
+def _block(W: Any, rows: Sequence[int], columns: Sequence[int]) -> Any:
+    return acb_mat([[W[i, j] for j in columns] for i in rows])
 
 
 def _approximate(parts: Sequence[SeriesMatrix], slope: SeriesSlope, orders: int, zero: TailedSeries) -> SeriesMatrix:
@@ -123,27 +116,37 @@ def _approximate(parts: Sequence[SeriesMatrix], slope: SeriesSlope, orders: int,
     return X
 
 
-def _tube(H: SeriesMatrix, K: SeriesMatrix, Jc: SeriesMatrix, left: SeriesMatrix) -> Any:
-    """δ."""
+def _tube(H: SeriesMatrix, K: SeriesMatrix, Jc: SeriesMatrix, left: SeriesMatrix) -> list[list[Any]]:
+    """δ u_i v_j (n − k, k)."""
     k, m = len(H), len(K)
-    a = sum((x.norm for row in Jc for x in row), NO_TAIL)
-    beside_K = [sum((K[i][q].norm for q in range(m) if q != i), NO_TAIL) for i in range(m)]
-    beside_H = [sum((H[q][j].norm for q in range(k) if q != j), NO_TAIL) for j in range(k)]
-    gaps = [[_least(K[i][i]) + _least(-H[j][j]) - beside_K[i] - beside_H[j] for j in range(k)] for i in range(m)]
-    least = min((gap.lower() for row in gaps for gap in row), default=arb(1))
-    most = largest([x.norm for row in left for x in row]) if m and k else NO_TAIL
+    rise, fall = [_least(K[i][i]) for i in range(m)], [_least(-H[j][j]) for j in range(k)]
+    u, v = _weights([[float(x.norm.upper()) for x in row] for row in left])
+    a = sum((v[p] * Jc[p][q].norm * u[q] for p in range(k) for q in range(m)), NO_TAIL)
+    rise = [rise[i] - sum((K[i][q].norm * u[q] / u[i] for q in range(m) if q != i), NO_TAIL) for i in range(m)]
+    fall = [fall[j] - sum((H[q][j].norm * v[q] / v[j] for q in range(k) if q != j), NO_TAIL) for j in range(k)]
+    least = min(((x + y).lower() for x in rise for y in fall), default=arb(1))
+    most = largest([left[i][j].norm / (u[i] * v[j]) for i in range(m) for j in range(k)]) if m and k else NO_TAIL
     if not least > 0:
         raise ConvergenceError("it is not proved that solutions decay or grow: sigma may lie on the essential spectrum, or next to it")
     delta = (2 * most / least).upper() + arb(2) ** (-2 * ctx.prec)
-    decays = all(_least(-H[i][i]) - sum((H[i][q].norm for q in range(k) if q != i), NO_TAIL) - delta * a > 0 for i in range(k))
-    grows = all(_least(K[i][i]) - beside_K[i] - delta * a > 0 for i in range(m))
-    if not (decays and grows):
+    if not all(x - delta * a > 0 for x in (*rise, *fall)):
         raise ConvergenceError(
             "it is not proved that these solutions decay and the others grow: sigma may lie next to the essential spectrum"
         )
     if not least * delta > a * delta**2 + most:
         raise ConvergenceError("the solutions that decay are not enclosed: take more bits, or a smaller disc")
-    return delta
+    return [[delta * x * y for y in v] for x in u]
+
+
+def _weights(sizes: list[list[float]]) -> tuple[list[Any], list[Any]]:
+    """u and v with u_i v_j next to the sizes (n − k, k), or not far below: a choice."""
+    found = np.array(sizes).reshape(len(sizes), -1)
+    top = found.max(initial=0.0)
+    if not 0.0 < top < math.inf:
+        found, top = np.ones_like(found), 1.0
+    u = np.maximum(found.max(axis=1, initial=0.0) / top, LEAST_WEIGHT)
+    v = np.maximum((found / (top * u[:, None])).max(axis=0, initial=0.0), LEAST_WEIGHT)
+    return [arb(x) for x in u.tolist()], [arb(x) for x in v.tolist()]
 
 
 def _least(f: TailedSeries) -> Any:
