@@ -53,7 +53,7 @@ def asymptotic_scale(problem: Problem, known: float = 0.0) -> float:
 
 def _matrices(pencil: Pencil, sigmas: ComplexArray) -> ComplexArray:
     """C(σ)⁻¹ D(σ), (scales, directions, m, n, n)."""
-    C, D = (np.array([[value(part, s) for s in row] for row in sigmas]) for part in (pencil.C, pencil.D))
+    C, D = (value(part, sigmas[..., None, None, None]) for part in (pencil.C, pencil.D))
     return np.asarray(np.linalg.solve(C, D))
 
 

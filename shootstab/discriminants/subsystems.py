@@ -9,15 +9,15 @@ For the chute k_y = 0 leaves a subsystem of order 6 with 3 decaying solutions, a
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Hashable, Iterable
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shootstab.core.errors import InputError, ShootstabError
-from shootstab.problems.capabilities import GENERIC, INTERIOR, KNOTS, RECORDED, Continuum
+from shootstab.problems.capabilities import GENERIC, INTERIOR, KNOTS, RECORDED, STRUCTURE, Continuum
 from shootstab.problems.protocol import ComplexArray, FarFrame, Pencil, Problem
 from shootstab.problems.recorded_pencil import I_POWERS, RecordedPencil, Selection
 
@@ -166,21 +166,41 @@ def _applied(decoupling: Decoupling, problem: Problem) -> tuple[Subsystem, ...]:
     return tuple(replace(subsystem, whole=problem) for subsystem in decoupling.members)
 
 
+@dataclass(frozen=True)
+class _Structured:
+    """A problem that stands for all of its structure."""
+
+    structure: Hashable
+    problem: Problem = field(compare=False)
+
+
 @lru_cache(maxsize=64)
 def decouple(problem: Problem) -> Decoupling | None:
     """The subsystems of a problem; None if it is one without phases, or if samples of it cannot be had.
 
-    What is wrong with the latter is said when it is used.
+    What is wrong with the latter is said when it is used. Problems of one structure are sampled once.
     """
-    n, k = problem.size, problem.decaying
+    structure = STRUCTURE.of(problem)
+    found = _sampled(problem) if structure is None else _of_structure(_Structured(structure, problem))
+    if found is None:
+        return None
+    members, factor = found
+    return Decoupling(tuple(Subsystem(problem, *places) for places in members), factor)
+
+
+@lru_cache(maxsize=64)
+def _of_structure(like: _Structured) -> tuple[tuple[Places, ...], complex] | None:
+    return _sampled(like.problem)
+
+
+def _sampled(problem: Problem) -> tuple[tuple[Places, ...], complex] | None:
+    """The places of the subsystems and the factor of their product, from samples; None as `decouple` has it."""
     try:
         blocks = _entries(problem)
     except ShootstabError:
         return None
-    members, factor = _parts(n, k, *(_kinds(block).tobytes() for block in blocks))
-    if members is None:
-        return None
-    return Decoupling(tuple(Subsystem(problem, *places) for places in members), factor)
+    members, factor = _parts(problem.size, problem.decaying, *(_kinds(block).tobytes() for block in blocks))
+    return None if members is None else (members, factor)
 
 
 Places = tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], FourLists]

@@ -169,6 +169,8 @@ BASE_FLOW = Capability("flow", None, "this problem has no steady flow of grains:
 GROWING_REGION = Capability("growing_region", None, "this problem has no theorem that bounds its growing modes")
 # the problem's pencil as a formula, a problems.recorded_pencil.RecordedPencil: what is sampled on a mesh is then computed by a program
 RECORDED = Capability("recorded", None, "this problem has no recorded pencil")
+# anything hashable: problems of one structure have entries that are 0, real or imaginary at the same places
+STRUCTURE = Capability("structure", None, "this problem names no structure that it shares with others")
 # whether the problem stays what it is: no function of the user's is called, which may read what changes
 UNCHANGING = Capability("unchanging", False, "this problem calls functions that may read what changes")
 # certificates(proof, count, spare_bits): what to try as a certificate of a proof, each with more bits, for the checker of this problem

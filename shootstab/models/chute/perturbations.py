@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Hashable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import Self
@@ -68,6 +69,11 @@ class Perturbations:
     def unchanging(self) -> bool:
         """A flow and two numbers."""
         return True
+
+    @property
+    def structure(self) -> Hashable:
+        """The flow and which wavenumbers are 0: all other waves on it have the same entries."""
+        return self.flow, self.kx == 0.0, self.ky == 0.0
 
     @property
     def size(self) -> int:
