@@ -60,10 +60,12 @@ class _Contour:
     The legs are those of D without a factor that has no zero and no singular point in the region, the samples those of D.
     """
 
-    def __init__(self, continuation: Continuation, most: float, without: Callable[[Value], Value] | None) -> None:
+    def __init__(
+        self, continuation: Continuation, most: float, without: Callable[[Value], Value] | None, meshes: SharedMeshes | None
+    ) -> None:
         self.continuation, self.most, self._without = continuation, most, without
         self.samples: list[MeshedValue] = []
-        self._meshes = SharedMeshes()
+        self._meshes = SharedMeshes() if meshes is None else meshes
         self.legs: list[tuple[int, tuple[Value, ...]]] = []
 
     def off_the_curve(self, sigma: complex) -> Value:
@@ -104,11 +106,16 @@ class _Contour:
 
 
 def count_in_region(
-    continuation: Continuation, region: Region, most: float = math.inf, without: Callable[[Value], Value] | None = None
+    continuation: Continuation,
+    region: Region,
+    most: float = math.inf,
+    without: Callable[[Value], Value] | None = None,
+    meshes: SharedMeshes | None = None,
 ) -> RegionCount:
     """Count the modes in a region, with so many samples of D at most.
 
-    without divides D by a function that is analytic and not 0 in the region: the quotient may turn less along the contour.
+    without divides D by a function that is analytic and not 0 in the region: the quotient may turn less along the contour. meshes are those
+    that other contours left, and receive the new ones.
     Raises Undecidable where the continuous spectrum runs over itself, or an end of it lies on the boundary; Inaccurate where D is not
     known well enough, or most samples do not suffice; ConvergenceError where a mode lies on the contour.
     """
@@ -117,7 +124,7 @@ def count_in_region(
     if continuation.barrier is not None and continuation.barrier.beyond(region.boundary(0.0)):
         raise Undecidable("the region lies beyond the continuous spectrum of an end at infinity")
     curve = continuation.continuum
-    contour = _Contour(continuation, most, without)
+    contour = _Contour(continuation, most, without, meshes)
     if curve is None:
         _follow_boundary(contour, region, region.corners, closed=True)
         return contour.counted((), False)

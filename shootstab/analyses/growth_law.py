@@ -41,10 +41,10 @@ class GrowthLaw:
     work: int
 
     @classmethod
-    def on(cls, discriminant: AdaptiveDiscriminant, radius: float) -> GrowthLaw:
-        """The law fitted to the arc |σ| = radius, Re σ ≥ 0."""
+    def on(cls, discriminant: AdaptiveDiscriminant, radius: float, meshes: SharedMeshes | None = None) -> GrowthLaw:
+        """The law fitted to the arc |σ| = radius, Re σ ≥ 0; meshes are those that other arcs left, and receive the new ones."""
         sigmas = radius * np.exp(1j * ANGLES)
-        meshes = SharedMeshes()
+        meshes = SharedMeshes() if meshes is None else meshes
         q, work = np.empty_like(sigmas), 0
         for i, s in enumerate(sigmas.tolist()):
             D = meshes.at(discriminant, s)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, is_dataclass, replace
 from typing import Any
 
@@ -25,6 +26,7 @@ from shootstab.core.regions import Rectangle
 from shootstab.discriminants.continuation import Continuation, Undecidable
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.method import AdaptiveDiscriminant, Method
+from shootstab.discriminants.shared_meshes import LentMesh, SharedMeshes
 from shootstab.problems.capabilities import GROWING_REGION
 from shootstab.problems.protocol import Problem
 
@@ -129,7 +131,17 @@ def _closed(problem: Problem, method: Method, floor: float) -> tuple[HalfDisc | 
     return HalfDisc(law.radius, floor), "", law.departure
 
 
-def growth_beyond(discriminant: AdaptiveDiscriminant, radius: float = SMALLEST_RADIUS, settled: float | None = None) -> GrowthLaw:
+def of_arcs(lent: Sequence[LentMesh] = (), to: AdaptiveDiscriminant | None = None) -> SharedMeshes:
+    """Meshes for the arcs of `growth_beyond`, of which each has its own; lent are a neighbour's, for its arcs."""
+    return SharedMeshes(short=0, within=math.sqrt(OUTWARDS[1]), lent=lent, to=to)
+
+
+def growth_beyond(
+    discriminant: AdaptiveDiscriminant,
+    radius: float = SMALLEST_RADIUS,
+    settled: float | None = None,
+    meshes: SharedMeshes | None = None,
+) -> GrowthLaw:
     """The law of growth on an arc from which on D follows it in the right half-plane, with the largest departure seen out there.
 
     The arc is that of the radius, or one farther out; those that follow reach to settled, the |σ| from which on σ rules everywhere (by
@@ -141,10 +153,11 @@ def growth_beyond(discriminant: AdaptiveDiscriminant, radius: float = SMALLEST_R
             "no bound on |sigma| of growing modes is known: no |sigma| is found from which on sigma rules all rates and conditions; "
             "modes can be counted in a region that is named"
         )
+    meshes = of_arcs() if meshes is None else meshes
     work, without, laws = 0, "", list[GrowthLaw]()
     while work <= MOST_WORK and not (radius > LARGEST_RADIUS and not laws):
         try:
-            law = GrowthLaw.on(discriminant, radius)
+            law = GrowthLaw.on(discriminant, radius, meshes)
         except ConvergenceError as error:  # an arc that ends on the continuous spectrum, say: farther out are others
             laws, without = [], f" ({error})"
         else:

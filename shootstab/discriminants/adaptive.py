@@ -79,8 +79,9 @@ class SubsystemMeshes:
 
     @property
     def nodes(self) -> dict[Cell | None, ComplexArray]:
-        """The nodes (N + 1,) of the cells that are known by now."""
-        return {key: made.sampled.nodes for key, made in self._kept.items() if isinstance(made, Shooting) and not isinstance(key, complex)}
+        """The nodes (N + 1,) of the cells that are known by now, those with which cells that were not needed would begin among them."""
+        made = {key: made.sampled.nodes for key, made in self._kept.items() if isinstance(made, Shooting) and not isinstance(key, complex)}
+        return self._begin | made
 
     @property
     def shootings(self) -> list[Shooting]:

@@ -7,6 +7,7 @@ contour, or to one line, whose points come in one order: which mesh serves a σ 
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 
@@ -17,14 +18,16 @@ from shootstab.discriminants.method import AdaptiveDiscriminant, MeshedDiscrimin
 from shootstab.discriminants.subsystems import Coupled
 from shootstab.problems.protocol import Problem
 
+LENT_TRIED = 1  # chosen: meshes of a neighbour that are tried: the one that served what is nearest to σ there
 MESHES_TRIED = 3  # chosen: meshes that are tried before another one is made
 ASKED_LAST = 32  # chosen: the latest σ that were asked of a mesh, by which it is judged
+OF_SIZE = 3.0  # chosen: weight of a difference in |σ|: of 0 to 50 counts of stable chutes need the fewest values of D with it
 SHORT_MESH = 32  # chosen: steps up to which a mesh may serve any σ: a value on them costs less than a mesh
 SHARED_WITHIN = 8.0  # chosen: the ratio of |σ| over which a longer mesh is shared; steps go with |σ|^(1/2) where there are many
 
 
 @dataclass
-class _Mesh:
+class LentMesh:
     """D on a mesh that was made for a σ of this size, and the latest σ that it served, or did not."""
 
     made: MeshedDiscriminant
@@ -37,28 +40,59 @@ class _Mesh:
         return self.asked[-1][1]
 
     def nearest(self, sigma: complex) -> tuple[float, bool]:
-        """How far σ is from the nearest of those that were asked, in their size, and whether it refused that one."""
-        return min((abs(sigma - s) / ((abs(sigma) + abs(s)) or 1.0), not served) for s, served in self.asked)
+        """How far σ is from the nearest of those that were asked, and whether it refused that one.
+
+        What steps a mesh needs depends on |σ| more than on the direction of σ: (OF_SIZE ||σ| − |s|| + |σ − s|)/(|σ| + |s|).
+        """
+        size = abs(sigma)
+        return min(((OF_SIZE * abs(size - abs(s)) + abs(sigma - s)) / ((size + abs(s)) or 1.0), not served) for s, served in self.asked)
 
 
 class SharedMeshes:
-    """Meshes of a discriminant, or of several; tried are those that served what was nearest to σ of all that they were asked."""
+    """Meshes of a discriminant, or of several; tried are those that served what was nearest to σ of all that they were asked.
 
-    def __init__(self) -> None:
-        self._kept: dict[AdaptiveDiscriminant, list[_Mesh]] = {}
+    Meshes of at most `short` steps may serve any σ, longer ones those of a |σ| up to `within` times larger or smaller. lent are meshes of a
+    neighbour's D, of the same method and path, on which D of `to` is tried before a mesh is made.
+    """
+
+    def __init__(
+        self,
+        short: int = SHORT_MESH,
+        within: float = SHARED_WITHIN,
+        lent: Sequence[LentMesh] = (),
+        to: AdaptiveDiscriminant | None = None,
+    ) -> None:
+        self._short, self._within = short, within
+        self._kept: dict[AdaptiveDiscriminant, list[LentMesh]] = {}
+        self._lent, self._to = list(lent), to
 
     def at(self, discriminant: AdaptiveDiscriminant, sigma: complex) -> MeshedDiscriminant:
         """D on a mesh that serves σ, if it can be one that served a point before. Raises ConvergenceError where none is found."""
-        kept, size = self._kept.setdefault(discriminant, []), abs(sigma)
-        near = [m for m in kept if m.made.steps <= SHORT_MESH or size <= SHARED_WITHIN * m.size <= SHARED_WITHIN**2 * size]
-        ranked = sorted((*m.nearest(sigma), i) for i, m in enumerate(near))
-        for known in [near[i] for _, refused, i in ranked if not refused][:MESHES_TRIED]:
+        kept = self._kept.setdefault(discriminant, [])
+        for known in self._likely(kept, sigma)[:MESHES_TRIED]:
             if known.serves(sigma):
                 return known.made
-        own = _Mesh(discriminant.at(sigma), size)
+        for known in self._likely(self._lent, sigma)[:LENT_TRIED] if discriminant is self._to else ():
+            self._lent.remove(known)
+            with suppress(Coupled):  # the neighbour falls into subsystems, and this problem does not
+                kept.append(LentMesh(known.made.on_same_mesh(discriminant.problem), known.size))
+                if kept[-1].serves(sigma):
+                    return kept[-1].made
+        own = LentMesh(discriminant.at(sigma), abs(sigma))
         own.asked.append((sigma, True))
         kept.append(own)
         return own.made
+
+    def of(self, discriminant: AdaptiveDiscriminant) -> list[LentMesh]:
+        """The meshes of this discriminant, for a neighbour."""
+        return list(self._kept.get(discriminant, ()))
+
+    def _likely(self, meshes: Sequence[LentMesh], sigma: complex) -> list[LentMesh]:
+        """Those that may serve σ, and did not refuse what was nearest to it, the nearest first."""
+        size = abs(sigma)
+        near = [m for m in meshes if m.made.steps <= self._short or size <= self._within * m.size <= self._within**2 * size]
+        ranked = sorted((*m.nearest(sigma), i) for i, m in enumerate(near))
+        return [near[i] for _, refused, i in ranked if not refused]
 
 
 class NeighbouringD:

@@ -182,10 +182,7 @@ def decouple(problem: Problem) -> Decoupling | None:
     """
     structure = STRUCTURE.of(problem)
     found = _sampled(problem) if structure is None else _of_structure(_Structured(structure, problem))
-    if found is None:
-        return None
-    members, factor = found
-    return Decoupling(tuple(Subsystem(problem, *places) for places in members), factor)
+    return None if found is None else Decoupling(tuple(Subsystem(problem, *places) for places in found[0]), found[1])
 
 
 @lru_cache(maxsize=64)

@@ -30,7 +30,7 @@ from shootstab.analyses.sweep.outcomes import FOLLOWED, NO_FLOW, NO_WAVE, NONE_G
 from shootstab.core.discriminant import Value
 from shootstab.core.errors import ConvergenceError, InputError
 from shootstab.core.scaled import Scaled
-from shootstab.models.chute import ChuteProblem
+from shootstab.models.chute import ChuteProblem, perturbations
 from shootstab.models.chute.parameter_family import ChuteFamily
 
 # grids and lines
@@ -314,6 +314,25 @@ def test_a_count_finds_what_nobody_knew(scenes: dict[str, ChuteProblem]) -> None
     assert len(again.modes) == 1
     with pytest.raises(ConvergenceError, match=r"1 mode is counted with Re sigma > 0\.0037, but 2 found"):
         count_dominant(scenes["low"], [0.0075 + 0j, *found.modes], 1e-8)
+
+
+def test_a_sweep_over_waves_makes_the_tables_of_its_flow_once(scenes: dict[str, ChuteProblem], monkeypatch: pytest.MonkeyPatch) -> None:
+    """The fields of the flow on a mesh are what does not depend on k_x and k_y: four times the points between two counts make none more."""
+    made = []
+    tabulated = perturbations.tabulated
+
+    def counted(chute: Any, states: Any, derivatives: bool = True) -> Any:
+        made.append(len(states))
+        return tabulated(chute, states, derivatives)
+
+    monkeypatch.setattr(perturbations, "tabulated", counted)
+    tables = {}
+    for points in (11, 41):
+        made.clear()
+        found = st.sweep(scenes["high"], {"kx": 5e-4, "ky": np.linspace(0.006, 0.014, points)}, every=64)
+        assert (found.summary[PROVED], found.summary[FOLLOWED]) == (2, points - 2)
+        tables[points] = sum(made)
+    assert 0 < tables[41] <= tables[11], tables
 
 
 def test_flows_without_a_member(scenes: dict[str, ChuteProblem]) -> None:

@@ -65,3 +65,24 @@ def test_a_neighbour_of_another_structure_has_meshes_of_its_own(scenes: dict[str
     again = NeighbouringD(st.chute.problem(flow, kx=5e-4, ky=0.0), Frame(rtol=1e-9), joined)
     own = Frame(rtol=1e-9).on(st.chute.problem(flow, kx=5e-4, ky=0.0)).with_derivative(sigma)
     assert again.with_derivative(sigma).newton_step == pytest.approx(own.newton_step, rel=1e-6)
+
+
+def test_a_contour_begins_with_the_meshes_of_its_neighbours(scenes: dict[str, ChuteProblem]) -> None:
+    """Where they serve no mesh is made, and D is the neighbour's own; where v separates, or the far frame asks for more, one is."""
+    flow, method = scenes["high"].flow, Frame(rtol=1e-5)
+    one, two, apart = (method.on(st.chute.problem(flow, kx=5e-4, ky=ky)) for ky in (0.012, 0.014, 0.0))
+    sigmas = [complex(0.3 * np.exp(1j * angle)) for angle in np.linspace(-1.5, 1.5, 12)]
+    before = SharedMeshes()
+    for sigma in sigmas:
+        before.at(one, sigma)
+    meshes = SharedMeshes(lent=before.of(one), to=two)
+    for sigma in sigmas:
+        made = meshes.at(two, sigma)
+        assert made.serves(sigma)
+        own = method.on(two.problem).with_derivative(sigma)
+        assert made.with_derivative(sigma).D.over(own.D) == pytest.approx(1.0, abs=1e-3)
+    assert two.evaluations == 0  # on meshes of its own
+    assert len(meshes.of(two)) == len(before.of(one))
+    other = SharedMeshes(lent=before.of(one), to=apart)
+    assert "6 + 2" in other.at(apart, sigmas[0]).system_at(sigmas[0])
+    assert apart.evaluations > 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from shootstab.discriminants.product import Product
 from shootstab.discriminants.riccati import Riccati
 from shootstab.discriminants.shooting import Shooting
 from shootstab.discriminants.subsystems import decouple
-from shootstab.models.chute import ChuteProblem
+from shootstab.models.chute import ChuteProblem, steady_flow
 from shootstab.problems.protocol import FarFrame, Pencil
 
 SIGMA = {"high": 0.0046, "mid": 0.0013 + 0.0002j, "low": 0.008 - 0.0112j, "fig2": 0.0015 - 0.0019j}
@@ -35,6 +36,28 @@ def test_the_chute_falls_apart_without_spanwise_wave_and_is_real_without_downslo
         assert not any(M.imag.any() for M in (pencil.C0, pencil.C1, pencil.D0, pencil.D1))
     oblique = ChuteProblem(scenes["high"].flow, 0.003, 0.005)
     assert decouple(oblique) is None
+
+
+def test_waves_on_one_flow_are_sampled_once_for_their_structure(scenes: dict[str, ChuteProblem], monkeypatch: pytest.MonkeyPatch) -> None:
+    sampled = []
+    pencil = ChuteProblem.pencil
+
+    def counted(problem: ChuteProblem, z: Any) -> Pencil:
+        sampled.append((problem.kx == 0.0, problem.ky == 0.0))
+        return pencil(problem, z)
+
+    monkeypatch.setattr(ChuteProblem, "pencil", counted)
+    flow = steady_flow.descend(scenes["high"].flow.chute, 6.9)
+    for k in (0.004, 0.007, 0.011):
+        across, along, oblique = (ChuteProblem(flow, kx, ky) for kx, ky in ((0.0, k), (k, 0.0), (k / 10, k)))
+        for problem, members in ((across, 1), (along, 2), (oblique, None)):
+            found = decouple(problem)
+            assert found is None if members is None else found is not None and len(found.members) == members
+            assert found is None or all(subsystem.whole is problem for subsystem in found.members)
+    assert sorted(sampled) == [(False, False), (False, True), (True, False)]
+    other = ChuteProblem(steady_flow.descend(flow.chute, 6.8), 0.0, 0.01)
+    assert decouple(other) is not None
+    assert len(sampled) == 4
 
 
 @pytest.mark.parametrize("name", list(SIGMA))

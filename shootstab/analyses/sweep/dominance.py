@@ -13,7 +13,7 @@ from shootstab.analyses.find import find_modes
 from shootstab.analyses.growth_law import GrowthLaw
 from shootstab.analyses.reference import spectrum
 from shootstab.analyses.sweep.following import land
-from shootstab.analyses.unstable import LAW_FOLLOWED, SMALLEST_RADIUS, HalfDisc, growth_beyond
+from shootstab.analyses.unstable import LAW_FOLLOWED, SMALLEST_RADIUS, HalfDisc, growth_beyond, of_arcs
 from shootstab.core.allowed import GROWTH_FLOOR
 from shootstab.core.discriminant import Value
 from shootstab.core.errors import ConvergenceError, InputError
@@ -22,6 +22,7 @@ from shootstab.core.regions import Rectangle
 from shootstab.discriminants.continuation import Continuation
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.method import AdaptiveDiscriminant
+from shootstab.discriminants.shared_meshes import SharedMeshes
 from shootstab.problems.capabilities import GROWING_REGION
 from shootstab.problems.protocol import Problem
 from shootstab.roots.search import Zero
@@ -46,6 +47,7 @@ class Closure:
     law: GrowthLaw | None = None
     settled: float = 0.0  # the |σ| from which on σ rules everywhere (see asymptotic_scale.py)
     far: AdaptiveDiscriminant | None = None
+    arcs: SharedMeshes | None = None
     theorem: Callable[..., tuple[Rectangle, str]] | None = None
 
     def region(self, floor: float) -> HalfDisc | Rectangle:
@@ -65,13 +67,14 @@ class Closure:
 class DominantModes:
     """All modes with Re σ > floor, by falling growth rate; their number is counted in the region of the closure.
 
-    The meshes of continuation, by which they were counted, and those of the closure serve a neighbour too.
+    The meshes of continuation, by which they were counted, those of its contours and those of the closure serve a neighbour too.
     """
 
     modes: tuple[complex, ...]
     floor: float
     closure: Closure
     continuation: Continuation
+    contours: SharedMeshes
     evaluations: int
 
 
@@ -82,6 +85,8 @@ def count_dominant(problem: Problem, known: Sequence[complex], floor: float, bef
     is divided. Raises ConvergenceError where the count cannot be made or not all modes are found.
     """
     counting = Continuation(problem, SWEEP_COUNTING, None if before is None else before.continuation.on_the_axis.meshes)
+    lent = [] if before is None else before.contours.of(before.continuation.on_the_axis)
+    contours = SharedMeshes(lent=lent, to=counting.on_the_axis)
     finding = Continuation(problem, SWEEP_FINDING)
     modes = _distinct(known)
     if before is None:
@@ -90,11 +95,11 @@ def count_dominant(problem: Problem, known: Sequence[complex], floor: float, bef
     least = lowest_floor(counting, floor)
     for attempt in range(len(SUGGESTING_TRUNCATIONS) + 2):
         level = max(least, SHARE * max((m.real for m in modes), default=0.0))
-        count, level, spent = _counted(counting, closure, level)
+        count, level, spent = _counted(counting, closure, level, contours)
         growing = [m for m in modes if m.real > level]
         if count == len(growing):
             growing.sort(key=lambda m: (-m.real, m.imag))
-            return DominantModes(tuple(growing), level, closure, counting, spent)
+            return DominantModes(tuple(growing), level, closure, counting, contours, spent)
         if count < len(growing):
             raise ConvergenceError(f"{number_of(count, *COUNTED)} with Re sigma > {level:.2g}, but {len(growing)} found")
         if attempt < len(SUGGESTING_TRUNCATIONS):
@@ -115,13 +120,15 @@ def _closure(problem: Problem, before: Closure | None) -> Closure:
         return Closure(theorem=theorem)
     far = LAW_FOLLOWED.on(problem, begin=None if before is None or before.far is None else before.far.meshes)
     settled = asymptotic_scale(problem, 0.0 if before is None else before.settled)
+    lent = [] if before is None or before.far is None or before.arcs is None else before.arcs.of(before.far)
+    arcs = of_arcs(lent, far)
     try:
-        law = growth_beyond(far, SMALLEST_RADIUS if before is None or before.law is None else before.law.radius, settled)
+        law = growth_beyond(far, SMALLEST_RADIUS if before is None or before.law is None else before.law.radius, settled, arcs)
     except ConvergenceError:
         if theorem is None:
             raise
         return Closure(theorem=theorem)
-    return Closure(law, settled, far)
+    return Closure(law, settled, far, arcs)
 
 
 def lowest_floor(continuation: Continuation, floor: float) -> float:
@@ -130,7 +137,7 @@ def lowest_floor(continuation: Continuation, floor: float) -> float:
     return floor if curve is None else max(floor, DECAY_NOISE * float(abs(curve.sigma.imag).max()))
 
 
-def _counted(continuation: Continuation, closure: Closure, floor: float) -> tuple[int, float, int]:
+def _counted(continuation: Continuation, closure: Closure, floor: float, meshes: SharedMeshes) -> tuple[int, float, int]:
     """The number of modes with Re σ above the floor, or above a lower or higher one on which no mode and no singular point lies."""
     tightening = Tightening(continuation)
     level = floor
@@ -141,7 +148,7 @@ def _counted(continuation: Continuation, closure: Closure, floor: float) -> tupl
             except InputError:  # the theorem says that nothing grows so fast
                 return 0, nudge * level, 0
             try:
-                _, found = tightening.first(lambda c, region=region: count_in_region(c, region, without=closure.without))  # type: ignore[misc]
+                _, found = tightening.first(lambda c, r=region: count_in_region(c, r, without=closure.without, meshes=meshes))  # type: ignore[misc]
             except ConvergenceError:
                 if nudge == NUDGES[-1] and RAISE * level > max(HIGHEST_FLOOR, floor):
                     raise
