@@ -136,7 +136,8 @@ class Variations:
         with _precision(self._arithmetic, settings.digits):
             base = self._problem.base(self._arithmetic, settings, lambda: None)
         own, asked = self._solved(settings, base)
-        better = settings.finer(), settings.farther(), settings.more_precise()
+        finer = settings.finer()
+        better = finer, finer.farther(), finer.farther().more_precise()
         varied = [self._solved(other, base) for other in better]
         root, _ = self._solved(settings, base, self._mode.error)
         with _precision(self._arithmetic, settings.digits):
@@ -152,7 +153,8 @@ class Variations:
             with _precision(self._arithmetic, precision):
                 tables.append(_table(solution, heights, peak))
         with _precision(self._arithmetic, settings.digits):
-            changes = [CHANGE_SAFETY * _change(tables[0], table) for table in tables[1:]]
+            steps = [*pairwise(tables[:4]), *((tables[0], table) for table in tables[4:])]  # one thing after the other is done better
+            changes = [CHANGE_SAFETY * _change(one, other) for one, other in steps]
         integration, far, rounding, moved = changes[:4]
         return own, peak, Budget(integration, far, changes[4] if flow is not None else 0.0, moved, rounding + 10.0**-settings.digits)
 

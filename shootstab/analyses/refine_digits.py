@@ -1,7 +1,7 @@
 """One mode to any number of digits: double precision finds and proves it, Taylor series give the digits.
 
-σ is computed by secants at rising precisions, each about twice as high as the one before. At the last everything is done
-otherwise once (working precision, order and step, far field, base flow), and what σ moves by is its error.
+σ is computed by secants at rising precisions, each about twice as high as the one before. At the last one thing after the other is
+done better (order and step, far field, working precision and base flow), and what σ moves by on the way is its error.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ RISE = 2.3  # chosen: ratio of digits from one precision to the next; two secant
 BY_THREE = 2.7  # chosen: times the digits known are reached by three secants
 SPARE_TO_DIGITS = 2  # chosen: digits computed beyond those asked for
 STAGE = 1.7  # chosen: time of a precision over that of an integration; the progress shown rests on it, and nothing else
-VARIANTS = 4  # derived: integrations at the last precision that make the bound, for the share of work done that is shown
+VARIANTS = 3  # derived: integrations at the last precision that make the bound, for the share of work done that is shown
 CHANGE_SAFETY = 2.0  # chosen: factor on the changes that make the bound
 MODE_WANDER = 100.0  # chosen: double-precision error bounds that the mode may move by
 DIGIT_ATTEMPTS = 2  # chosen: a second one begins from the mode that the first found, with more digits
@@ -142,7 +142,7 @@ class DigitSearch:
                 self._require_near(self._secant.x)
             self._known = d
             self._clock.done()
-        return self._result(settings, self._budget(settings, base, shooting), rtol)
+        return self._result(settings, self._budget(settings, base), rtol)
 
     def _shooting(self, settings: Settings, base: BaseFlowNumbers) -> TaylorShooting:
         integration = self._problem_in_digits.integration(self._arithmetic, settings, base)
@@ -162,32 +162,28 @@ class DigitSearch:
                 f"{float(seed.error):.1e}"
             )
 
-    def _budget(self, settings: Settings, base: BaseFlowNumbers, shooting: TaylorShooting) -> Budget:
-        """What σ moves by when one thing is done better, each measured by the change of D at the same σ over D′.
+    def _budget(self, settings: Settings, base: BaseFlowNumbers) -> Budget:
+        """What σ moves by while one thing after the other is done better, each measured by the change of D at the same σ over D′.
 
-        Better integrations also say by how much the base flow is off: a last integration is on one that is off by as much.
+        Together these moves are the whole error, whichever of them have the same cause or cancel. The last one, to a higher working
+        precision, is on the base flow that the better integrations ask for, if there is one: it is then the error of that flow.
         """
         arithmetic, secant = self._arithmetic, self._secant
-        sigma, (here,) = secant.last
-
-        def moved(better: Settings, other: BaseFlowNumbers) -> tuple[Any, BaseFlowNumbers]:
+        sigma, (before,) = secant.last
+        moves, asked, finer = [], base, settings.finer()
+        best = finer.farther().more_precise()
+        for better in (finer, finer.farther(), best):
             with arithmetic.working(better.digits), mpmath.workdps(better.digits):
-                changed = self._shooting(better, other)
-                change = abs((self._values(changed, sigma)[0] - here) / secant.slope)
+                shooting = self._shooting(better, asked if better is best else base)
+                (value,) = self._values(shooting, sigma)
+                moves.append(_plain(CHANGE_SAFETY * abs((value - before) / secant.slope)))
+                before, asked = value, shooting.corrected_base()
                 self._clock.done()
-                return _plain(CHANGE_SAFETY * change), changed.corrected_base()
-
-        varied = [moved(better, base) for better in (settings.finer(), settings.farther(), settings.more_precise())]
-        integration, far, rounding = (part for part, _ in varied)
-        with arithmetic.working(settings.digits), mpmath.workdps(settings.digits):
-            other = as_far_off(base, [shooting.corrected_base(), *(asked for _, asked in varied)])
+        integration, far, last = moves
+        with mpmath.workdps(settings.digits):
             root, epsilon = CHANGE_SAFETY * secant.error, abs(secant.x) * mpmath.mpf(10) ** -settings.digits
-        steady = 0.0
-        if other == base:  # there is none, or nothing found it to be off
-            self._clock.done()
-        else:
-            steady, _ = moved(settings, other)
-        return Budget(integration, far, steady, _plain(root), _plain(rounding + epsilon))
+            steady, rounding = (last, epsilon) if base else (0.0, last + epsilon)
+        return Budget(integration, far, steady, _plain(root), _plain(rounding))
 
     def _result(self, settings: Settings, parts: Budget, rtol: Any) -> Mode:
         with mpmath.workdps(settings.digits):

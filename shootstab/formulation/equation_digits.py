@@ -120,9 +120,10 @@ class EquationIntegration:
             C[0] = {**C[0], **{(i, i): one for i in range(self._system.size)}}
         return Expansion(h, C, D, at_wall)
 
-    def advance(self) -> None:
-        self._z = self._arithmetic.rounded(self._z + self._h)
-        self._step = 2 * self._h
+    def advance(self, part: float) -> None:
+        step = self._h * self._arithmetic.number(part)
+        self._z = self._arithmetic.rounded(self._z + step)
+        self._step = 2 * step
 
     def unknowns(self, sigma: Any) -> UnknownRows:
         """Each unknown as Σ r_j ψ_j / p."""

@@ -159,9 +159,10 @@ class SubdomainIntegration:
             shift += system.size
         return Expansion(h, C, D, arithmetic.log2(left - h) == float("-inf"))
 
-    def advance(self) -> None:
-        self._t = self._arithmetic.rounded(self._t + self._h)
-        self._step = 2 * self._h
+    def advance(self, part: float) -> None:
+        step = self._h * self._arithmetic.number(part)
+        self._t = self._arithmetic.rounded(self._t + step)
+        self._step = 2 * step
 
     def unknowns(self, sigma: Any) -> UnknownRows:
         """Those of subdomain j by their names behind `j `."""

@@ -28,6 +28,17 @@ class Convolution(Protocol):
         ...
 
 
+class CompiledRecurrence(Protocol):
+    """The Taylor series of y′ = f(y) by compiled loops."""
+
+    def expand(self, state: Sequence[Any], log_unit: int, terms: int) -> list[list[Any]] | None:
+        """The coefficients in z of each y from its value at z = 0. Those of t = z/2^log_unit are as accurate, absolutely, as the largest.
+
+        None where they are not found that way.
+        """
+        ...
+
+
 class Arithmetic(Protocol):
     """Numbers, real ones and complex ones, that know +, −, ·, /, ** and the literals of Python; and series of real numbers.
 
@@ -73,6 +84,10 @@ class Arithmetic(Protocol):
         """Σ a_j b_j of real numbers; 0 of none."""
         ...
 
+    def recurrence(self, system: Any, unknowns: Sequence[Any], slopes: Sequence[Any]) -> CompiledRecurrence | None:
+        """Compiled loops for the unknowns y of a RelaxedSystem and their slopes f(y); None if there are none."""
+        ...
+
     def series(self, coefficients: Sequence[Any]) -> Any:
         """The series with these real coefficients."""
         ...
@@ -99,10 +114,10 @@ class Arithmetic(Protocol):
         """The products of a matrix (r, n) of series with the terms of another, one after the other."""
         ...
 
-    def carried(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> tuple[Matrix, list[Matrix]]:
-        """Σ Y_m, and the last TAIL_TERMS of so many terms, of Y_m = left (Σ_j E_j Y_{m−1−j}/m − Σ_j F_j Y_{m−1−j}), Y_0 = Y (n, k).
+    def carried(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> tuple[Callable[[float], Matrix], Sequence[Matrix]]:
+        """t ↦ Σ Y_m t^m, 0 < t ≤ 1, and the last TAIL_TERMS of the terms, of Y_m = left (Σ_j E_j Y_{m−1−j}/m − Σ_j F_j Y_{m−1−j}).
 
-        A is E (n, n) above F.
+        Y_0 = Y (n, k), and A is E (n, n) above F. All numbers are as accurate, absolutely, as the largest.
         """
         ...
 

@@ -76,9 +76,10 @@ class ClosedFormIntegration:
         half = len(found) // 2
         return Expansion(h, found[:half], found[half:], at_wall)
 
-    def advance(self) -> None:
-        self._z = self._arithmetic.rounded(self._z + self._h)
-        self._step = 2 * self._h
+    def advance(self, part: float) -> None:
+        step = self._h * self._arithmetic.number(part)
+        self._z = self._arithmetic.rounded(self._z + step)
+        self._step = 2 * step
 
     def unknowns(self, sigma: Any) -> UnknownRows:
         """The unknowns that the form names, or all components."""

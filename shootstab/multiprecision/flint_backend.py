@@ -17,7 +17,9 @@ from typing import Any
 import mpmath
 from flint import acb, acb_mat, arb, arb_mat, arb_series, ctx, fmpq
 
-from shootstab.multiprecision.arithmetic import TAIL_TERMS, Matrix, Payloads
+from shootstab.multiprecision.arithmetic import TAIL_TERMS, CompiledRecurrence, Matrix, Payloads
+from shootstab.multiprecision.limb_transport import carried_by, terms_of
+from shootstab.multiprecision.relaxed_program import RelaxedProgram
 
 LONGEST_SERIES = 10**6  # chosen: terms, more than any series has
 GROUP = 6  # chosen: terms of a convolution that one matrix product takes
@@ -78,6 +80,9 @@ class FlintArithmetic:
     def dot(self, a: Sequence[Any], b: Sequence[Any]) -> Any:
         return self._kept(sum(map(mul, a, b), ZERO))
 
+    def recurrence(self, system: Any, unknowns: Sequence[Any], slopes: Sequence[Any]) -> CompiledRecurrence | None:
+        return RelaxedProgram.of(system, unknowns, slopes) if self._kept is _midpoint else None
+
     def series(self, coefficients: Sequence[Any]) -> Any:
         return arb_series([*coefficients], prec=len(coefficients))
 
@@ -109,12 +114,19 @@ class FlintArithmetic:
     def convolution(self, A: Payloads) -> Products:
         return Products(A, self._kept)
 
-    def carried(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> tuple[Matrix, list[Matrix]]:
+    def carried(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> tuple[Callable[[float], Matrix], Sequence[Matrix]]:
+        loops = terms_of(A, left, Y, terms) if self._kept is _midpoint else None
+        if loops is not None:
+            return carried_by(loops)
         products, found = self._packed_terms(A, left, Y, terms)
-        total = found[-1]
-        for term in found[-2::-1]:
-            total = total + term
-        return products.unpacked(total), [products.unpacked(term) for term in found[-TAIL_TERMS:]]
+
+        def at(t: float) -> Matrix:
+            total, x = found[-1], arb(t)
+            for term in found[-2::-1]:
+                total = self._kept(total * x + term)
+            return products.unpacked(total)
+
+        return at, [products.unpacked(term) for term in found[-TAIL_TERMS:]]
 
     def expanded(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> list[Matrix]:
         products, found = self._packed_terms(A, left, Y, terms)

@@ -23,13 +23,14 @@ BaseFlowNumbers = tuple[Any, ...]  # what a base flow had to be solved for, as m
 class Expansion:
     """The pencil about a point of the path, as series in the fraction t of a step of length h: C dψ/dt = h D ψ.
 
-    C and D are given by their coefficients of σ⁰, σ¹, …; at_wall says whether t = 1 is the wall.
+    C and D are given by their coefficients of σ⁰, σ¹, …; the step ends at t = part, and at_wall says whether that is the wall.
     """
 
     h: Any
     C: Sequence[TaylorEntries]
     D: Sequence[TaylorEntries]
     at_wall: bool
+    part: float = 1.0
 
 
 class Integration(Protocol):
@@ -47,8 +48,8 @@ class Integration(Protocol):
         """The pencil about the place reached, for a step of length longest at most; may be asked for again with a shorter one."""
         ...
 
-    def advance(self) -> None:
-        """Go to the end of the last expansion's step."""
+    def advance(self, part: float) -> None:
+        """Go to this part of the last expansion's step."""
         ...
 
     def unknowns(self, sigma: Any) -> UnknownRows:

@@ -9,7 +9,7 @@ two convolutions with the same Y and one small product an order.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from shootstab.core.errors import ConvergenceError
@@ -49,21 +49,36 @@ def subsystems(n: int, C: TaylorEntries, D: TaylorEntries) -> list[BlockPlaces]:
     return found
 
 
-def carried(arithmetic: Arithmetic, n: int, C: TaylorEntries, D: TaylorEntries, Y: Matrix, terms: int) -> tuple[Matrix, list[Matrix]]:
-    """ψ(1) (n, k) from ψ(0) = Y by a series of so many terms, and the last of them."""
+def carried(
+    arithmetic: Arithmetic, n: int, C: TaylorEntries, D: TaylorEntries, Y: Matrix, terms: int
+) -> tuple[Callable[[float], Matrix], list[Matrix]]:
+    """t ↦ ψ(t) (n, k), 0 < t ≤ 1, from ψ(0) = Y by a series of so many terms, and the last of them."""
     k, nothing = len(Y[0]), arithmetic.number(0)
-    end, *last = ([[nothing] * k for _ in range(n)] for _ in range(1 + TAIL_TERMS))
+    found = []
+    last = [[[nothing] * k for _ in range(n)] for _ in range(TAIL_TERMS)]
+
+    def put(out: Matrix, unknowns: Sequence[int], columns: Sequence[int], part: Matrix) -> None:
+        for i, row in zip(unknowns, part, strict=True):
+            for q, x in zip(columns, row, strict=True):
+                out[i][q] = x
+
     for rows, unknowns in subsystems(n, C, D):
         columns = [q for q in range(k) if not all(matrices.vanishes(Y[i][q]) for i in unknowns)]
         if not columns:
             continue
         inverse = matrices.inverse(arithmetic, leading(arithmetic, C, rows, unknowns))
         start = [[Y[i][q] for q in columns] for i in unknowns]
-        total, tail = arithmetic.carried(stacked(arithmetic, C, D, rows, unknowns, terms, shift=1), inverse, start, terms)
-        for out, part in ((end, total), *zip(last, tail, strict=True)):
-            for i, row in zip(unknowns, part, strict=True):
-                for q, x in zip(columns, row, strict=True):
-                    out[i][q] = x
+        at, tail = arithmetic.carried(stacked(arithmetic, C, D, rows, unknowns, terms, shift=1), inverse, start, terms)
+        found.append((unknowns, columns, at))
+        for out, part in zip(last, tail, strict=True):
+            put(out, unknowns, columns, part)
+
+    def end(t: float) -> Matrix:
+        out = [[nothing] * k for _ in range(n)]
+        for unknowns, columns, at in found:
+            put(out, unknowns, columns, at(t))
+        return out
+
     return end, last
 
 

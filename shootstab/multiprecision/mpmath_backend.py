@@ -79,6 +79,9 @@ class MpmathArithmetic:
             total += value << lift if lift >= 0 else value >> -lift
         return mp.make_mpf(libmp.from_man_exp(total, low, mp.prec, "n"))
 
+    def recurrence(self, system: Any, unknowns: Sequence[Any], slopes: Sequence[Any]) -> None:
+        """There are no compiled loops for mpmath's numbers."""
+
     def series(self, coefficients: Sequence[Any]) -> Block:
         return fixed(coefficients, self._bits)
 
@@ -116,9 +119,13 @@ class MpmathArithmetic:
     def convolution(self, A: Payloads) -> Dots:
         return Dots(self._bits, A)
 
-    def carried(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> tuple[Matrix, list[Matrix]]:
+    def carried(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> tuple[Callable[[float], Matrix], Sequence[Matrix]]:
         found = self.expanded(A, left, Y, terms)
-        return [[mp.fsum(x) for x in zip(*rows, strict=True)] for rows in zip(*found, strict=True)], found[-TAIL_TERMS:]
+
+        def at(t: float) -> Matrix:
+            return [[mp.polyval(list(x[::-1]), mp.mpf(t)) for x in zip(*rows, strict=True)] for rows in zip(*found, strict=True)]
+
+        return at, found[-TAIL_TERMS:]
 
     def expanded(self, A: Payloads, left: Matrix, Y: Matrix, terms: int) -> list[Matrix]:
         n = len(Y)

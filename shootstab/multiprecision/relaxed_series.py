@@ -8,7 +8,7 @@ product, against O(N³) for series recomputed as a whole.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from shootstab.multiprecision.arithmetic import Arithmetic
@@ -29,6 +29,11 @@ class RelaxedSystem:
     def __len__(self) -> int:
         """The number of expressions in it."""
         return len(self._nodes)
+
+    @property
+    def nodes(self) -> Sequence[RelaxedSeries]:
+        """The expressions, in the order in which they can be computed."""
+        return self._nodes
 
     def unknown(self) -> RelaxedSeries:
         """A series whose coefficients are set from outside, before each turn."""
@@ -51,7 +56,7 @@ class RelaxedSystem:
     def node(self, key: tuple[Any, ...], term: Term, *kept: Any) -> RelaxedSeries:
         """The node of this expression. Operands in the key stand by their identity, and kept keeps them alive."""
         if key not in self._known:
-            self._known[key] = node = RelaxedSeries(self, kept)
+            self._known[key] = node = RelaxedSeries(self, kept, key[0])
             self._nodes.append(node)
             self._turn.append((node.coefficients, term))
         return self._known[key]
@@ -60,10 +65,10 @@ class RelaxedSystem:
 class RelaxedSeries:
     """One series of the system, real."""
 
-    __slots__ = ("coefficients", "kept", "system")
+    __slots__ = ("coefficients", "kept", "operation", "system")
 
-    def __init__(self, system: RelaxedSystem, kept: Any = ()) -> None:
-        self.system, self.kept = system, kept
+    def __init__(self, system: RelaxedSystem, kept: Any = (), operation: str = "") -> None:
+        self.system, self.kept, self.operation = system, kept, operation
         self.coefficients: list[Any] = []
 
     def __neg__(self) -> RelaxedSeries:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 STEP_SHRINK = 1.5  # derived: a step is about e^−1.5 of the radius of convergence: cheapest per length when a product costs order²
 GUARD_DIGITS = 8  # chosen: digits that recurrences and eliminations may eat
 LIMIT_SLACK = 0.02  # chosen: log2 of how far below its limit a step stays, so that rounding does not take it over
+DIGITS_OF_LIMB = 17  # derived: LIMB_BITS of kernels.limbs, so that series in limbs have one more
 FINER_PART = 12  # chosen: one more term for so many, and a few, makes another integration
 
 
@@ -32,7 +33,7 @@ class Settings:
 
     def more_precise(self) -> Settings:
         """The settings with a higher working precision and nothing else."""
-        return replace(self, digits=self.digits + 10)
+        return replace(self, digits=self.digits + DIGITS_OF_LIMB)
 
     def finer(self) -> Settings:
         """The settings with a higher order and shorter steps."""

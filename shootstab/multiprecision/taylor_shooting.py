@@ -21,6 +21,7 @@ from shootstab.multiprecision.settings import LIMIT_SLACK, Settings, step_limit
 MOST_TAYLOR_STEPS = 5000  # chosen: a budget of some minutes for one D
 TRIALS = 40  # chosen: lengths of one step that are tried, each half of the one before
 STEP_GROWTH = 1.0  # chosen: log2 of one step over the one before, at most
+SHORTEST_LOG_PART = -2.0  # derived: log2 of the least part of a step; its series falls up to t = 1, for STEP_SHRINK is 2.2 bits
 TERM_SLACK = 4.0  # chosen: bits by which the last terms may exceed the tolerance
 
 
@@ -62,7 +63,7 @@ class TaylorShooting:
         Y, det = self.integration.far_frame(sigma)
         for step in self._steps:
             self._progress()
-            Y, det = self._normalized(self._carried(step, sigma, Y)[0], det)
+            Y, det = self._normalized(self._carried(step, sigma, Y)[0](step.part), det)
         return self._at_wall(sigma, Y, det)
 
     def solving(self, sigma: Any) -> Factors:
@@ -86,7 +87,7 @@ class TaylorShooting:
             Y, det = self._normalized(Y, det)
             if kept is not None:
                 kept.frames.append(Y)
-            self.integration.advance()
+            self.integration.advance(step.part)
             longest = self._next
             if len(self._steps) > MOST_TAYLOR_STEPS:
                 raise ConvergenceError(f"more than {MOST_TAYLOR_STEPS} Taylor steps: sigma lies next to the continuous spectrum")
@@ -101,9 +102,12 @@ class TaylorShooting:
             end, last = self._carried(step, sigma, Y)
             limit = self._limit(Y, last)
             here = self.arithmetic.log2(step.h)
+            self._next = 2.0 ** (here + min(limit, 0.0) + STEP_GROWTH)
             if limit * self.settings.order >= -TERM_SLACK:
-                self._next = 2.0 ** (here + min(limit, STEP_GROWTH) - LIMIT_SLACK)
-                return step, end
+                return step, end(1.0)
+            if limit >= SHORTEST_LOG_PART:
+                part = 2.0 ** (limit - LIMIT_SLACK)
+                return replace(step, part=part, at_wall=False), end(part)
             longest = 2.0 ** (here + limit - LIMIT_SLACK)
         raise ConvergenceError("no Taylor step is short enough: sigma lies on the continuous spectrum, or next to it")
 
@@ -111,8 +115,8 @@ class TaylorShooting:
         rows = matrices.polynomial(self._rows, sigma)
         return self.arithmetic.rounded(det * matrices.determinant(self.arithmetic, matrices.product(self.arithmetic, rows, Y)))
 
-    def _carried(self, step: Expansion, sigma: Any, Y: Matrix) -> tuple[Matrix, list[Matrix]]:
-        """The frame at the end of the step, and the last terms of its series."""
+    def _carried(self, step: Expansion, sigma: Any, Y: Matrix) -> tuple[Callable[[float], Matrix], list[Matrix]]:
+        """The frame as a function of t, and the last terms of its series."""
         C, D = at_sigma(step.C, sigma), at_sigma(step.D, sigma)
         return carried(self.arithmetic, self._n, C, {at: e * step.h for at, e in D.items()}, Y, self.settings.order)
 

@@ -144,7 +144,7 @@ def solved(shooting: TaylorShooting, sigma: Any) -> tuple[TaylorSolution, Matrix
         psi.insert(0, matrices.product(arithmetic, Y, c))
     z = [kept.at_wall]
     for step in reversed(kept.steps):
-        z.insert(0, arithmetic.rounded(z[0] - step.h))
+        z.insert(0, arithmetic.rounded(z[0] - step.h * arithmetic.number(step.part)))
     farther = partial(shooting.integration.farther, sigma, c)
     farthest = float(shooting.integration.farthest)
     return TaylorSolution(arithmetic, sigma, z, kept.steps, psi, kept.rows, shooting.settings.order, farther, farthest), c

@@ -26,6 +26,8 @@ FLOW_NEWTONS = 60  # chosen: the most steps of Newton; each doubles the digits
 PLACED = 0.9  # chosen: part of the digits that the last step of Newton to a place leaves as they are
 HIGHEST_START = -7.0  # chosen: log2 of the ν0 at which the way down begins, at most
 FLUX = 4  # exact: the place of Φ in a state (ν, T, u, Q, Φ)
+UNIT_TRIALS = 8  # chosen: powers of two that are tried as the unit of a step's series
+UNIT_GRAIN, UNIT_LEAP = 2, 2  # chosen: log2 of the unit over the step, at most, and by how much a unit changes that shows no limit
 State = list[Any]
 
 
@@ -85,25 +87,41 @@ class Descent:
         self.arithmetic, self.chute, self.settings = arithmetic, chute, settings
         self.state, self.remaining = state, length
         self._graph = RelaxedSystem(arithmetic)
-        self._y = [self._graph.unknown() for _ in range(4)]
-        nu, T, u, Q = self._y
+        self._y = [self._graph.unknown() for _ in range(5)]
+        nu, T, u, Q, _ = self._y
         decay, *rest = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.radial_law, arithmetic.pi)
         self._slopes = [nu * decay, *rest, -(nu * u)]
+        self._compiled = arithmetic.recurrence(self._graph, self._y, self._slopes)
+        self._log_unit = math.ceil(math.log2(length)) if length > 0.0 else 0
 
     def expand(self) -> tuple[list[list[Any]], float]:
         """Taylor coefficients in z of the state here, and the step (a positive double) up to which they hold."""
-        settings, arithmetic = self.settings, self.arithmetic
+        found = self._by_loops()
+        if found is None:
+            series = self._by_numbers()
+            found = series, min(self._limits(series))
+        return found[0], 2.0 ** found[1]
+
+    def _by_loops(self) -> tuple[list[list[Any]], float] | None:
+        """The coefficients are accurate as far as 2^log_unit: it has to be the next power of two beyond the step."""
+        if self._compiled is not None:
+            for _ in range(UNIT_TRIALS):
+                series = self._compiled.expand(self.state, self._log_unit, self.settings.order)
+                unit, limit = self._log_unit, -math.inf if series is None else min(self._limits(series))
+                if series is not None and unit - UNIT_GRAIN <= limit <= unit:
+                    return series, limit
+                self._log_unit = unit + (UNIT_LEAP if limit > 0.0 else -UNIT_LEAP) if math.isinf(limit) else math.ceil(limit)
+        return None
+
+    def _by_numbers(self) -> list[list[Any]]:
         self._graph.clear()
-        for node, value in zip(self._y, self.state, strict=False):
+        for node, value in zip(self._y, self.state, strict=True):
             node.coefficients.append(value)
-        flux = [self.state[FLUX]]
-        for m in range(settings.order - 1):
+        for m in range(self.settings.order - 1):
             self._graph.extend(m)
-            nexts = [arithmetic.rounded(s.coefficients[m] / (m + 1)) for s in self._slopes]
-            _set(m + 1, *zip(self._y, nexts, strict=False))
-            flux.append(nexts[FLUX])
-        series = [*(list(y.coefficients) for y in self._y), flux]
-        return series, 2.0 ** min(self._limits(series))
+            nexts = [self.arithmetic.rounded(s.coefficients[m] / (m + 1)) for s in self._slopes]
+            _set(m + 1, *zip(self._y, nexts, strict=True))
+        return [list(y.coefficients) for y in self._y]
 
     def _limits(self, series: list[list[Any]]) -> list[float]:
         nu, T, u, Q = (self.arithmetic.log2(c[0]) for c in series[:4])

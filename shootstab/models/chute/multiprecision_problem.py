@@ -167,9 +167,9 @@ class ChuteIntegration:
         C0, C1, D0, D1, _ = self._scaled_pencil(self._place, self._step, self.settings.order)
         return Expansion(self._step, (C0, C1), (D0, D1), at_wall)
 
-    def advance(self) -> None:
+    def advance(self, part: float) -> None:
         assert self._place is not None
-        self._descent.advance(self._place, self._step)
+        self._descent.advance(self._place, self._step * self.arithmetic.number(part))
         self._place = None
 
     def wall_rows(self) -> tuple[Matrix, Matrix]:
