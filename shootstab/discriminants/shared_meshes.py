@@ -6,6 +6,7 @@ contour, or to one line, whose points come in one order: which mesh serves a σ 
 
 from __future__ import annotations
 
+import itertools
 from collections import deque
 from collections.abc import Sequence
 from contextlib import suppress
@@ -18,6 +19,7 @@ from shootstab.discriminants.method import AdaptiveDiscriminant, MeshedDiscrimin
 from shootstab.discriminants.subsystems import Coupled
 from shootstab.problems.protocol import Problem
 
+MOST_LENT = 4000  # chosen: steps of all meshes that are kept for a neighbour, a hundred megabytes of tables at most
 LENT_TRIED = 1  # chosen: meshes of a neighbour that are tried: the one that served what is nearest to σ there
 MESHES_TRIED = 3  # chosen: meshes that are tried before another one is made
 ASKED_LAST = 32  # chosen: the latest σ that were asked of a mesh, by which it is judged
@@ -84,8 +86,10 @@ class SharedMeshes:
         return own.made
 
     def of(self, discriminant: AdaptiveDiscriminant) -> list[LentMesh]:
-        """The meshes of this discriminant, for a neighbour."""
-        return list(self._kept.get(discriminant, ()))
+        """The latest meshes of this discriminant, of so many steps in all that a neighbour may be lent them."""
+        kept = self._kept.get(discriminant, [])[::-1]
+        steps = itertools.accumulate(known.made.steps for known in kept)
+        return [known for known, sum_of_steps in zip(kept, steps, strict=True) if sum_of_steps <= MOST_LENT]
 
     def _likely(self, meshes: Sequence[LentMesh], sigma: complex) -> list[LentMesh]:
         """Those that may serve σ, and did not refuse what was nearest to it, the nearest first."""

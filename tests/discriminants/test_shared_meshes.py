@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import shootstab as st
+from shootstab.discriminants import shared_meshes
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.shared_meshes import SHORT_MESH, NeighbouringD, SharedMeshes
 from shootstab.models.chute import ChuteProblem
@@ -67,7 +68,7 @@ def test_a_neighbour_of_another_structure_has_meshes_of_its_own(scenes: dict[str
     assert again.with_derivative(sigma).newton_step == pytest.approx(own.newton_step, rel=1e-6)
 
 
-def test_a_contour_begins_with_the_meshes_of_its_neighbours(scenes: dict[str, ChuteProblem]) -> None:
+def test_a_contour_begins_with_the_meshes_of_its_neighbours(scenes: dict[str, ChuteProblem], monkeypatch: pytest.MonkeyPatch) -> None:
     """Where they serve no mesh is made, and D is the neighbour's own; where v separates, or the far frame asks for more, one is."""
     flow, method = scenes["high"].flow, Frame(rtol=1e-5)
     one, two, apart = (method.on(st.chute.problem(flow, kx=5e-4, ky=ky)) for ky in (0.012, 0.014, 0.0))
@@ -83,6 +84,8 @@ def test_a_contour_begins_with_the_meshes_of_its_neighbours(scenes: dict[str, Ch
         assert made.with_derivative(sigma).D.over(own.D) == pytest.approx(1.0, abs=1e-3)
     assert two.evaluations == 0  # on meshes of its own
     assert len(meshes.of(two)) == len(before.of(one))
+    monkeypatch.setattr(shared_meshes, "MOST_LENT", before.of(one)[0].made.steps)
+    assert len(before.of(one)) == 1  # the latest
     other = SharedMeshes(lent=before.of(one), to=apart)
     assert "6 + 2" in other.at(apart, sigmas[0]).system_at(sigmas[0])
     assert apart.evaluations > 0

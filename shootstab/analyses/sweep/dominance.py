@@ -22,7 +22,7 @@ from shootstab.core.regions import Rectangle
 from shootstab.discriminants.continuation import Continuation
 from shootstab.discriminants.frame import Frame
 from shootstab.discriminants.method import AdaptiveDiscriminant
-from shootstab.discriminants.shared_meshes import SharedMeshes
+from shootstab.discriminants.shared_meshes import LentMesh, SharedMeshes
 from shootstab.problems.capabilities import GROWING_REGION
 from shootstab.problems.protocol import Problem
 from shootstab.roots.search import Zero
@@ -47,7 +47,7 @@ class Closure:
     law: GrowthLaw | None = None
     settled: float = 0.0  # the |σ| from which on σ rules everywhere (see asymptotic_scale.py)
     far: AdaptiveDiscriminant | None = None
-    arcs: SharedMeshes | None = None
+    arcs: tuple[LentMesh, ...] = ()  # meshes of far
     theorem: Callable[..., tuple[Rectangle, str]] | None = None
 
     def region(self, floor: float) -> HalfDisc | Rectangle:
@@ -74,7 +74,7 @@ class DominantModes:
     floor: float
     closure: Closure
     continuation: Continuation
-    contours: SharedMeshes
+    contours: tuple[LentMesh, ...]
     evaluations: int
 
 
@@ -85,8 +85,7 @@ def count_dominant(problem: Problem, known: Sequence[complex], floor: float, bef
     is divided. Raises ConvergenceError where the count cannot be made or not all modes are found.
     """
     counting = Continuation(problem, SWEEP_COUNTING, None if before is None else before.continuation.on_the_axis.meshes)
-    lent = [] if before is None else before.contours.of(before.continuation.on_the_axis)
-    contours = SharedMeshes(lent=lent, to=counting.on_the_axis)
+    contours = SharedMeshes(lent=() if before is None else before.contours, to=counting.on_the_axis)
     finding = Continuation(problem, SWEEP_FINDING)
     modes = _distinct(known)
     if before is None:
@@ -99,7 +98,7 @@ def count_dominant(problem: Problem, known: Sequence[complex], floor: float, bef
         growing = [m for m in modes if m.real > level]
         if count == len(growing):
             growing.sort(key=lambda m: (-m.real, m.imag))
-            return DominantModes(tuple(growing), level, closure, counting, contours, spent)
+            return DominantModes(tuple(growing), level, closure, counting, tuple(contours.of(counting.on_the_axis)), spent)
         if count < len(growing):
             raise ConvergenceError(f"{number_of(count, *COUNTED)} with Re sigma > {level:.2g}, but {len(growing)} found")
         if attempt < len(SUGGESTING_TRUNCATIONS):
@@ -120,15 +119,14 @@ def _closure(problem: Problem, before: Closure | None) -> Closure:
         return Closure(theorem=theorem)
     far = LAW_FOLLOWED.on(problem, begin=None if before is None or before.far is None else before.far.meshes)
     settled = asymptotic_scale(problem, 0.0 if before is None else before.settled)
-    lent = [] if before is None or before.far is None or before.arcs is None else before.arcs.of(before.far)
-    arcs = of_arcs(lent, far)
+    arcs = of_arcs(() if before is None else before.arcs, far)
     try:
         law = growth_beyond(far, SMALLEST_RADIUS if before is None or before.law is None else before.law.radius, settled, arcs)
     except ConvergenceError:
         if theorem is None:
             raise
         return Closure(theorem=theorem)
-    return Closure(law, settled, far, arcs)
+    return Closure(law, settled, far, tuple(arcs.of(far)))
 
 
 def lowest_floor(continuation: Continuation, floor: float) -> float:
