@@ -55,14 +55,31 @@ class _Raised:
     error: Exception
 
 
-def in_processes(work: Callable[[Job], Result], jobs: Sequence[Job], workers: int) -> Generator[tuple[Job, Result], None, None]:
-    """Each job with its result, as they are done by so many new processes, each with one thread: the matrices are small.
+Crew = dict[Connection, _Worker]
 
-    They are started afresh, so a program that asks for them must guard its own start by `if __name__ == "__main__"`. Raises what a job
-    raises; ShootstabError where no worker can be started, and at the end for jobs at which DEATHS workers died.
+
+@contextmanager
+def crew_kept() -> Iterator[Crew]:
+    """Processes that stay for another list of jobs, with the kernels that they have loaded by then; they end with the context."""
+    crew: Crew = {}
+    try:
+        yield crew
+    finally:
+        for worker in crew.values():
+            worker.end()
+
+
+def in_processes(
+    work: Callable[[Job], Result], jobs: Sequence[Job], workers: int, kept: Crew | None = None
+) -> Generator[tuple[Job, Result], None, None]:
+    """Each job with its result, as they are done by so many processes, each with one thread: the matrices are small.
+
+    They are started afresh, so a program that asks for them must guard its own start by `if __name__ == "__main__"`; those of a kept crew
+    are taken first, and left to it. Raises what a job raises; ShootstabError where no worker can be started, and at the end for jobs at
+    which DEATHS workers died.
     """
     todo, deaths, stillborn = deque(range(len(jobs))), Counter[int](), 0
-    crew: dict[Connection, _Worker] = {}
+    crew: Crew = {} if kept is None else kept
     try:
         while todo or any(worker.job is not None for worker in crew.values()):
             busy = sum(worker.job is not None for worker in crew.values())
@@ -96,8 +113,10 @@ def in_processes(work: Callable[[Job], Result], jobs: Sequence[Job], workers: in
                 if place is not None:
                     yield jobs[place], answer
     finally:
-        for worker in crew.values():
-            worker.end()
+        for connection, worker in list(crew.items()):
+            if kept is None or worker.job is not None or not worker.serves:
+                del crew[connection]
+                worker.end()
     lost = sum(n >= DEATHS for n in deaths.values())
     if lost:
         raise ShootstabError(f"{lost} of {len(jobs)} jobs are not done: {DEATHS} worker processes died at each, as where memory runs out")

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from shootstab.analyses.processes import DEATHS, STILLBORN, in_processes, require_start
+from shootstab.analyses.processes import DEATHS, STILLBORN, crew_kept, in_processes, require_start
 from shootstab.core.errors import InputError, ShootstabError
 
 JOBS = 60
@@ -77,6 +77,28 @@ def test_what_a_job_raises_comes_out_with_its_traceback() -> None:
     assert "test_processes.py" in caught.value.__notes__[0]
     with pytest.raises(ShootstabError, match="StubbornError in a worker process: 1 and 1"):
         list(in_processes(stubborn, [1], 1))
+    assert not active_children()
+
+
+def whoever(x: int) -> int:
+    time.sleep(0.02)
+    return os.getpid()
+
+
+def test_a_kept_crew_does_another_list_of_jobs_and_ends_with_its_context() -> None:
+    """One that is killed between two lists is replaced; what raises, or is left in the midst of a list, costs the crew its busy workers."""
+    with crew_kept() as crew:
+        first = {pid for _, pid in in_processes(whoever, list(range(12)), 2, crew)}
+        second = {pid for _, pid in in_processes(whoever, list(range(12)), 2, crew)}
+        assert len(first) == 2
+        assert second == first == {process.pid for process in active_children()}
+        os.kill(min(first), signal.SIGKILL)
+        assert sorted(x for x, _ in in_processes(whoever, list(range(12)), 2, crew)) == list(range(12))
+        with pytest.raises(InputError, match="x = 2: allowed is another"):
+            list(in_processes(refused, [1, 2], 1, crew))
+        for _ in in_processes(slowly, list(range(12)), 2, crew):
+            break
+        assert sorted(in_processes(slowly, list(range(12)), 2, crew)) == [(x, x * x) for x in range(12)]
     assert not active_children()
 
 

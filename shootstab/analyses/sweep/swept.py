@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from shootstab.analyses.processes import Job, Result, in_processes
+from shootstab.analyses.processes import Crew, Job, Result, crew_kept, in_processes
 from shootstab.analyses.sweep.grid import ParameterAxis, Point, SweepGrid
 from shootstab.analyses.sweep.neutral import neutral_steps, stepped, with_below
 from shootstab.analyses.sweep.outcomes import OUTCOMES, Outcome
@@ -127,7 +127,7 @@ def sweep(
     settings = WalkSettings(digits, every, floor)
     family = family_of(tuple(axes))
     grid = SweepGrid.of(axes, family)
-    with Store(None if out is None else Path(out), grid.names, _definition(grid, family, settings)) as store:
+    with Store(None if out is None else Path(out), grid.names, _definition(grid, family, settings)) as store, crew_kept() as crew:
         lines = grid.lines(store.done(grid))
         if lines:
             store.require_writable()
@@ -136,7 +136,7 @@ def sweep(
         done = len(grid) - sum(len(line.points) for line in lines)
         told(done, len(grid) + steps)
         kept = "" if out is None else f"; {out} keeps what was done"
-        with closing(_results(partial(walk, family, settings), lines, workers, cluster, kept)) as results:
+        with closing(_results(partial(walk, family, settings), lines, workers, cluster, kept, crew)) as results:
             for line, outcomes in results:
                 store.add(line.points, outcomes)
                 done += len(line.points)
@@ -145,7 +145,7 @@ def sweep(
         left = [step for step in neutral_steps(grid, outcomes_of) if step.point not in known]
         if left:
             store.require_writable()
-        with closing(_results(partial(stepped, family, settings), left, workers, cluster, kept)) as landed:
+        with closing(_results(partial(stepped, family, settings), left, workers, cluster, kept, crew)) as landed:
             for i, (step, sigma) in enumerate(landed, 1):
                 store.add_below(step.point, sigma)
                 told(len(grid) + round(steps * i / len(left)), len(grid) + steps)
@@ -154,12 +154,12 @@ def sweep(
 
 
 def _results(
-    work: Callable[[Job], Result], jobs: list[Job], workers: int | None, cluster: str | None, kept: str
+    work: Callable[[Job], Result], jobs: list[Job], workers: int | None, cluster: str | None, kept: str, crew: Crew
 ) -> Generator[tuple[Job, Result], None, None]:
     if cluster is not None:
         return on_cluster(work, jobs, cluster, kept)
     count = os.cpu_count() or 1 if workers is None else workers
-    return serially(work, jobs) if count == 1 or len(jobs) < 2 else in_processes(work, jobs, count)
+    return serially(work, jobs) if count == 1 or len(jobs) < 2 else in_processes(work, jobs, count, crew)
 
 
 def _definition(grid: SweepGrid, family: Family, settings: WalkSettings) -> dict[str, Any]:
