@@ -11,6 +11,7 @@ from shootstab.core.balls import acb, arb, ctx
 from shootstab.core.errors import ConvergenceError
 from shootstab.formulation.enclosed_flow_steps import FlowPiece, around
 from shootstab.formulation.flow_arrival import FlowArrival
+from shootstab.formulation.flow_bracket import FlowBracket
 from shootstab.formulation.flow_fields import FlowFields
 from shootstab.formulation.flow_origin import FlowOrigin
 from shootstab.formulation.layer_form import LayerForm
@@ -40,7 +41,7 @@ class BoundaryLayerFlow:
     """See enclosed.FlowInBalls: the solution next to the one that doubles know."""
 
     def __init__(self, form: LayerForm) -> None:
-        self.form, self._origin = form, FlowOrigin(form)
+        self.form, self._origin = form, FlowOrigin(form) if form.pull is None else FlowBracket(form)
         self._known: dict[int, LocatedFlow] = {}
 
     @property
@@ -53,17 +54,25 @@ class BoundaryLayerFlow:
                 for i, x in zip(self.form.free, at.free, strict=True)
             ]
             values = f"{' and '.join(numbers)} to {PREMISE_DIGITS - 1} digits at the wall"
+            if isinstance(self._origin, FlowBracket):
+                return f"a base flow with {values} exists{self._near(at)}, and for every such flow"
             if self.form.scaled:
                 return f"for the only base flow, with {values},"
             within = 10.0 ** math.floor(math.log10(float(self._origin.alone)))
             return f"for the base flow with {values}, the only one within {within:.0e} of these values,"
 
+    def _near(self, at: LocatedFlow) -> str:
+        """Where a flow that is pulled to its limit stays next to it; others in the bracket, if there are any, are not spoken of."""
+        (place,), distance = self.form.settling, 10.0 ** math.ceil(math.log10(float(at.beyond.moved)))
+        limit = f"{shown(self.form.flow.states[place])} = {self.form.limits[0]}"
+        return f" that stays within {distance:.0e} of {limit} from {float(self.reach):.4g} on"
+
     @property
     def located(self) -> LocatedFlow:
         """The flow at the working precision. Raises ConvergenceError where it is not enclosed."""
         if ctx.prec not in self._known:
-            free, radius, passage = self._origin.located()
-            self._known[ctx.prec] = LocatedFlow(free, radius, passage.pieces, passage.wide)
+            free, radius, pieces, beyond = self._origin.located()
+            self._known[ctx.prec] = LocatedFlow(free, radius, pieces, beyond)
         return self._known[ctx.prec]
 
     @property

@@ -62,12 +62,13 @@ class FlowSteps:
         """The flow through a state on a step of length h; None where no tail is found."""
         return self._closed(self._expanded(state, terms), h)
 
-    def step(self, start: Any, state: list[Any], sets: list[list[Any]]) -> FlowPiece:
-        """A step of the flow through an exact state. Raises ConvergenceError where none is short enough."""
+    def step(self, start: Any, state: list[Any], sets: list[list[Any]], longest: Any = None) -> FlowPiece:
+        """A step of the flow through an exact state, no longer than an exact length. Raises ConvergenceError where none is short enough."""
         coefficients = self._expanded(state, self.terms)
         h = min(LONGEST_FLOW_STEP, self._natural(coefficients))
-        while h > SHORTEST_FLOW_STEP:
-            length = arb(h)
+        last = longest is not None and arb(h) >= longest
+        while h > SHORTEST_FLOW_STEP or last:
+            length = longest if last else arb(h)
             found = self._closed(coefficients, length)
             growth = None if found is None else self._growth(state, sets, found, length)
             if found is not None and growth is not None:
@@ -78,7 +79,8 @@ class FlowSteps:
                 carried = [[(a + b).upper() for a, b in zip(_times(at_end, spread), rest, strict=True)] for spread in sets]
                 widest = [largest(list(column)) for column in zip(*sets, strict=True)]
                 return FlowPiece(start, length, found, [x.upper() for x in _times(on_way, widest)], middle, carried)
-            h *= SHORTER
+            h = SHORTER * float(length)
+            last = False
         raise ConvergenceError("the base flow is not enclosed: take more bits")
 
     def _expanded(self, state: Sequence[Any], terms: int) -> list[list[Any]]:

@@ -15,7 +15,7 @@ from shootstab.core.balls import acb, arb
 from shootstab.core.errors import ConvergenceError
 from shootstab.formulation.atoms import Atom
 from shootstab.formulation.enclosed import NOWHERE
-from shootstab.formulation.expression import Expression
+from shootstab.formulation.expression import Expression, Monomial
 from shootstab.formulation.flow_fields import FlowFields
 from shootstab.formulation.layer_form import LayerForm
 from shootstab.formulation.system import Jet
@@ -53,10 +53,12 @@ class FlowArrival:
         if (name, order - 1) == form.flow.states[form.carrier]:
             return self._fields.evaluator(form.drift)
         expression, at_place = form.flow.higher(name, order), self._fields.evaluator
-        value, speed = acb(at_place(expression)), abs(at_place(form.drift)).upper()
-        slow = self._steepness(expression) * speed <= self.rate * abs(self.state[form.carrier]).lower()
+        quiet = Expression({m: c for m, c in expression.terms.items() if not self._carried(m)})
+        carried = expression - quiet
+        value, speed = acb(at_place(carried)), abs(at_place(form.drift)).upper()
+        slow = self._steepness(carried) * speed <= self.rate * abs(self.state[form.carrier]).lower()
         if slow and value.mid() == 0:  # every term has a factor that is a ball about 0, so that none cancels another
-            return value
+            return value + acb(at_place(quiet))
         raise ConvergenceError(f"d({name},{order}) of the base flow is not enclosed beyond its last step: take more bits")
 
     @property
@@ -67,6 +69,12 @@ class FlowArrival:
     def _fields(self) -> FlowFields:
         """Values with f(0) in place of f."""
         return FlowFields(self.form.flow, self._values)
+
+    def _carried(self, monomial: Monomial) -> bool:
+        """Whether it holds f, or what is made of f."""
+        states, f = self.form.flow.states, self.form.flow.states[self.form.carrier]
+        jets = [(atom.name, atom.order) for atom, _ in monomial if atom.kind == "given"]
+        return any(jet == f or (jet not in states and jet != (f[0], f[1] + 1)) for jet in jets)
 
     def _steepness(self, expression: Expression) -> int:
         """The largest m of terms f^m times something that falls with e^{−λx}. Raises ConvergenceError for other terms."""
@@ -116,3 +124,17 @@ def arrival(form: LayerForm, state: Sequence[Any]) -> FlowArrival | None:
             held = [acb(x.real) for x in known] if real else known
             return FlowArrival(form, held, rate.lower(), moved, [acb(x.real) for x in flown] if real else flown)
     return None
+
+
+def pulled_arrival(form: LayerForm, state: Sequence[Any]) -> FlowArrival | None:
+    """The same for real flows that are pulled to their limit and come to it (theory, lemma E23); None where that is not shown."""
+    assert form.pull is not None
+    ((place,), (falling,), (limit,)) = form.settling, form.falling, form.limits
+    V, P = abs(state[place] - ball(limit)).upper(), abs(state[falling]).upper()
+    known = [arb(0, P) if i == falling else ball(limit) + arb(0, V) if i == place else x for i, x in enumerate(state)]
+    at = FlowFields(form.flow, {y: acb(x) for y, x in zip(form.flow.states, known, strict=True)}).evaluator
+    ((a, c),) = form.damping
+    rate = (acb(state[form.carrier]) * at(a) + acb(at(c))).real.lower()
+    if not (rate > 0 and (acb(at(form.drift)) * at(a)).real >= 0 and acb(at(form.pull)).real > 0):
+        return None
+    return FlowArrival(form, [acb(x) for x in known], rate, V, [acb(ball(limit))])

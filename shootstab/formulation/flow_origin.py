@@ -49,8 +49,8 @@ class FlowOrigin:
         self._best: list[Any] = []
         self._contraction: tuple[list[Any], Any, Any, Any] | None = None
 
-    def located(self) -> tuple[list[Any], Any, Passage]:
-        """Exact free values s, a radius around them in which the solution lies, and the passage of all flows in it.
+    def located(self) -> tuple[list[Any], Any, list[FlowPiece], FlowArrival]:
+        """Exact free values s, a radius around them in which the solution lies, and all flows in it, in pieces and beyond them.
 
         It holds at the working precision. Raises ConvergenceError where none is proved to be there.
         """
@@ -63,7 +63,7 @@ class FlowOrigin:
                 move = _applied(A, passage.thin.defects)
                 inside = largest([abs(x - c) for x, c in zip(s, centre, strict=True)]) + radius < rho
                 if inside and largest([abs(x) for x in move]) / (1 - L) < radius:
-                    return s, radius, passage
+                    return s, radius, passage.pieces, passage.wide
                 s = self._best = [(x - d).mid() for x, d in zip(s, move, strict=True)]
         raise ConvergenceError("the values of the base flow at the wall are not enclosed: take more bits")
 
@@ -116,14 +116,7 @@ class FlowOrigin:
 
     def _passed(self, free: Sequence[Any], radius: Any, small: Any) -> Passage:
         """The flow with exact free values until it is so near to its limit. Raises ConvergenceError."""
-        form = self.form
-        n, at = len(form.flow.states), on_balls(acb(ball(form.wall)), {})
-        given = dict(zip(form.free, free, strict=True))
-        assert all(x.is_exact() for x in free)
-        first = [given[i] if i in given else acb(at(form.fixed[i])).real for i in range(n)]
-        state = [acb(x.mid()) if isinstance(free[0], acb) else x.mid() for x in first]
-        known = [(arb(0) if i in given else x.rad()) for i, x in enumerate(first)]
-        sets, pieces, start = [known, [radius if i in given else x for i, x in enumerate(known)]], list[FlowPiece](), arb(0)
+        form, (state, sets), pieces, start = self.form, begun(self.form, free, radius), list[FlowPiece](), arb(0)
 
         while len(pieces) < FARTHEST_LAYER:
             piece = self.steps.step(start, state, sets)
@@ -133,6 +126,16 @@ class FlowOrigin:
             if thin is not None and wide is not None and thin.moved < small:
                 return Passage(pieces, thin, wide)
         raise ConvergenceError("the base flow does not come to its limit, as far as it is enclosed: take more bits")
+
+
+def begun(form: LayerForm, free: Sequence[Any], radius: Any) -> tuple[list[Any], list[list[Any]]]:
+    """The state at the wall, exact, and two sets about it: what else is known of it, and free values within a radius."""
+    assert all(x.is_exact() for x in free)
+    at, given = on_balls(acb(ball(form.wall)), {}), dict(zip(form.free, free, strict=True))
+    first = [given[i] if i in given else acb(at(form.fixed[i])).real for i in range(len(form.flow.states))]
+    state = [acb(x.mid()) if isinstance(free[0], acb) else x.mid() for x in first]
+    known = [(arb(0) if i in given else x.rad()) for i, x in enumerate(first)]
+    return state, [known, [radius if i in given else x for i, x in enumerate(known)]]
 
 
 def _moved(free: Sequence[Any], j: int, step: Any) -> list[Any]:

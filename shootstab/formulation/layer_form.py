@@ -4,7 +4,8 @@ One function f grows, f′ = φ(w), and all others settle, w_i″ = p_i′,
 
     p_i′ = −(f a_i(w) + c_i(w)) p_i + q_i(w, p),   q_i of the second order in p,
 
-with values of some states at a wall and w_i → W_i at infinity: Blasius' layer with w = f′, and the compressible plate with w = (U, T).
+with values of some states at a wall and w_i → W_i at infinity: Blasius' layer with w = f′, and the compressible plate with w = (U, T). A
+single w may be pulled to its limit, p′ = −(f a + c) p + B(w) (w − W): Falkner and Skan's wedges.
 """
 
 from __future__ import annotations
@@ -15,14 +16,14 @@ from fractions import Fraction
 
 from shootstab.formulation.atoms import Atom
 from shootstab.formulation.base_flow import BaseEnd, BaseFlow, fixed_at_origin, of_state
-from shootstab.formulation.expression import SLOPES, Expression, number, of_atom
+from shootstab.formulation.expression import SLOPES, Expression, number, of_atom, quotient
 from shootstab.formulation.gaussian import ONE
 
 
 @dataclass(frozen=True, eq=False)
 class LayerForm:
     """f is the carrier; settling are the places of the w_i among the states, falling those of the p_i. limits are the W_i, damping the
-    pairs (a_i, c_i), products the q_i, fixed the values at the wall by places.
+    pairs (a_i, c_i), products the q_i, pull the B if there is one, fixed the values at the wall by places.
     """
 
     flow: BaseFlow
@@ -34,6 +35,7 @@ class LayerForm:
     damping: tuple[tuple[Expression, Expression], ...]
     products: tuple[Expression, ...]
     fixed: Mapping[int, Expression]
+    pull: Expression | None = None
 
     @property
     def free(self) -> tuple[int, ...]:
@@ -49,8 +51,10 @@ class LayerForm:
     def scaled(self) -> bool:
         """Whether it is f‴ = −c f f″ from f = f′ = 0, c > 0, whose solution is one alone by its scaling (theory, lemma E18)."""
         (a, c), *more = self.damping
-        alike = not more and self.carrier == 0 and self.settling == (1,) and not c and not self.products[0] and set(self.fixed) == {0, 1}
-        return alike and a.constant is not None and a.constant.re > 0 and not any(self.fixed.values()) and self.limits[0] > 0
+        blasius = not more and self.pull is None and self.carrier == 0 and self.settling == (1,) and set(self.fixed) == {0, 1}
+        if not blasius or c or self.products[0] or any(self.fixed.values()):
+            return False
+        return a.constant is not None and a.constant.re > 0 and self.limits[0] > 0
 
     def derivatives(self) -> dict[tuple[int, int], Expression]:
         """∂F_i/∂y_j where it does not vanish."""
@@ -81,7 +85,13 @@ def layer_form(flow: BaseFlow) -> LayerForm | None:
         return None
     damping = tuple((part[0], part[1]) for part in parts if part is not None)
     products = tuple(part[2] for part in parts if part is not None)
-    return LayerForm(flow, flow.origin.at, carrier, settling, falling, limits, damping, products, fixed)
+    rests = [part[3] for part in parts if part is not None]
+    pull = None
+    if any(rests):
+        pull = quotient(rests[0], of_state(states[settling[0]]) - number(limits[0]))
+        if len(falling) > 1 or products[0] or pull is None:
+            return None
+    return LayerForm(flow, flow.origin.at, carrier, settling, falling, limits, damping, products, fixed, pull)
 
 
 def partial(expression: Expression, atom: Atom) -> Expression:
@@ -130,9 +140,9 @@ def _limits(flow: BaseFlow, settling: Sequence[int]) -> tuple[Fraction, ...] | N
     return tuple(Fraction(value.re) for value in values if value is not None)
 
 
-def _split(slope: Expression, f: Atom, p: Sequence[Atom], i: int) -> tuple[Expression, Expression, Expression] | None:
-    """(a_i, c_i, q_i) of p_i′; None where it is not of the form."""
-    linear, products = [number(0), number(0)], number(0)
+def _split(slope: Expression, f: Atom, p: Sequence[Atom], i: int) -> tuple[Expression, Expression, Expression, Expression] | None:
+    """(a_i, c_i, q_i) of p_i′, and what holds neither f nor p; None where it is not of the form."""
+    linear, products, rest = [number(0), number(0)], number(0), number(0)
     for outer, coefficient in slope.collected(lambda atom: atom == f or atom in p):
         if coefficient.atoms() & {f, *p}:
             return None
@@ -141,10 +151,12 @@ def _split(slope: Expression, f: Atom, p: Sequence[Atom], i: int) -> tuple[Expre
         carried = powers.get(f, 0)
         if any(Fraction(e).denominator != 1 or e < 0 for e in powers.values()):
             return None
-        if degree >= 2 and not carried:
+        if not outer:
+            rest = rest + coefficient
+        elif degree >= 2 and not carried:
             products = products + coefficient * Expression({outer: ONE})
         elif degree == 1 and powers.get(p[i]) == 1 and carried in (0, 1):
             linear[int(carried)] = linear[int(carried)] - coefficient
         else:
             return None
-    return linear[1], linear[0], products
+    return linear[1], linear[0], products, rest

@@ -132,6 +132,8 @@ class LayerEnclosable:
     @property
     def lemmas(self) -> tuple[str, ...]:
         """The lemmas, with that of the scaling where it makes the flow the only one."""
+        if self.flow.form.pull is not None:
+            return (*(name for name in LAYER_LEMMAS if name != "E21"), "E23")
         return (*LAYER_LEMMAS, *(("E18",) if self.flow.form.scaled else ()))
 
     @property
