@@ -1,6 +1,7 @@
 """Certificates: a proof as a JSON file of exact decimals that a checker of its own, on integers and mpmath's intervals, verifies anew.
 
-{"format": 2, "problem": {…}, "count": n, "region": {"re", "im", "radius"} or {"floor"}, "outer", "weight", "points", "bits", "order",
+{"format": 2, "problem": {…}, "count": n, "region": {"re", "im", "radius"}, {"left", "low", "right", "high"} or
+{"floor"}, "outer", "weight", "points", "bits", "order",
 "steps"}: what is claimed, and the settings with which the checker finds that it holds; or {"format": 2, "parts": [… of these]}. One that
 has a base flow says besides between which values it lies, and which lemmas are relied on. Problems in equations are written with
 polynomial coefficients (formulation/polynomial_form.py), which stand in the certificate. The checker trusts none of the settings; poor
@@ -14,8 +15,10 @@ from pathlib import Path
 from typing import Any
 
 from shootstab.analyses.contour_proof import CONTOUR_BITS
+from shootstab.analyses.enclosables import factors, one_polynomial
 from shootstab.analyses.polynomial_certificate import candidates
 from shootstab.analyses.proof import Proof
+from shootstab.analyses.rectangle_certificate import rectangles
 from shootstab.checkers import CHECKERS
 from shootstab.core.errors import ConvergenceError, InputError, shortened
 from shootstab.core.reading import bytes_of, json_of, text_of
@@ -27,7 +30,7 @@ MOST_FACTORS = 16  # chosen: parts of a certificate
 
 
 def certify(problem: Problem, proof: Proof, spare_bits: int = CONTOUR_BITS) -> dict[str, Any]:
-    """The certificate of a proof on a disc or on all that grows; it is handed out only after its checker has accepted it.
+    """The certificate of a proof on a disc, a rectangle or all that grows; it is handed out only after its checker has accepted it.
 
     Where D has factors it has one part for each. spare_bits as in `prove_growing`. Raises InputError for a problem without a
     checker and a proof on another region, ConvergenceError where the checker does not accept.
@@ -39,8 +42,13 @@ def certify(problem: Problem, proof: Proof, spare_bits: int = CONTOUR_BITS) -> d
     return _certified(problem, proof, proof.count, spare_bits)
 
 
-def require_checker(problem: Problem) -> None:
-    """Raises InputError for a problem that no checker takes, with the reason."""
+def require_checker(problem: Problem, rectangle: bool = False) -> None:
+    """Raises InputError for a problem that no checker takes, or of which none takes a rectangle, with the reason."""
+    if rectangle and not one_polynomial(factors(problem)):
+        raise InputError(
+            "a rectangle of this problem is proved along its boundary by hundreds of values and bounds of D, each of which would take "
+            "a checker a second: allowed is a certificate of a disc about a mode"
+        )
     for part in FACTORS.of(problem) or (problem,):
         if CERTIFICATES.of(part) is None:
             POLYNOMIAL_PENCIL.required(part)()
@@ -49,7 +57,12 @@ def require_checker(problem: Problem) -> None:
 def _certified(problem: Any, proof: Proof, count: int, spare_bits: int) -> dict[str, Any]:
     reason = None
     own = CERTIFICATES.of(problem)
-    made = candidates(POLYNOMIAL_PENCIL.required(problem)(), proof, count) if own is None else own(proof, count, spare_bits)
+    if own is not None:
+        made = own(proof, count, spare_bits)
+    elif proof.region["shape"] == "rectangle" and proof.floor is None and proof.interval is None:
+        made = rectangles(POLYNOMIAL_PENCIL.required(problem)(), sides_of(proof), count)
+    else:
+        made = candidates(POLYNOMIAL_PENCIL.required(problem)(), proof, count)
     for found in made:
         reason = _checker(found["problem"]["name"]).check(found)
         if reason is None:
@@ -64,8 +77,14 @@ def _checker(name: str) -> Any:
 def disc_of(proof: Proof, allowed: str) -> tuple[dict[str, str], str]:
     """Centre and radius of the disc that a proof is about. Raises InputError, which says what is allowed, for another region."""
     if proof.region["shape"] != "disc":
-        raise InputError(f"a proof on a rectangle: allowed is {allowed}")
+        raise InputError(f"a proof on a {proof.region['shape']}: allowed is {allowed}")
     return proof.region["centre"], proof.region["radius"]
+
+
+def sides_of(proof: Proof) -> dict[str, str]:
+    """The sides of the rectangle that a proof is about."""
+    low, high = proof.region["corners"]
+    return {"left": low["re"], "low": low["im"], "right": high["re"], "high": high["im"]}
 
 
 def check(certificate: Any) -> str | None:

@@ -234,12 +234,13 @@ def _counted(
 def _contour(
     problem: Problem, place: int, form: Enclosable, region: Bounded, bits: int, spare: int, workers: int | None, looked_at: bool
 ) -> tuple[_Boundary, list[ContourPiece]]:
-    """D and the parts of the boundary that have room, first of an enclosure made for the corners, then of one for where these reach.
+    """D and the parts of the boundary that have room.
 
+    What is singular is told by an enclosure made for one corner, that of fastest growth; D is then enclosed where the parts reach.
     looked_at says that D is known to be analytic inside. Raises ConvergenceError where it is not seen to be.
     """
     corners = [x for piece in pieces(region, False) for x in next_to(piece, (-1.0, 0.0))]
-    setting = Setting(place, bits, tuple(map(exact_ball, corners)))
+    setting = Setting(place, bits, (exact_ball(max(corners, key=lambda x: float(x.real.mid()))),))
     D = setting.enclosure(form)
     if not looked_at:
         require_analytic(D.analytic, region)

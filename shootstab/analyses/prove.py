@@ -14,7 +14,7 @@ from time import perf_counter
 
 from shootstab.analyses.contour_proof import CONTOUR_BITS, along
 from shootstab.analyses.disc_proof import around, polished
-from shootstab.analyses.enclosables import factors
+from shootstab.analyses.enclosables import factors, one_polynomial
 from shootstab.analyses.interval_proof import over
 from shootstab.analyses.pieces_proof import by_pieces
 from shootstab.analyses.proof import Decimals, Proof
@@ -30,7 +30,6 @@ from shootstab.multiprecision.enclosable import Enclosable
 from shootstab.problems.capabilities import GROWING_REGION, VARIED
 from shootstab.problems.protocol import Problem
 
-POLYNOMIAL_POINTS = 48  # chosen: values of D that a circle may take where a rectangle is one polynomial, which takes some hundreds
 SPARE_DIGITS = 6  # chosen: digits of the mode beyond those of the disc around it
 
 
@@ -70,7 +69,7 @@ def prove_disc(
     try:
         return around(forms, (repr(at.real), repr(at.imag)), repr(float(radius)), alone)
     except ConvergenceError:
-        if all(form.most_points >= POLYNOMIAL_POINTS for form in forms):
+        if one_polynomial(forms):
             raise
         return by_pieces(problem, Disc(at, radius), CONTOUR_BITS, progress, workers)
 
@@ -89,7 +88,7 @@ def prove_region(
     on the boundary or too near to it, or a continuous spectrum does.
     """
     forms = factors(problem)
-    if isinstance(region, Rectangle) and all(form.most_points >= POLYNOMIAL_POINTS for form in forms):
+    if isinstance(region, Rectangle) and one_polynomial(forms):
         return along(forms, region, spare_bits, progress)
     return by_pieces(problem, region, spare_bits, progress, workers)
 

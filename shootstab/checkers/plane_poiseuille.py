@@ -1,7 +1,8 @@
 """Check a certificate on modes of plane Poiseuille flow. Run as `python plane_poiseuille.py CERTIFICATE`.
 
-It claims that exactly n even or odd modes, with multiplicity, lie in a disc, or have Re σ ≥ a floor. This file shares nothing with the
-program that wrote it but mpmath: cos, sin, exp and π in intervals. A `Ball` (x, y, r) of integers is |z − (x + iy) 2^−P| ≤ r 2^−P.
+It claims that exactly n even or odd modes, with multiplicity, lie in a disc or rectangle, or have Re σ ≥ a floor. This file shares
+nothing with the program that wrote it but mpmath: cos, sin, exp and π in intervals. A `Ball` (x, y, r) of integers is |z − (x + iy) 2^−P|
+≤ r 2^−P.
 
 Equation.  (D² − α²)² φ = R [(σ + iαU)(D² − α²) − iαU″] φ with U = 1 − y², that is φ⁗ = p φ″ + q φ with
 
@@ -28,6 +29,7 @@ Growing.  With Q = ∫|φ′|² + α²|φ|², φ* times the equation gives c_r Q
 and ∫|φ′|² ≥ λ ∫|φ|², every mode has −α ≤ Im σ ≤ α/(λ + α²) and Re σ ≤ 2α√λ/(λ + α²), or 1 where α² > λ. On the disc around that
 rectangle D = Σ_{k<K} a_k u^k up to a spread e. Where Σ_{k≥1} |c_k| s^k + 4e < |c_0| for the series about the middle of a piece of the
 boundary of half length s, D is there within a quarter turn of its value at the middle, and the turns of the pieces add up to the count.
+So it is for a rectangle that the certificate names.
 """
 
 import json
@@ -40,6 +42,7 @@ from typing import Any, NamedTuple
 
 from mpmath import iv, mp
 
+NAMED_SIDES = {"left", "low", "right", "high"}
 KEYS = {"format", "problem", "count", "region", "outer", "weight", "points", "bits", "order", "steps"}
 MOST_CHECKING = 10**6  # chosen: points × steps × order, minutes; certificates of a thousand digits take 10⁵
 MOST_BOUNDARY_STEPS, MOST_NUMBERS = 4000, 10_000  # chosen: steps along the boundary of all that grows, some 20 ms each; decimals in a file
@@ -78,7 +81,7 @@ def _read(certificate: Any) -> None:
         raise ValueError(f"its keys are to be {', '.join(sorted(KEYS))}, its format 2")
     problem, region = certificate["problem"], certificate["region"]
     named = set(problem) == {"name", "reynolds", "alpha", "modes"} and problem["name"] == "plane Poiseuille" and problem["modes"] in BEGIN
-    if not named or set(region) not in ({"re", "im", "radius"}, {"floor"}):
+    if not named or set(region) not in ({"re", "im", "radius"}, {"floor"}, NAMED_SIDES):
         raise ValueError("problem, or region")
     texts = [problem["reynolds"], problem["alpha"], *region.values(), certificate["outer"], certificate["weight"], *certificate["steps"]]
     if len(texts) > MOST_NUMBERS or not all(isinstance(x, str) and DECIMAL.fullmatch(x) for x in texts):
@@ -100,11 +103,13 @@ class Checker:
         self.outer, self.k = Fraction(certificate["outer"]), Fraction(certificate["weight"])
         self.free, self.power = BEGIN[problem["modes"]]
         self.steps = [Fraction(h) for h in certificate["steps"]]
-        self.floor = Fraction(region["floor"]) if "floor" in region else None
-        if self.floor is None:
+        self.along = "radius" not in region
+        if not self.along:
             self.centre, self.radius = (Fraction(region["re"]), Fraction(region["im"])), Fraction(region["radius"])
         else:
-            self.low, self.high = self.rectangle(self.floor)
+            sides = [Fraction(region.get(side, 0)) for side in ("left", "low", "right", "high")]
+            ends: Any = self.rectangle(Fraction(region["floor"])) if "floor" in region else (sides[:2], sides[2:])
+            self.low, self.high = ends
             self.centre = ((self.low[0] + self.high[0]) / 2, (self.low[1] + self.high[1]) / 2)
             half = [(b - a) / 2 for a, b in zip(self.low, self.high, strict=True)]
             self.radius = Fraction(math.isqrt(math.ceil((half[0] ** 2 + half[1] ** 2) * GRID**2)) + 2, GRID)
@@ -113,8 +118,8 @@ class Checker:
         """Why the certificate does not hold; None where it does."""
         if not all(x > 0 for x in (self.R, self.alpha, self.radius, self.k, *self.steps)) or not self.outer > self.radius:
             return "a number that must be positive is not, or the outer circle is not the larger one"
-        if self.n >= self.K or not sum(self.steps) < 1 or (self.floor is not None and not self.low[0] < self.high[0]):
-            return "more zeros than points, steps beyond the wall, or a floor above all modes"
+        if self.n >= self.K or not sum(self.steps) < 1 or (self.along and not all(a < b for a, b in zip(self.low, self.high, strict=True))):
+            return "more zeros than points, steps beyond the wall, a floor above all modes, or a rectangle without an inside"
         self.steps.append(1 - sum(self.steps, Fraction(0)))
         turns = [(iv.cos(2 * iv.pi * j / self.K), iv.sin(2 * iv.pi * j / self.K)) for j in range(self.K)]
         roots = [self.exact(_fraction(c.mid), _fraction(s.mid), self.up(c.delta + s.delta)) for c, s in turns]
@@ -134,7 +139,7 @@ class Checker:
             off = self.up(M * q ** (m + self.K) / (1 - q**self.K))
             coefficients.append(Ball(total.x // self.K, total.y // self.K, total.r // self.K + 3 + off))
         rest = self.up(cut)
-        if self.floor is not None:
+        if self.along:
             return self.followed(coefficients, rest)
         leading = coefficients.pop(self.n)
         holds = math.isqrt(leading.x**2 + leading.y**2) - leading.r > sum(map(length, coefficients)) + rest

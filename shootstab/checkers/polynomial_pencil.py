@@ -1,11 +1,11 @@
 """Check a certificate on a boundary eigenvalue problem with polynomial coefficients. Run as `python polynomial_pencil.py CERTIFICATE`.
 
-It claims that exactly n eigenvalues σ, with multiplicity, lie in a disc. The problem stands in the certificate in exact numbers: layers
-with c(ξ, σ) dψ/dξ = B(ξ, σ) ψ, c and the entries of B polynomials, the ends, and at every joint L(σ) ψ(before) + R(σ) ψ(behind) = 0. An
-end is a wall, W(σ) ψ = 0; or an axis, at which c has a zero of order one and ψ is a power series whose component j begins with order
-least[j]; or infinity, a zero of c too, the x = e^{−κz} = 0 or ξ = tanh = ±1 of an unbounded domain, where ψ decays. This file shares
-nothing with the program that wrote the certificate but mpmath, whose eigenvectors are guesses. A `IntegerBall` (x, y, r) of integers is
-|z − (x + iy) 2^−P| ≤ r 2^−P.
+It claims that exactly n eigenvalues σ, with multiplicity, lie in a disc or rectangle. The problem stands in the certificate in exact
+numbers: layers with c(ξ, σ) dψ/dξ = B(ξ, σ) ψ, c and the entries of B polynomials, the ends, and at every joint L(σ) ψ(before) + R(σ)
+ψ(behind) = 0. An end is a wall, W(σ) ψ = 0; or an axis, at which c has a zero of order one and ψ is a power series whose component j
+begins with order least[j]; or infinity, a zero of c too, the x = e^{−κz} = 0 or ξ = tanh = ±1 of an unbounded domain, where ψ decays.
+This file shares nothing with the program that wrote the certificate but mpmath, whose eigenvectors are guesses. A `IntegerBall` (x, y, r)
+of integers is |z − (x + iy) 2^−P| ≤ r 2^−P.
 
 D.  y are the k-minors of the solutions that the left end admits, carried to the right end: c dy/dξ = B^(k) y with the compound matrix. w
 are the minors of the rows at a wall, or ± the complementary ones of the solutions that the right end admits. D = Σ w_I y_I is zero where a
@@ -33,6 +33,10 @@ rows is inverted.
 Disc.  From K values of D on |σ − c| = r and |D| ≤ M on |σ − c| ≤ ρ, q = r/ρ: the discrete Fourier coefficients miss d_k r^k by at most
 M q^{k+K}/(1 − q^K), the rest of the Taylor series is below M q^K/(1 − q); |d_n| r^n > Σ_{k≠n} |d_k| r^k + rest proves n zeros (Pellet).
 M is |D| computed for all σ of the larger disc at once.
+
+Rectangle.  M is the largest |D| on squares that cover the larger one of two discs around it, `cells` in a row, for all σ of a square at
+once. On the smaller disc D = Σ_{k<K} a_k u^k up to a spread e. Where Σ_{k≥1} |c_k| s^k + 4e < |c_0| for the series about the middle of a
+piece of the boundary of half length s, D is there within a quarter turn of its value at the middle: the turns add up to the count.
 """
 
 import json
@@ -47,12 +51,18 @@ from typing import Any, NamedTuple
 from mpmath import iv, mp
 
 PENCIL_KEYS = {"format", "problem", "count", "region", "outer", "points", "bits", "order", "weights", "lemmas"}
+RECTANGLE_SIDES = {"left", "low", "right", "high"}
 PENCIL_LEMMAS = ["E5", "E6", "E7", "E8", "R1", "R2"]
 PENCIL_LIMITS = {"count": (0, 64), "points": (3, 256), "bits": (40, 6000), "order": (8, 6000)}  # chosen: what a certificate may ask for
 PENCIL_MOST_STATES, PENCIL_MOST_STEPS, MOST_LAYERS = 8, 2000, 16  # chosen: the same
 PENCIL_MOST_NUMBERS, PENCIL_MOST_ORDERS, MOST_WEIGHT = 20_000, 24, 3000  # chosen: the same
 NUMBER = re.compile(r"-?\d{1,2000}((\.\d{1,2000})?(e-?\d{1,4})?|/\d{1,2000})")
 SHOWN = 40  # chosen: characters of what is no number that are told
+MOST_CELLS, PENCIL_MOST_PIECES = 16, 4000  # chosen: the same, squares in a row and pieces of a boundary
+LONGEST_PIECE, LEAST_PIECE = Fraction(1, 64), Fraction(1, 2**48)  # chosen: the first piece of a side, and the shortest one
+RIM_OF_SIDE = 6  # chosen: points of a side at which |D| is judged
+ROOT_BITS = 20  # chosen: bits of a square root beyond those of what it is taken of
+QUOTIENT_BITS, LACKING_TURN = 60, 0.01  # chosen: bits of a ratio; part of a turn by which a sum of doubles may miss a whole one
 PENCIL_MOST_WORK = 4 * 10**8  # chosen: products of numbers that a certificate may ask for
 
 GaussianRational = tuple[Fraction, Fraction]  # a Gaussian rational
@@ -86,7 +96,7 @@ def check(certificate: Any) -> str | None:
 
 
 def sizes(certificate: Any) -> tuple[int, int, int]:
-    """M, a lower bound of |D| at a point of the circle and the radius of its ball, in units of the last place: for a choice of settings.
+    """M, a lower bound of |D| at points of the boundary and the radius of its ball, in units of the last place: for a choice of settings.
 
     Raises RefusedPencilError where there are none.
     """
@@ -95,8 +105,9 @@ def sizes(certificate: Any) -> tuple[int, int, int]:
     iv.prec = mp.prec = checker.P
     try:
         checker.prepare()
-        value = checker.value(checker.plus(checker.exact(*checker.centre), checker.exact(checker.radius)))
-        return length(checker.value(checker.thick())), _least(value), value.r
+        checker.value(checker.exact(*checker.centre))
+        values = [checker.value(checker.exact(*at)) for at in checker.rim()]
+        return checker.bound(), min(map(_least, values)), max(value.r for value in values)
     finally:
         iv.prec, mp.prec = saved
 
@@ -166,19 +177,27 @@ class PencilChecker:
     """One certificate, its numbers as fractions."""
 
     def __init__(self, certificate: Any) -> None:
-        _require(
-            set(certificate) == PENCIL_KEYS and certificate["format"] == 2,
-            f"its keys are to be {', '.join(sorted(PENCIL_KEYS))}, its format 2",
-        )
+        keys = PENCIL_KEYS | ({"cells"} if set(certificate["region"]) == RECTANGLE_SIDES else set())
+        _require(set(certificate) == keys and certificate["format"] == 2, f"its keys are to be {', '.join(sorted(keys))}, its format 2")
         _require(certificate["lemmas"] == PENCIL_LEMMAS, f"its lemmas are {', '.join(PENCIL_LEMMAS)}")
         for name, (low, high) in PENCIL_LIMITS.items():
             _whole(certificate[name], low, high, name)
         self.P, self.N, self.K, self.count = (certificate[name] for name in ("bits", "order", "points", "count"))
         problem, region, read = certificate["problem"], certificate["region"], NumberReader()
         _require(set(problem) == {"name", "size", "layers", "joints", "left", "right"}, "problem")
-        _require(problem["name"] == "polynomial pencil" and set(region) == {"re", "im", "radius"}, "problem, or region")
+        disc = set(region) == {"re", "im", "radius"}
+        _require(problem["name"] == "polynomial pencil" and (disc or set(region) == RECTANGLE_SIDES), "problem, or region")
         n = self.n = _whole(problem["size"], 1, PENCIL_MOST_STATES, "size")
-        self.centre, self.radius = (read.number(region["re"]), read.number(region["im"])), read.number(region["radius"])
+        self.corners: list[tuple[Fraction, Fraction]] = []
+        if disc:
+            self.cells = 1
+            self.centre, self.radius = (read.number(region["re"]), read.number(region["im"])), read.number(region["radius"])
+        else:
+            self.cells = _whole(certificate["cells"], 1, MOST_CELLS, "cells")
+            a, b, c, d = (read.number(region[side]) for side in ("left", "low", "right", "high"))
+            _require(a < c and b < d, "a rectangle without an inside")
+            self.corners = [(a, b), (c, b), (c, d), (a, d)]
+            self.centre, self.radius = ((a + c) / 2, (b + d) / 2), half_diagonal(c - a, d - b)
         self.outer = read.number(certificate["outer"])
         self.left, self.right = (CertifiedEnd(read, problem[side], n, self.N) for side in ("left", "right"))
         self.k = self.left.admitted
@@ -193,7 +212,7 @@ class PencilChecker:
         self.layers = [self.layer(read, given) for given in problem["layers"]]
         places = [len(layer["steps"]) + 1 for layer in self.layers]
         _require(
-            sum(places) <= PENCIL_MOST_STEPS and sum(places) * self.K * self.N * len(self.subsets) <= PENCIL_MOST_WORK,
+            sum(places) <= PENCIL_MOST_STEPS and sum(places) * (self.K + self.cells**2) * self.N * len(self.subsets) <= PENCIL_MOST_WORK,
             "more work than is taken",
         )
         _require(all(x > 0 for x in (self.radius, *(h for layer in self.layers for h in layer["steps"]))), "what must be positive is not")
@@ -222,7 +241,7 @@ class PencilChecker:
         roots = [self.exact(_fraction(c.mid), _fraction(s.mid), self.up(c.delta + s.delta)) for c, s in turns]
         centre, radius = self.exact(*self.centre), self.exact(self.radius)
         self.value(centre)  # what is chosen there serves for every σ
-        M = length(self.value(self.thick()))
+        M = self.bound()
         values = [self.value(self.plus(centre, self.times(radius, w))) for w in roots]
         q = self.radius / self.outer
         cut = _above(M * q**self.K / (1 - q))
@@ -233,14 +252,75 @@ class PencilChecker:
                 total = self.plus(total, self.times(v, roots[-j * m % self.K]))
             off = _above(M * q ** (m + self.K) / (1 - q**self.K))
             coefficients.append(IntegerBall(total.x // self.K, total.y // self.K, total.r // self.K + 3 + off))
+        if self.corners:
+            return self.followed(coefficients, cut)
         leading = coefficients.pop(self.count)
         holds = math.isqrt(leading.x**2 + leading.y**2) - leading.r > sum(map(length, coefficients)) + cut
         return None if holds else f"Pellet's inequality does not hold for n = {self.count}"
 
-    def thick(self) -> IntegerBall:
-        """All σ of the outer circle."""
-        centre = self.exact(*self.centre)
-        return IntegerBall(centre.x, centre.y, self.exact(self.outer).x + 4)
+    def bound(self) -> int:
+        """M: |D| at most on the larger disc, on squares that cover it, or on all of it at once."""
+        return max(length(self.value(part)) for part in self.parts())
+
+    def parts(self) -> list[IntegerBall]:
+        """Discs that together hold all σ of the outer circle, about squares, or that itself."""
+        half = self.outer / self.cells
+        reach = self.exact(self.outer if self.cells == 1 else half * 3 / 2).x + 4  # 3/2 is above the root of 2
+        places = [(2 * i + 1 - self.cells) * half for i in range(self.cells)]
+        about = [self.exact(self.centre[0] + x, self.centre[1] + y) for x in places for y in places]
+        return [IntegerBall(at.x, at.y, reach) for at in about]
+
+    def rim(self) -> list[tuple[Fraction, Fraction]]:
+        """A point of the circle, or some of the boundary of the rectangle."""
+        if not self.corners:
+            return [(self.centre[0] + self.radius, self.centre[1])]
+        sides = zip(self.corners, [*self.corners[1:], self.corners[0]], strict=True)
+        parts = [Fraction(i, RIM_OF_SIDE) for i in range(RIM_OF_SIDE)]
+        return [(a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t) for a, b in sides for t in parts]
+
+    def followed(self, d: list[IntegerBall], rest: int) -> str | None:
+        """Why the turns of D along the boundary, counter-clockwise, are not as many as are claimed; None where they are."""
+        spread, a = rest + sum(x.r for x in d), [(x.x, x.y) for x in d]
+        off = [0] * self.K  # what the shift to a middle, |u| ≤ 1, loses by rounding, of every coefficient
+        for i in range(self.K):
+            for j in range(self.K - 2, i - 1, -1):
+                off[j] += off[j + 1] + 2
+        turns, walked = 0.0, 0
+        for begin, end in zip(self.corners, [*self.corners[1:], self.corners[0]], strict=True):
+            here, step = Fraction(0), LONGEST_PIECE
+            while here < 1:
+                if (walked := walked + 1) > PENCIL_MOST_PIECES:
+                    return f"the boundary asks for more than {PENCIL_MOST_PIECES} pieces"
+                ahead = min(Fraction(1), here + step)
+                at = [[b + (e - b) * t for b, e in zip(begin, end, strict=True)] for t in (here, (here + ahead) / 2, ahead)]
+                s = (ahead - here) / 2 * (abs(end[0] - begin[0]) + abs(end[1] - begin[1])) / self.radius
+                c = self.moved(a, at[1])
+                others, power, unit = 0, 1 << self.P, math.ceil(s * 2**self.P) + 2
+                for (x, y), lost in zip(c[1:], off[1:], strict=True):
+                    power = (power * unit >> self.P) + 1
+                    others += ((math.isqrt(x * x + y * y) + 1 + lost) * power >> self.P) + 1
+                if others + 4 * (spread + off[0]) >= math.isqrt(c[0][0] ** 2 + c[0][1] ** 2):
+                    step = (ahead - here) / 2
+                    if step < LEAST_PIECE:
+                        at_side = f"{float(here):.3g} of the way from {complex(*map(float, begin)):.6g}"
+                        return f"an eigenvalue lies too near to the boundary, {at_side}"
+                    continue
+                ends = [self.moved(a, sigma, 1)[0] for sigma in (at[0], at[2])]
+                turns += _turned(ends[0], c[0]) + _turned(c[0], ends[1])
+                here, step = ahead, (ahead - here) * 2
+        count = turns / (2 * math.pi)
+        return None if abs(count - self.count) < LACKING_TURN else f"{self.count} are claimed, and {count:.3f} counted"
+
+    def moved(self, a: list[tuple[int, int]], sigma: list[Fraction], terms: int | None = None) -> list[tuple[int, int]]:
+        """The first coefficients of Σ a_k (u + v)^k in powers of v, u that of σ, each rounding below 2 units of the last place."""
+        (x, y), P = (math.floor((s - c) / self.radius * 2**self.P) for s, c in zip(sigma, self.centre, strict=True)), self.P
+        re, im = [v[0] for v in a], [v[1] for v in a]
+        for i in range(self.K if terms is None else terms):
+            for j in range(self.K - 2, i - 1, -1):
+                b, c = re[j + 1], im[j + 1]
+                re[j] += (b * x - c * y) >> P
+                im[j] += (b * y + c * x) >> P
+        return list(zip(re, im, strict=True))
 
     def prepare(self) -> None:
         """The polynomials about every place at which steps begin, in t, and whether c vanishes as it must at singular ends."""
@@ -635,6 +715,19 @@ class PencilChecker:
             raise RefusedPencilError("a number that must not vanish may do so: more bits, a smaller outer circle or other steps are needed")
         room = (a.r << 2 * self.P) // (least * math.isqrt(square)) + 3
         return IntegerBall((a.x << 2 * self.P) // square, (-a.y << 2 * self.P) // square, room)
+
+
+def half_diagonal(width: Fraction, height: Fraction) -> Fraction:
+    """No less than that of a rectangle."""
+    square = (width**2 + height**2) / 4
+    return Fraction(math.isqrt(square.numerator * square.denominator << 2 * ROOT_BITS) + 1, square.denominator << ROOT_BITS)
+
+
+def _turned(a: tuple[int, int], b: tuple[int, int]) -> float:
+    """arg b/a; the ends of pieces are the same numbers for both neighbours, so that what doubles lose is all that the sum loses."""
+    x, y = b[0] * a[0] + b[1] * a[1], b[1] * a[0] - b[0] * a[1]
+    size = max(abs(x), abs(y))
+    return math.atan2((y << QUOTIENT_BITS) / size, (x << QUOTIENT_BITS) / size)
 
 
 def length(a: IntegerBall) -> int:  # an integer ≥ |a| in units of the last place

@@ -43,15 +43,15 @@ def options(parser: argparse.ArgumentParser, guess: Callable[[str], complex], nu
 def prove(options: Namespace) -> int:
     """A theorem on one eigenvalue or on all in a region."""
     if options.certificate is not None:
-        if options.region is not None or options.half_annulus is not None or options.over is not None:
-            raise InputError("--certificate: allowed with --guess, --disc and --growing, for one value of the parameters")
+        if options.half_annulus is not None or options.over is not None:
+            raise InputError("--certificate: allowed with --guess, --disc, --region and --growing, for one value of the parameters")
         require_writable(options.certificate)
     parameter = None if options.over is None else _interval(options)
     scene = loaded(options.scene)
     if options.certificate is not None:
         from shootstab.analyses.certificate import certify, require_checker
 
-        require_checker(scene.problem)
+        require_checker(scene.problem, options.region is not None)
     from shootstab.analyses import prove as proofs
     from shootstab.cli.terminal import progress
 

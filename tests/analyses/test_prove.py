@@ -147,6 +147,20 @@ def test_a_certificate_is_accepted_and_tampered_ones_are_not() -> None:
     assert check({**certificate, "region": {**certificate["region"], "radius": "__import__('os')"}}) is not None
 
 
+def test_a_certificate_of_a_rectangle() -> None:
+    """R = 100: three modes of the channel in a rectangle; a side moved across one of them is refused."""
+    channel, region = st.gallery.PlanePoiseuille(100.0, 1.0, half=False), st.Rectangle(-0.4 - 1.0j, 0.1 + 0j)
+    proof = prove_region(channel, region)
+    certificate = certify(channel, proof)
+    assert sum(part["count"] for part in certificate["parts"]) == proof.count == 3
+    assert check(certificate) is None
+    for part in certificate["parts"]:
+        assert check({**part, "count": part["count"] + 1}) is not None
+        assert check({**part, "region": {**part["region"], "right": "-0.5"}}) is not None
+        assert check({**part, "region": {**part["region"], "right": "-0.35"}}) is not None
+        assert check({**part, "region": {"left": "-0.4"}}) is not None
+
+
 def test_a_certificate_of_all_that_grows() -> None:
     """R = 50: no mode of the channel has Re σ ≥ −0.1, and one even mode has Re σ ≥ −0.3, near −0.228 − 0.510i."""
     channel = st.gallery.PlanePoiseuille(50.0, 1.0, half=False)

@@ -18,8 +18,9 @@ import pytest
 pytest.importorskip("flint")
 
 import shootstab as st
+from shootstab.analyses import rectangle_certificate
 from shootstab.analyses.certificate import certify, check
-from shootstab.analyses.prove import prove
+from shootstab.analyses.prove import prove, prove_region
 from shootstab.checkers import polynomial_pencil as checker
 from shootstab.checkers.polynomial_pencil import CertifiedEnd, IntegerBall, PencilChecker, RefusedPencilError
 
@@ -165,6 +166,57 @@ def test_certificates_are_accepted_and_those_tampered_with_at_random_are_refused
             part, i = rng.choice(places)
             part[i] = str(Fraction(part[i]) * Fraction(rng.randint(101, 150), 100))
         assert check(false) is not None, (kind, false)
+
+
+@pytest.mark.parametrize(
+    ("problem", "region", "count"),
+    [
+        (STRING, st.Rectangle(-200 - 20j, -1 + 20j), 4),
+        (STRING, st.Rectangle(-38 - 1j, -11 + 1j), 0),
+    ],
+    ids=["string", "none"],
+)
+def test_rectangles_are_accepted_and_those_tampered_with_at_random_are_refused(problem: Any, region: st.Rectangle, count: int) -> None:
+    proof = prove_region(problem, region)
+    certificate = certify(problem, proof)
+    assert (proof.count, certificate["count"], check(certificate)) == (count, count, None)
+    assert len(json.dumps(certificate)) < 4000
+    truth = [-((n * np.pi) ** 2) for n in range(1, 9)]
+    rng, refused = random.Random(6), 0
+    for _ in range(30):
+        false = copy.deepcopy(certificate)
+        kind = rng.choice(["count", "side", "entry", "outer", "points", "cells"])
+        if kind == "count":
+            false["count"] = rng.choice([n for n in range(7) if n != count])
+        elif kind == "side":
+            side = rng.choice(sorted(false["region"]))
+            false["region"][side] = str(Fraction(false["region"][side]) + Fraction(rng.uniform(-60, 60)))
+        elif kind == "entry":
+            entry = rng.choice(false["problem"]["layers"][0]["B"])[2]
+            places = [(part, i) for part in entry for i, a in enumerate(part) if a != "0" and isinstance(a, str)]
+            part, i = rng.choice(places)
+            part[i] = str(Fraction(part[i]) * -rng.randint(2, 5))
+        else:
+            false[kind] = {"outer": str(Fraction(certificate["outer"]) * 40), "points": count + 2, "cells": 0}[kind]
+        reason = check(false)
+        refused += reason is not None
+        if reason is None and kind != "entry":  # what is accepted after a change of a side is true
+            left, low, right, high = (float(Fraction(false["region"][side])) for side in ("left", "low", "right", "high"))
+            assert false["count"] == sum(left < x < right and low < 0 < high for x in truth), (kind, false["region"])
+        assert kind not in ("count", "cells") or reason is not None
+    assert refused > 15
+
+
+def test_a_rectangle_without_an_inside_or_next_to_an_eigenvalue_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    certificate = certify(STRING, prove_region(STRING, st.Rectangle(-20 - 1j, -1 + 1j)))
+    region = certificate["region"]
+    assert "inside" in str(check({**certificate, "region": {**region, "left": "0"}}))
+    near = {**region, "left": "-9.8696044010893586188344909998761511353"}
+    assert "too near to the boundary" in str(check({**certificate, "region": near}))
+    assert "claimed" in str(check({**certificate, "region": {**region, "left": "-9.5"}}))
+    monkeypatch.setattr(rectangle_certificate, "LONGEST_CHECK", 0.0)
+    with pytest.raises(st.ConvergenceError, match="would take its checker about"):
+        certify(STRING, prove_region(STRING, st.Rectangle(-20 - 1j, -1 + 1j)))
 
 
 def test_settings_tampered_with_prove_nothing_else() -> None:

@@ -40,8 +40,10 @@ def test_what_is_no_certificate_is_bad_input(tmp_path: Path, capsys: pytest.Capt
     assert cli.main(["check", str(tmp_path / "none.json")]) == 2
     assert cli.main(["prove", "malik-3", "--guess", "0.004"]) == 2
     assert "closed form" in capsys.readouterr().err
-    assert cli.main(["prove", "poiseuille", "--region=-0.1,-1,0.1,0", "--certificate", str(tmp_path / "a.json")]) == 2
-    assert "allowed with --guess, --disc and --growing" in capsys.readouterr().err
+    assert cli.main(["prove", "poiseuille", "--half-annulus=0,0,0.1,0.2", "--certificate", str(tmp_path / "a.json")]) == 2
+    assert "allowed with --guess, --disc, --region and --growing" in capsys.readouterr().err
+    assert cli.main(["prove", "high", "--region=0.001,-0.01,0.02,0.01", "--certificate", str(tmp_path / "a.json")]) == 2
+    assert "along its boundary by hundreds of values" in capsys.readouterr().err
     exponential = '[problem]\nunknowns = ["y"]\nequations = ["d(y,2) = exp(z)*sigma*y"]\n'
     scene = tmp_path / "exponential.toml"
     scene.write_text(exponential + 'left = { at = 0, conditions = ["y"] }\nright = { at = 1, conditions = ["y"] }\n')
@@ -54,6 +56,16 @@ def test_what_is_no_certificate_is_bad_input(tmp_path: Path, capsys: pytest.Capt
     capsys.readouterr()
     assert cli.main(["prove", "high", "--region=0.001,-1,0.05,1", "--over", "ky=0.01,0.02"]) == 2
     assert "conditions at two finite ends" in capsys.readouterr().err
+
+
+def test_a_certificate_of_a_rectangle(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "some.json"
+    scene = tmp_path / "string.toml"
+    ends = 'left = { at = 0, conditions = ["y"] }\nright = { at = 1, conditions = ["y"] }\n'
+    scene.write_text(f'[problem]\nunknowns = ["y"]\nequations = ["d(y,2) - sigma*y"]\n{ends}')
+    assert cli.main(["prove", str(scene), "--region=-50,-1,0,1", "--certificate", str(file)]) == 0
+    assert "exactly 2 eigenvalues lie in the rectangle from -50.0 − 1.0i to 0.0 + 1.0i" in " ".join(capsys.readouterr().out.split())
+    assert cli.main(["check", str(file)]) == 0
 
 
 def test_a_certificate_of_all_that_grows(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

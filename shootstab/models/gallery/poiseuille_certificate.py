@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from shootstab.analyses.certificate import disc_of
+from shootstab.analyses.certificate import disc_of, sides_of
 from shootstab.analyses.contour_proof import RIM
 from shootstab.analyses.disc_proof import disc
 from shootstab.analyses.enclosables import whole
@@ -30,19 +30,19 @@ MORE_EACH_ATTEMPT = 1.3  # chosen: factor of points and bits from one attempt to
 
 
 def certificates(problem: Any, proof: Proof, count: int, spare_bits: int) -> Iterator[dict[str, Any]]:
-    """Certificates of discs and of all that grows, each with more points and bits.
+    """Certificates of discs, rectangles and all that grows, each with more points and bits.
 
     Raises InputError for a proof on another region.
     """
-    if proof.floor is not None:
-        region: dict[str, str] = {"floor": repr(proof.floor)}
+    if proof.region["shape"] == "rectangle":
+        region: dict[str, str] = {"floor": repr(proof.floor)} if proof.floor is not None else sides_of(proof)
         low, high = (complex(float(at["re"]), float(at["im"])) for at in proof.region["corners"])
         corners = [low, complex(high.real, low.imag), high, complex(low.real, high.imag)]
         sides = zip(corners, [*corners[1:], corners[0]], strict=True)
         sampled = [a + (b - a) * x / RIM for a, b in sides for x in range(RIM)]
         centre, radius, nats = (low + high) / 2, abs(high - low) / 2, spare_bits * math.log(2)
     else:
-        at, size = disc_of(proof, "one on a disc, or on all eigenvalues that grow")
+        at, size = disc_of(proof, "one on a disc, a rectangle, or on all eigenvalues that grow")
         region = {**at, "radius": size}
         centre, radius, nats = complex(float(at["re"]), float(at["im"])), float(size), TAIL_NATS
         with at_bits(proof.bits):
