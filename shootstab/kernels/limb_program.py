@@ -103,3 +103,28 @@ def solve(operation, left, right, constants, exponents_of, slopes, step, step_ex
             if not term(operation, left, right, constants, exponents_of, weighted, ends_w, data, ends, exponents, node, m):
                 return node
     return -1
+
+
+@njit(cache=True, error_model="numpy")
+def solve_singular(operation, left, right, constants, exponents_of, slopes, shifts, data, ends, exponents):  # type: ignore[no-untyped-def]
+    """The same for t dy_q/dt + shift_q y_q = f_q(t, y): node 0 is a multiple of t, given; nodes q = 1, … have y_q, slopes[q − 1] has f_q.
+
+    On the right of no equation a coefficient of order m counts but those that shift_q accounts for: every order is computed with zeros
+    for its unknowns first, and again with what came out.
+    """
+    nodes, L, N = data.shape
+    count = slopes.shape[0] + 1
+    weighted, ends_w = np.zeros((nodes, L + 1, N), dtype=np.int64), np.zeros((nodes, L + 1), dtype=np.int64)
+    for m in range(1, N):
+        for again in range(2):
+            for node in range(count, nodes):
+                if not term(operation, left, right, constants, exponents_of, weighted, ends_w, data, ends, exponents, node, m):
+                    return node
+            for q in range(1, count if again == 0 else 1):
+                s = slopes[q - 1]
+                acc = np.zeros(LIMB_MARGIN + L + 1, dtype=np.int64)
+                fits = add_number(acc, LIMB_MARGIN + exponents[q] - exponents[s], 1, data[s, :, m])
+                divide(acc, m + shifts[q - 1])
+                if not (fits and store(acc, LIMB_MARGIN, data[q], ends[q], m)):
+                    return q
+    return -1

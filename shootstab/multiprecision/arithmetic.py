@@ -38,6 +38,10 @@ class CompiledRecurrence(Protocol):
         """
         ...
 
+    def expand_singular(self, state: Sequence[Any], shifts: Sequence[int], log_unit: int, terms: int) -> list[list[Any]] | None:
+        """The same for z dy/dz + shift y = f(z, y), where the first unknown is z itself and has no slope, and f is without y at order m."""
+        ...
+
 
 class Arithmetic(Protocol):
     """Numbers, real ones and complex ones, that know +, −, ·, /, ** and the literals of Python; and series of real numbers.

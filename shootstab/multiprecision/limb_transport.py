@@ -74,28 +74,30 @@ def terms_of(A: Payloads, left: Matrix, Y: Matrix, terms: int) -> LimbTerms | No
         im.is_zero() for row in (zip(lefts[::2], lefts[1::2], strict=True), *start) for _, im in row
     )
     flat = [x for row in start for part in range(1 + wide) for x in (number[part] for number in row)]
-    if not all(x.is_finite() for found in (flat, lefts, *coefficients) for x in found):
+    try:
+        first, sides, series = ([binary(x) for x in part] for part in (flat, lefts, [x for found in coefficients for x in found]))
+    except ValueError:  # a number that is not finite
         return None
-    L, first = planes(), [binary(x) for x in flat]
     largest = exponent_of(first, HEAD_BITS)
     if largest is None:
         return None
-    series, ends, exponents = np.zeros((len(entries), L, terms), dtype=np.int64), np.zeros((len(entries), L), dtype=np.int64), []
-    for s, found in enumerate(coefficients):
-        numbers = [binary(x) for x in found]
-        exponents.append(exponent_of(numbers) or 0)
-        series[s, :, : len(numbers)] = limbs_of(numbers, [exponents[s]] * len(numbers))
-        ends[s] = ends_of(series[s])
-    sides = [binary(x) for x in lefts]
+    L, lengths = planes(), [len(found) for found in coefficients]
+    ranges = [slice(sum(lengths[:s]), sum(lengths[: s + 1])) for s in range(len(lengths))]
+    exponents = [exponent_of(series[part]) or 0 for part in ranges]
+    columns = limbs_of(series, [e for e, count in zip(exponents, lengths, strict=True) for _ in range(count)])
+    limbs_A = np.zeros((len(entries), L, terms), dtype=np.int64)
+    for s, there in enumerate(ranges):
+        limbs_A[s, :, : lengths[s]] = columns[:, there]
+    ends = np.array([ends_of(one) for one in limbs_A], dtype=np.int64).reshape(-1, L)
     sizes = [exponent_of([x]) or 0 for x in sides]
     matrix = limbs_of(sides, sizes).T.reshape(n, n, 2, L).copy()
     places = np.array([sum(entry[0] < i for entry in entries) for i in range(n + 1)])
-    columns = len(flat) // n
+    width = len(flat) // n
     for exponent in range(largest, largest + EXPONENTS):
-        limbs = np.zeros((n, columns, L, terms), dtype=np.int64)
-        limbs[:, :, :, 0] = limbs_of(first, [exponent] * len(first)).T.reshape(n, columns, L)
+        limbs = np.zeros((n, width, L, terms), dtype=np.int64)
+        limbs[:, :, :, 0] = limbs_of(first, [exponent] * len(first)).T.reshape(n, width, L)
         reached = (limbs[:, :, :, 0] != 0).astype(np.int64)
-        parts = np.array(entries, dtype=np.int64).reshape(-1, 4), series, ends, np.array(exponents, dtype=np.int64), places
+        parts = np.array(entries, dtype=np.int64).reshape(-1, 4), limbs_A, ends, np.array(exponents, dtype=np.int64), places
         if recur(*parts, matrix, np.array(sizes).reshape(n, n, 2), wide, limbs, reached, exponent):
             return LimbTerms(limbs, exponent, wide)
     return None

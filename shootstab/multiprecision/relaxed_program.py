@@ -33,7 +33,7 @@ INSTRUCTIONS = {
     "into": program.INTO,
     "pow": program.POW,
 }
-RAISES = 6  # chosen: exponents raised, each by a limb, before the unit is held to be too long
+RAISES = 12  # chosen: exponents raised, each by a limb, before the unit is held to be too long
 
 
 class RelaxedProgram:
@@ -47,7 +47,7 @@ class RelaxedProgram:
     def __init__(self, system: RelaxedSystem, unknowns: Sequence[RelaxedSeries], slopes: Sequence[RelaxedSeries]) -> None:
         self._system, self._nodes = system, [*unknowns, *system.nodes]
         self._count = len(unknowns)
-        place = {id(node): i for i, node in enumerate(self._nodes)}
+        self._place = place = {id(node): i for i, node in enumerate(self._nodes)}
         later = self._nodes[self._count :]
         self._code = np.array([program.COPY] * self._count + [INSTRUCTIONS[node.operation] for node in later])
         operands = [[place[id(x)] if isinstance(x, RelaxedSeries) else 0 for x in (*node.kept, None)[:2]] for node in later]
@@ -60,6 +60,40 @@ class RelaxedProgram:
 
     def expand(self, state: Sequence[Any], log_unit: int, terms: int) -> list[list[Any]] | None:
         """The coefficients of y in z from y at z = 0: see arithmetic.CompiledRecurrence."""
+        start = self._start(state)
+        if start is None:
+            return None
+        constants, exponents_of, first, exponents = start
+        (unit_exponent,), unit = _columns([arb(2) ** log_unit])
+        step = unit[:, 0].copy()
+        for _ in range(RAISES):
+            data, ends = self._beginning(first, exponents, terms)
+            parts = self._code, self._left, self._right, constants, exponents_of, self._slopes, step, unit_exponent
+            missed = program.solve(*parts, data, ends, np.array(exponents))
+            if missed < 0:
+                return self._found(data, exponents, log_unit)
+            exponents[missed] += 1
+        return None
+
+    def expand_singular(self, state: Sequence[Any], shifts: Sequence[int], log_unit: int, terms: int) -> list[list[Any]] | None:
+        """The same about a regular singular point: see arithmetic.CompiledRecurrence."""
+        start = self._start(state)
+        if start is None:
+            return None
+        constants, exponents_of, first, exponents = start
+        for _ in range(RAISES):
+            data, ends = self._beginning(first, exponents, terms)
+            data[0, :, 1:2] = limbs_of([binary(arb(2) ** log_unit)], exponents[:1])
+            ends[0] = 2 * (data[0, :, 1] != 0)
+            parts = self._code, self._left, self._right, constants, exponents_of, self._slopes, np.array(shifts)
+            missed = program.solve_singular(*parts, data, ends, np.array(exponents))
+            if missed < 0:
+                return self._found(data, exponents, log_unit)
+            exponents[missed] += 1
+        return None
+
+    def _start(self, state: Sequence[Any]) -> tuple[Limbs, Limbs, list[Binary], list[int]] | None:
+        """The constants and their exponents, and the first coefficients of all nodes and theirs; None where one is not finite."""
         if ctx.prec > MOST_LIMB_BITS:
             return None
         system = self._system
@@ -76,20 +110,17 @@ class RelaxedProgram:
         sizes, columns = _columns(constants)
         for (i, k), e, column in zip(places, sizes, columns.T, strict=True):
             factors[i, k], exponents_of[i, k] = column, e
-        (unit_exponent,), unit = _columns([arb(2) ** log_unit])
         first = [binary(x) for x in values]
-        step, exponents = unit[:, 0].copy(), self._exponents(first)
-        for _ in range(RAISES):
-            data = np.zeros((count, L, terms), dtype=np.int64)
-            data[:, :, 0] = limbs_of(first, exponents).T
-            ends = (data[:, :, 0] != 0).astype(np.int64)
-            parts = self._code, self._left, self._right, factors, exponents_of, self._slopes, step, unit_exponent
-            missed = program.solve(*parts, data, ends, np.array(exponents))
-            if missed < 0:
-                shifts = [-log_unit * m for m in range(terms)]
-                return [numbers_of(data[q], [exponents[q]] * terms, shifts) for q in range(self._count)]
-            exponents[missed] += 1
-        return None
+        return factors, exponents_of, first, self._exponents(first)
+
+    def _beginning(self, first: Sequence[Binary], exponents: Sequence[int], terms: int) -> tuple[Limbs, Limbs]:
+        data = np.zeros((len(first), planes(), terms), dtype=np.int64)
+        data[:, :, 0] = limbs_of(first, exponents).T
+        return data, (data[:, :, 0] != 0).astype(np.int64)
+
+    def _found(self, data: Limbs, exponents: Sequence[int], log_unit: int) -> list[list[Any]]:
+        shifts = [-log_unit * m for m in range(data.shape[2])]
+        return [numbers_of(data[q], [exponents[q]] * len(shifts), shifts) for q in range(self._count)]
 
     def _constants(self) -> tuple[list[Any], list[tuple[int, int]]]:
         """What the instructions hold beside their operands, and the node and the place of each: see kernels.limb_program.term."""
@@ -112,10 +143,10 @@ class RelaxedProgram:
         found = [exponent_of([x], HEAD_BITS) for x in first]
         largest = max((e for e in found[: self._count] if e is not None), default=0)
         out: list[int] = []
-        for i, e in enumerate(found):
+        for i, (e, node) in enumerate(zip(found, self._nodes, strict=True)):
             if e is None:
-                sides = [out[j] for j in (self._left[i], self._right[i]) if j < i]
-                e = largest if i < self._count or not sides else sum(sides) + 1 if self._code[i] == program.MUL else max(sides)
+                sides = [out[self._place[id(x)]] for x in node.kept if isinstance(x, RelaxedSeries)]
+                e = largest if not sides else sum(sides) if self._code[i] == program.MUL else max(sides)
             out.append(e)
         return out
 

@@ -147,6 +147,32 @@ def test_a_recurrence_by_loops_is_that_of_the_numbers() -> None:
                 assert max(off) < CLOSE
 
 
+def test_a_recurrence_about_a_singular_point_is_that_of_the_numbers() -> None:
+    """x y′ + y = 2 y x + x³ + y², x w′ = x w/(1 + y) with y(0) = 0 and w(0) = 3: products of which every first coefficient vanishes."""
+    terms, shifts = 30, (1, 0)
+    with FLINT.working(DIGITS), mpmath.workdps(DIGITS):
+        graph = RelaxedSystem(FLINT)
+        x, y, w = (graph.unknown() for _ in range(3))
+        slopes = [2 * (y * x) + x * x * x + y * y + x / 3, x * w / (1 + y)]
+        program = FLINT.recurrence(graph, (x, y, w), slopes)
+        assert program is not None
+        zero, three = FLINT.number(0), FLINT.number(3)
+        found = program.expand_singular([zero, zero, three], shifts, -2, terms)
+        assert found is not None
+        graph.clear()
+        for m in range(terms):
+            for node, value in zip((x, y, w), (FLINT.number(int(m == 1)), zero, zero if m else three), strict=True):
+                node.coefficients[m:] = [value]
+            graph.extend(m)
+            if m:
+                for node, slope, shift in zip((y, w), slopes, shifts, strict=True):
+                    node.coefficients[m:] = [FLINT.rounded(slope.coefficients[m] / (m + shift))]
+                graph.extend(m)
+        for ours, node in zip(found, (x, y, w), strict=True):
+            off = [abs(FLINT.to_mpmath(a - b)) / 4**m for m, (a, b) in enumerate(zip(ours, node.coefficients, strict=True))]
+            assert max(off) < CLOSE
+
+
 def test_what_has_no_instruction_or_no_number_has_no_loops() -> None:
     with FLINT.working(DIGITS):
         graph = RelaxedSystem(FLINT)

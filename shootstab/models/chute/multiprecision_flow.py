@@ -25,33 +25,43 @@ from shootstab.multiprecision.settings import Settings, step_limit
 FLOW_NEWTONS = 60  # chosen: the most steps of Newton; each doubles the digits
 PLACED = 0.9  # chosen: part of the digits that the last step of Newton to a place leaves as they are
 HIGHEST_START = -7.0  # chosen: log2 of the ν0 at which the way down begins, at most
+FAR_SHIFTS = 0, 0, 1, 0  # derived: x dQ/dx + Q = Q_z/decay + Q, in which Q_m cancels on the right
 FLUX = 4  # exact: the place of Φ in a state (ν, T, u, Q, Φ)
 UNIT_TRIALS = 8  # chosen: powers of two that are tried as the unit of a step's series
 UNIT_GRAIN, UNIT_LEAP = 2, 2  # chosen: log2 of the unit over the step, at most, and by how much a unit changes that shows no limit
 State = list[Any]
 
 
-def far_series(arithmetic: Arithmetic, chute: Chute, far_temperature: Any, terms: int) -> list[list[Any]]:
-    """Coefficients in x = ν0 of (ν, T, u − u_∞, Q, Φ).
+def far_series(arithmetic: Arithmetic, chute: Chute, far_temperature: Any, terms: int, tolerance: float = 0.0) -> list[list[Any]]:
+    """Coefficients in x = ν0 of (ν, T, u − u_∞, Q, Φ); used, where they may be rounded, no farther than where 10^−tolerance is left.
 
     x dT/dx = T′/(ν0′/ν0) and so on. On the right of that for Q, Q_m cancels, and nothing else of order m counts: every order is computed
     with zeros for its unknowns first, and again with what came out.
     """
     zero, one = arithmetic.number(0), arithmetic.number(1)
     system = RelaxedSystem(arithmetic)
-    nu, T, u, Q = (system.unknown() for _ in range(4))
+    y = nu, T, u, Q, _ = [system.unknown() for _ in range(5)]
     decay, T_z, u_z, Q_z = slopes(nu, T, Q, chute.ep, chute.tan_theta, chute.radial_law, arithmetic.pi)
-    T_x, u_x, Q_x, drift = T_z / decay, u_z / decay, Q_z / decay + Q, u / decay
-    first = (zero, far_temperature, zero, zero)
+    right = T_z / decay, u_z / decay, Q_z / decay + Q, -(nu * (u / decay))
+    first = [zero, far_temperature, zero, zero, zero]
+    compiled, unit = arithmetic.recurrence(system, y, right), math.floor(HIGHEST_START)
+    for _ in range(UNIT_TRIALS):
+        if compiled is None:
+            break
+        series = compiled.expand_singular(first, FAR_SHIFTS, unit, terms)
+        limit = -math.inf if series is None else min(_far_limits(arithmetic, series, tolerance))
+        if series is not None and unit - UNIT_GRAIN <= limit:
+            return series
+        unit = unit - UNIT_LEAP if limit == -math.inf else math.ceil(limit)
+    system.clear()
     for m in range(terms):
-        _set(m, (nu, one if m == 1 else zero), *((y, zero if m else y0) for y, y0 in zip((T, u, Q), first[1:], strict=True)))
+        _set(m, (nu, one if m == 1 else zero), *((x, zero if m else x0) for x, x0 in zip(y[1:], first[1:], strict=True)))
         system.extend(m)
         if m > 0:
-            slope = [T_x.coefficients[m] / m, u_x.coefficients[m] / m, Q_x.coefficients[m] / (m + 1)]
-            _set(m, *zip((T, u, Q), map(arithmetic.rounded, slope), strict=True))
+            found = [arithmetic.rounded(f.coefficients[m] / (m + shift)) for f, shift in zip(right, FAR_SHIFTS, strict=True)]
+            _set(m, *zip(y[1:], found, strict=True))
             system.extend(m)
-    flux = [zero, *(-drift.coefficients[m - 1] / m for m in range(1, terms))]
-    return [*(y.coefficients for y in (nu, T, u, Q)), flux]
+    return [x.coefficients for x in y]
 
 
 def _set(m: int, *values: tuple[RelaxedSeries, Any]) -> None:
@@ -173,11 +183,13 @@ def energy_defect(chute: Chute, nu: Any, T: Any, Q: Any, pi: Any) -> Any:
 
 def start_of(arithmetic: Arithmetic, series: list[list[Any]], settings: Settings) -> float:
     """log2 of the largest ν0 at which the far-field series hold."""
-    T = series[1][0]
-    log_T = arithmetic.log2(T)
+    return min(*_far_limits(arithmetic, series, settings.far_tolerance), HIGHEST_START) - settings.far_shift
+
+
+def _far_limits(arithmetic: Arithmetic, series: list[list[Any]], tolerance: float) -> list[float]:
+    log_T = arithmetic.log2(series[1][0])
     scales = (log_T, log_T / 2, 1.5 * log_T)
-    limits = [_limit(arithmetic, c, s, settings.far_tolerance) for c, s in zip(series[1:4], scales, strict=True)]
-    return min(*limits, HIGHEST_START) - settings.far_shift
+    return [_limit(arithmetic, c, s, tolerance) for c, s in zip(series[1:4], scales, strict=True)]
 
 
 def _limit(arithmetic: Arithmetic, series: list[Any], scale: float, tolerance: float) -> float:
@@ -193,7 +205,7 @@ def descend(
     progress: Callable[[], None],
 ) -> FlowAtBase:
     """The base of the flow that decays to T_∞; seen is the same flow in doubles, which tells how far the base lies below a ν0."""
-    series = far_series(arithmetic, chute, far_temperature, settings.far_terms)
+    series = far_series(arithmetic, chute, far_temperature, settings.far_terms, settings.far_tolerance)
     nu = seen.inside(2.0 ** start_of(arithmetic, series, settings))
     start = arithmetic.number(nu)
     descent = Descent(arithmetic, chute, settings, [evaluate(arithmetic, c, start) for c in series], seen.height(nu))

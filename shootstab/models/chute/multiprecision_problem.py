@@ -114,7 +114,7 @@ class ChuteIntegration:
         self._kx, self._ky = (arithmetic.complex(exact(k)) for k in (self._problem.kx, self._problem.ky))
         self._rotated = problem_in_digits.real
         self._far_temperature, self._far_velocity = map(arithmetic.number, base)
-        self._series = far_series(arithmetic, self.chute, self._far_temperature, settings.far_terms)
+        self._series = far_series(arithmetic, self.chute, self._far_temperature, settings.far_terms, settings.far_tolerance)
         self._frames: dict[str, list[Matrix]] = {}
         self._place: list[list[Any]] | None = None
 
