@@ -1,7 +1,8 @@
 """One mode to any number of digits: double precision finds and proves it, Taylor series give the digits.
 
-σ is computed by secants at rising precisions, each about twice as high as the one before. At the last one thing after the other is
-done better (order and step, far field, working precision and base flow), and what σ moves by on the way is its error.
+σ is computed by secants at rising precisions, each about twice as high as the one before. At the first one thing after the other is
+done better (order and step, far field, working precision and base flow), and what σ moves by on the way is its error. At the last
+everything is better at once: how far σ moves then is the error, of which each thing has the share that it has at the first.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ RISE = 2.3  # chosen: ratio of digits from one precision to the next; two secant
 BY_THREE = 2.7  # chosen: times the digits known are reached by three secants
 SPARE_TO_DIGITS = 2  # chosen: digits computed beyond those asked for
 STAGE = 1.7  # chosen: time of a precision over that of an integration; the progress shown rests on it, and nothing else
-VARIANTS = 3  # derived: integrations at the last precision that make the bound, for the share of work done that is shown
+VARIANTS = 3  # derived: integrations that make the budget at the first precision, for the share of work done that is shown
 CHANGE_SAFETY = 2.0  # chosen: factor on the changes that make the bound
 MODE_WANDER = 100.0  # chosen: double-precision error bounds that the mode may move by
 DIGIT_ATTEMPTS = 2  # chosen: a second one begins from the mode that the first found, with more digits
@@ -132,7 +133,7 @@ class DigitSearch:
     def mode(self, digits: int, rtol: Any) -> Mode:
         """The mode to about so many digits, with its error bound."""
         precisions = _precisions(max(digits + SPARE_TO_DIGITS, LOWEST), self._known)
-        self._clock.plan([STAGE * _cost(d) for d in precisions] + [_cost(precisions[-1])] * VARIANTS)
+        self._clock.plan(self._stages(precisions))
         for d in precisions:
             settings = Settings.of(d)
             with self._arithmetic.working(settings.digits), mpmath.workdps(settings.digits):
@@ -142,7 +143,9 @@ class DigitSearch:
                 self._require_near(self._secant.x)
             self._known = d
             self._clock.done()
-        return self._result(settings, self._budget(settings, base), rtol)
+            if d == precisions[0]:
+                parts = self._budget(settings, base)
+        return self._result(settings, parts if len(precisions) == 1 else self._rescaled(parts, settings), rtol)
 
     def _shooting(self, settings: Settings, base: BaseFlowNumbers) -> TaylorShooting:
         integration = self._problem_in_digits.integration(self._arithmetic, settings, base)
@@ -184,6 +187,31 @@ class DigitSearch:
             root, epsilon = CHANGE_SAFETY * secant.error, abs(secant.x) * mpmath.mpf(10) ** -settings.digits
             steady, rounding = (last, epsilon) if base else (0.0, last + epsilon)
         return Budget(integration, far, steady, _plain(root), _plain(rounding))
+
+    def _rescaled(self, parts: Budget, settings: Settings) -> Budget:
+        """The budget at the last precision: its whole from one integration in which everything is better, its shares those of parts.
+
+        The base flow of that integration is found anew with the better settings.
+        """
+        arithmetic, secant, best = self._arithmetic, self._secant, settings.finer().farther().more_precise()
+        sigma, (before,) = secant.last
+        with arithmetic.working(best.digits), mpmath.workdps(best.digits):
+            base = self._problem_in_digits.base(arithmetic, best, self._clock.step_done)
+            (value,) = self._values(self._shooting(best, base), sigma)
+            whole = CHANGE_SAFETY * abs((value - before) / secant.slope)
+            self._clock.done()
+        with mpmath.workdps(settings.digits):
+            shares = [mpmath.mpf(part) for part in (parts.integration, parts.far_field, parts.steady_flow, parts.rounding)]
+            total = mpmath.fsum(shares)
+            epsilon = abs(secant.x) * mpmath.mpf(10) ** -settings.digits
+            integration, far, steady, rounding = (whole * share / total for share in shares)
+            return Budget(*map(_plain, (integration, far, steady, CHANGE_SAFETY * secant.error, rounding + epsilon)))
+
+    @staticmethod
+    def _stages(precisions: Sequence[float]) -> list[float]:
+        """The cost of each stage: the precisions, behind the first one the integrations of its budget, and the better one of the last."""
+        first, *later = [STAGE * _cost(d) for d in precisions]
+        return [first, *[_cost(precisions[0])] * VARIANTS, *later, *([_cost(precisions[-1])] if later else [])]
 
     def _result(self, settings: Settings, parts: Budget, rtol: Any) -> Mode:
         with mpmath.workdps(settings.digits):
