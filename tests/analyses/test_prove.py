@@ -302,7 +302,7 @@ def test_convection_is_stable_over_an_interval() -> None:
 
 def test_what_cannot_be_proved_says_why() -> None:
     with pytest.raises(st.InputError, match="closed form"):
-        prove(st.scene("malik-3").problem, 0.0)
+        prove(st.problem(2, lambda z: (np.eye(2), np.eye(2)), st.Wall(0, [[1, 0]]), st.Wall(1, [[1, 0]])), 0.0)
     given = st.equations(
         ["y"], ["d(y,2) - sigma*U*y"], st.Conditions(0, ["y"]), st.Conditions(1, ["y"]), given={"U": lambda z, order: 1.0 + 0 * z}
     )

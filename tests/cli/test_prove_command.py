@@ -12,7 +12,20 @@ from shootstab.cli import main as cli
 
 pytest.importorskip("flint")
 
+IN_CODE = """
+import numpy as np
+import shootstab as st
+string = st.problem(2, lambda z: (np.array([[0, 1], [0, 0]]), np.array([[0, 0], [1, 0]])), st.Wall(0, [[1, 0]]), st.Wall(1, [[1, 0]]))
+"""
 SCENE = '[problem]\nname = "poiseuille"\nreynolds = 20.0\nalpha = 1.0\n'
+
+
+@pytest.fixture
+def in_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """A string whose matrices are a function in Python, as nothing encloses it."""
+    (tmp_path / "string_in_code.py").write_text(IN_CODE)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    return "string_in_code:string"
 
 
 def test_a_proof_its_certificate_and_a_tampered_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -31,14 +44,14 @@ def test_a_proof_its_certificate_and_a_tampered_one(tmp_path: Path, capsys: pyte
     assert "Pellet" in json.loads(capsys.readouterr().out)["reason"]
 
 
-def test_what_is_no_certificate_is_bad_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_is_no_certificate_is_bad_input(tmp_path: Path, in_code: str, capsys: pytest.CaptureFixture[str]) -> None:
     for text in ("", "[]", '{"problem": {"name": "chute"}}', "{"):
         file = tmp_path / "bad.json"
         file.write_text(text)
         assert cli.main(["check", str(file)]) == 2
         assert len(capsys.readouterr().err.strip().splitlines()) == 1
     assert cli.main(["check", str(tmp_path / "none.json")]) == 2
-    assert cli.main(["prove", "malik-3", "--guess", "0.004"]) == 2
+    assert cli.main(["prove", in_code, "--guess", "-9.87"]) == 2
     assert "closed form" in capsys.readouterr().err
     assert cli.main(["prove", "poiseuille", "--half-annulus=0,0,0.1,0.2", "--certificate", str(tmp_path / "a.json")]) == 2
     assert "allowed with --guess, --disc, --region and --growing" in capsys.readouterr().err
@@ -82,7 +95,7 @@ def test_a_radius_is_never_told_larger_than_proved() -> None:
     assert at_most(1.99e7, 2) == "1.9e+07"
 
 
-def test_verdicts_become_theorems(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_verdicts_become_theorems(tmp_path: Path, in_code: str, capsys: pytest.CaptureFixture[str]) -> None:
     """y″ = σ y between walls: σ = −π² and −4π², and nothing else above −80."""
     scene, claimed = tmp_path / "string.toml", tmp_path / "claimed.csv"
     ends = 'left = { at = 0, conditions = ["y"] }\nright = { at = 1, conditions = ["y"] }\n'
@@ -100,7 +113,7 @@ def test_verdicts_become_theorems(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert [first["upgraded"], spurious["upgraded"]] == ["proved", f"proved: none within {at_most(spurious['within'], 3)}"]
     cli.main(["verify", str(scene), str(claimed), "--prove"])
     assert "3 proved: no eigenvalue lies within" in capsys.readouterr().out
-    assert cli.main(["verify", "malik-3", str(claimed), "--prove"]) == 2
+    assert cli.main(["verify", in_code, str(claimed), "--prove"]) == 2
     assert "a proof asks for" in capsys.readouterr().err
 
 
