@@ -34,11 +34,11 @@ def binary(x: Any) -> Binary:
 def exponent_of(numbers: Iterable[Binary], head: int = 0) -> int | None:
     """The exponent that leaves so many bits before the largest of the numbers, None if all are zero."""
     bits = max([power + mantissa.bit_length() for mantissa, power in numbers if mantissa], default=None)
-    return None if bits is None else -(-(bits + 1 + head) // LIMB_BITS) - 1
+    return None if bits is None else -(-(bits + 2 + head) // LIMB_BITS) - 1
 
 
 def limbs_of(numbers: Sequence[Binary], exponents: Sequence[int]) -> Limbs:
-    """Numbers x as columns (L, N), |x| < 2^(LIMB_BITS (exponent + 1) − 1) each, rounded to the last limb."""
+    """Numbers x as columns (L, N), |x| < 2^(LIMB_BITS (exponent + 1) − 2) each, rounded to the last limb."""
     L, N = planes(), len(numbers)
     width, low = LIMB_BYTES * (L + 1), LIMB_BITS * (L - 1)
     parts = ((m, p + low - LIMB_BITS * e) for (m, p), e in zip(numbers, exponents, strict=True))

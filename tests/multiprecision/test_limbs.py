@@ -72,15 +72,17 @@ def test_numbers_come_back_from_limbs() -> None:
     source = random.Random(3)
     with FLINT.working(DIGITS):
         numbers = [FLINT.number(Fraction(source.randrange(-(10**30), 10**30), 10 ** source.randrange(20, 40))) for _ in range(50)]
+        near = [sign * FLINT.number(2) ** k * (1 - FLINT.number(2) ** -150) for k in range(-60, 60) for sign in (1, -1)]
+        numbers += [FLINT.rounded(x) for x in near]  # limbs that are HALF_LIMB, but for the last place
         numbers.append(FLINT.number(0))
         parts = [binary(x) for x in numbers]
         sizes = [exponent_of([x]) or 0 for x in parts]
         columns = limbs_of(parts, sizes)
-        assert columns.shape == (planes(), 51)
+        assert columns.shape == (planes(), 291)
         assert np.all((columns >= -HALF_LIMB) & (columns < HALF_LIMB))
-        back = numbers_of(columns, sizes, [3] * 51)
+        back = numbers_of(columns, sizes, [3] * 291)
         assert all(y == 8 * x for x, y in zip(numbers, back, strict=True))
-        assert exponent_of(parts[50:]) is None
+        assert exponent_of(parts[290:]) is None
 
 
 def system(arithmetic: Any, source: random.Random, n: int, terms: int, wide: bool) -> tuple[Any, Any, Any]:
