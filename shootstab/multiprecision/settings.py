@@ -9,7 +9,9 @@ STEP_SHRINK = 1.5  # derived: a step is about e^−1.5 of the radius of converge
 GUARD_DIGITS = 8  # chosen: digits that recurrences and eliminations may eat
 LIMIT_SLACK = 0.02  # chosen: log2 of how far below its limit a step stays, so that rounding does not take it over
 DIGITS_OF_LIMB = 17  # derived: LIMB_BITS of kernels.limbs, so that series in limbs have one more
-FINER_PART = 12  # chosen: one more term for so many, and a few, makes another integration
+FARTHER_PART = 12  # chosen: one more term of the far field for so many, and a few
+# measured: of 1,435 problems one kept two thirds of its error with half as many more terms, and none of it with these
+FINER_PART, FINER_DIGITS = 6, 6  # chosen: one more term for so many, and digits of truncation, make an integration whose error is another
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,7 @@ class Settings:
 
     def finer(self) -> Settings:
         """The settings with a higher order and shorter steps."""
-        return replace(self, tolerance=self.tolerance + 3, order=self.order + max(4, self.order // FINER_PART))
+        return replace(self, tolerance=self.tolerance + FINER_DIGITS, order=self.order + max(8, self.order // FINER_PART))
 
     def with_loss(self, lost: float) -> Settings:
         """The settings in which as much is left after so many digits have been lost on the way."""
@@ -47,7 +49,7 @@ class Settings:
 
     def farther(self) -> Settings:
         """The settings with more terms in the far field and a start farther out."""
-        terms = self.far_terms + max(8, self.far_terms // FINER_PART)
+        terms = self.far_terms + max(8, self.far_terms // FARTHER_PART)
         return replace(self, far_tolerance=self.far_tolerance + 3, far_terms=terms, far_shift=1.0)
 
 
