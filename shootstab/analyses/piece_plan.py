@@ -19,8 +19,7 @@ from shootstab.roots.pieces import ContourPiece
 
 LONGEST_BOX, SIDES_OF_PIECE = 0.05, 16  # chosen: half a side of a square for |D|, in |dσ/dt| over |σ − centre|; sides of one on a segment
 LARGEST_BOX = 0.25  # chosen: half a side of a square at most, for −1 ≤ t ≤ 1: of a short piece one would reach far beyond its ellipse
-# chosen: the same over the distance to what is singular: from 0.03 to 0.1 of it the bound of a chute's |D| rises by ten nats, above by more
-REACH_OF_BOX = 0.07
+REACH_OF_BOX = 0.07  # chosen: half a side over the distance to what is singular: |D| is bounded ten nats worse at 0.1 than at 0.03
 REACH_OF_PIECE = 0.75  # chosen: half a piece over its distance to what is singular: an ellipse has the most room where its ρ comes to 2
 SMALLEST_BOX = Fraction(1, 2**10)  # chosen: half a side below which the ellipse reaches what is singular
 MOST_CUTS = 12  # chosen: how often a piece is halved: each time where it fails alone, so that a few dozen more are planned

@@ -1,4 +1,4 @@
-"""A base flow that is a layer (layer_form.py) in balls: its functions at places and on series (theory, lemmas E18, E19, E21 and E22)."""
+"""A base flow that is a boundary layer (boundary_layer_form.py) in balls, at places and on series (lemmas E18, E19, E21 and E22)."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from typing import Any
 
 from shootstab.core.balls import acb, arb, ctx
 from shootstab.core.errors import ConvergenceError
+from shootstab.formulation.boundary_layer_form import BoundaryLayerForm
 from shootstab.formulation.enclosed_flow_steps import FlowPiece, around
 from shootstab.formulation.flow_arrival import FlowArrival
 from shootstab.formulation.flow_bracket import FlowBracket
 from shootstab.formulation.flow_fields import FlowFields
 from shootstab.formulation.flow_origin import FlowOrigin
-from shootstab.formulation.layer_form import LayerForm
 from shootstab.formulation.system import shown
 from shootstab.multiprecision.enclosable import ball
 from shootstab.multiprecision.tailed_series import TailedSeries
@@ -40,7 +40,7 @@ class LocatedFlow:
 class BoundaryLayerFlow:
     """See enclosed.FlowInBalls: the solution next to the one that doubles know."""
 
-    def __init__(self, form: LayerForm) -> None:
+    def __init__(self, form: BoundaryLayerForm) -> None:
         self.form, self._origin = form, FlowOrigin(form) if form.pull is None else FlowBracket(form)
         self._known: dict[int, LocatedFlow] = {}
 

@@ -16,8 +16,8 @@ from typing import Any
 from shootstab.core.balls import acb, arb, arb_mat, ctx
 from shootstab.core.errors import ConvergenceError
 from shootstab.formulation.base_integration import FlowRecurrence
+from shootstab.formulation.boundary_layer_form import BoundaryLayerForm
 from shootstab.formulation.flow_fields import FlowFields
-from shootstab.formulation.layer_form import LayerForm
 from shootstab.multiprecision.enclosable import ball
 from shootstab.multiprecision.mapped_tails import SHORTER, SolutionSeries, tailed
 from shootstab.multiprecision.tailed_pencil import BALLS
@@ -48,7 +48,7 @@ class FlowPiece:
 class FlowSteps:
     """Steps of one layer; states are lists of arb, or of acb for complex flows."""
 
-    def __init__(self, form: LayerForm) -> None:
+    def __init__(self, form: BoundaryLayerForm) -> None:
         self.form = form
         self._jacobian = form.derivatives()
         self._recurrences: dict[int, FlowRecurrence] = {}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -95,16 +96,16 @@ def enclosed(
 
 def _with_flow(statement: Statement, system: StatePencil, ends: Callable[[complex], Any], reference: complex) -> Enclosable | None:
     """The problem on a base flow, a boundary layer from a wall on."""
+    from shootstab.formulation.boundary_layer_form import boundary_layer_form
+    from shootstab.formulation.boundary_layer_path import BoundaryLayerEnclosable
     from shootstab.formulation.enclosed_boundary_layer import BoundaryLayerFlow
-    from shootstab.formulation.layer_form import layer_form
-    from shootstab.formulation.layer_path import LayerEnclosable
 
     assert statement.base is not None
-    form = None if statement.joints else layer_form(statement.base)
+    form = None if statement.joints else boundary_layer_form(statement.base)
     if form is None or not isinstance(statement.left, Conditions) or not isinstance(statement.right, Infinity):
         return None
     left, (counted,) = Fraction(Gaussian.of(statement.left.at).re), (at.decaying for at in ends(reference))
-    return LayerEnclosable(BoundaryLayerFlow(form), system, left, counted, reference) if left >= form.wall else None
+    return BoundaryLayerEnclosable(BoundaryLayerFlow(form), system, left, counted, reference) if left >= form.wall else None
 
 
 def _form(ends: EquationEnclosable, systems: Sequence[StatePencil], joints: Sequence[EnclosedJoint]) -> Enclosable:
@@ -124,11 +125,9 @@ def _at_infinity(system: StatePencil, side: int, decaying: int, reference: compl
     from shootstab.formulation.enclosed_graph import EnclosedGraph
     from shootstab.formulation.enclosed_infinity import EnclosedInfinity
 
-    try:
+    with suppress(InputError):  # coefficients that are no series in an exponential may go as powers
         found = exponential_end(system, side)
         return tuple(made(found, system.size, decaying, reference) for made in (EnclosedInfinity, EnclosedGraph))
-    except InputError:
-        pass
     try:
         powers = asymptotic_end(system, side)
     except InputError:

@@ -14,10 +14,10 @@ from typing import Any
 from shootstab.core.balls import acb, arb
 from shootstab.core.errors import ConvergenceError
 from shootstab.formulation.atoms import Atom
+from shootstab.formulation.boundary_layer_form import BoundaryLayerForm
 from shootstab.formulation.enclosed import NOWHERE
 from shootstab.formulation.expression import Expression, Monomial
 from shootstab.formulation.flow_fields import FlowFields
-from shootstab.formulation.layer_form import LayerForm
 from shootstab.formulation.system import Jet
 from shootstab.multiprecision.enclosable import ball
 from shootstab.multiprecision.tailed_series import widened
@@ -31,7 +31,7 @@ LEAST_FALLING = 2.0**-1000  # chosen: a P that is not zero, whatever the state
 class FlowArrival:
     """state holds, for all of the flow beyond the place, f(0), w and p; rate is λ, moved P/λ, flown the w_i(∞), all balls."""
 
-    form: LayerForm
+    form: BoundaryLayerForm
     state: Sequence[Any]
     rate: Any
     moved: Any
@@ -97,7 +97,7 @@ class FlowArrival:
         return steepest
 
 
-def arrival(form: LayerForm, state: Sequence[Any]) -> FlowArrival | None:
+def arrival(form: BoundaryLayerForm, state: Sequence[Any]) -> FlowArrival | None:
     """What is known of the flow beyond a state, balls; None where it is not seen to come to a limit from there."""
     most = largest([abs(state[j]) for j in form.falling])
     if not most.is_finite():
@@ -126,7 +126,7 @@ def arrival(form: LayerForm, state: Sequence[Any]) -> FlowArrival | None:
     return None
 
 
-def pulled_arrival(form: LayerForm, state: Sequence[Any]) -> FlowArrival | None:
+def pulled_arrival(form: BoundaryLayerForm, state: Sequence[Any]) -> FlowArrival | None:
     """The same for real flows that are pulled to their limit and come to it (theory, lemma E23); None where that is not shown."""
     assert form.pull is not None
     ((place,), (falling,), (limit,)) = form.settling, form.falling, form.limits

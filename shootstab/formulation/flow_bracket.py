@@ -11,11 +11,11 @@ from typing import Any
 from shootstab.core.balls import acb, arb, ctx
 from shootstab.core.errors import ConvergenceError
 from shootstab.formulation.base_solution import solved
+from shootstab.formulation.boundary_layer_form import BoundaryLayerForm
 from shootstab.formulation.enclosed_flow_steps import FlowPiece, FlowSteps, around
 from shootstab.formulation.flow_arrival import FlowArrival, pulled_arrival
 from shootstab.formulation.flow_fields import FlowFields
 from shootstab.formulation.flow_origin import FARTHEST_LAYER, ROUNDED_FLOW_BITS, SPARE_FLOW_BITS, begun
-from shootstab.formulation.layer_form import LayerForm
 from shootstab.multiprecision.enclosable import ball
 
 FIRST_SECANT = 2.0**-40  # chosen: distance of the first two free values
@@ -25,7 +25,7 @@ BRACKET_SECANTS = 24  # chosen: secants at most, each of which gains more than h
 class FlowBracket:
     """The free value of one layer."""
 
-    def __init__(self, form: LayerForm) -> None:
+    def __init__(self, form: BoundaryLayerForm) -> None:
         self.form, self.steps = form, FlowSteps(form)
 
     def located(self) -> tuple[list[Any], Any, list[FlowPiece], FlowArrival]:

@@ -14,10 +14,10 @@ from typing import Any
 from shootstab.core.balls import acb, arb, arb_mat, ctx
 from shootstab.core.errors import ConvergenceError
 from shootstab.formulation.base_solution import solved
+from shootstab.formulation.boundary_layer_form import BoundaryLayerForm
 from shootstab.formulation.enclosed import on_balls
 from shootstab.formulation.enclosed_flow_steps import FlowPiece, FlowSteps, around
 from shootstab.formulation.flow_arrival import FlowArrival, arrival
-from shootstab.formulation.layer_form import LayerForm
 from shootstab.multiprecision.enclosable import ball
 from shootstab.multiprecision.tails import largest
 
@@ -44,7 +44,7 @@ class Passage:
 class FlowOrigin:
     """The free values of one layer; its contraction is found when it is asked for first."""
 
-    def __init__(self, form: LayerForm) -> None:
+    def __init__(self, form: BoundaryLayerForm) -> None:
         self.form, self.steps = form, FlowSteps(form)
         self._best: list[Any] = []
         self._contraction: tuple[list[Any], Any, Any, Any] | None = None
@@ -128,7 +128,7 @@ class FlowOrigin:
         raise ConvergenceError("the base flow does not come to its limit, as far as it is enclosed: take more bits")
 
 
-def begun(form: LayerForm, free: Sequence[Any], radius: Any) -> tuple[list[Any], list[list[Any]]]:
+def begun(form: BoundaryLayerForm, free: Sequence[Any], radius: Any) -> tuple[list[Any], list[list[Any]]]:
     """The state at the wall, exact, and two sets about it: what else is known of it, and free values within a radius."""
     assert all(x.is_exact() for x in free)
     at, given = on_balls(acb(ball(form.wall)), {}), dict(zip(form.free, free, strict=True))

@@ -19,12 +19,12 @@ from shootstab.formulation.atoms import Atom
 from shootstab.formulation.base_integration import FlowBranch, FlowRecurrence, fields_of, state_on, value
 from shootstab.formulation.base_shooting import OriginValues, settled_flow
 from shootstab.formulation.base_solution import solved
+from shootstab.formulation.boundary_layer_form import BoundaryLayerForm, boundary_layer_form, partial
 from shootstab.formulation.enclosed_boundary_layer import BoundaryLayerFlow
 from shootstab.formulation.enclosed_flow_steps import FlowSteps, around
 from shootstab.formulation.evaluation import on_mpmath
 from shootstab.formulation.flow_arrival import arrival
 from shootstab.formulation.flow_origin import FlowOrigin
-from shootstab.formulation.layer_form import LayerForm, layer_form, partial
 from shootstab.formulation.series_digits import on_numbers
 from shootstab.models.catalogue.scene_files import scene_files
 from shootstab.multiprecision.flint_backend import FlintArithmetic
@@ -49,9 +49,9 @@ def layer(equations: Sequence[str], wall: Sequence[str], far: Sequence[str], unk
 
 
 @cache
-def plate() -> LayerForm:
+def plate() -> BoundaryLayerForm:
     """Mack's plate at M = 2.5, Sutherland's viscosity."""
-    form = layer_form(scene_files()["mack"].problem().statement.base)
+    form = boundary_layer_form(scene_files()["mack"].problem().statement.base)
     assert form is not None
     return form
 
@@ -64,7 +64,7 @@ def truth() -> tuple[OriginValues, FlowBranch]:
     return known, ways[0]
 
 
-def exact_end(form: LayerForm, state: list[Any], h: Any, pieces: int = 2) -> list[Any]:
+def exact_end(form: BoundaryLayerForm, state: list[Any], h: Any, pieces: int = 2) -> list[Any]:
     """The state at a distance h, in thirty digits."""
     with PLAIN.working(DIGITS.digits):
         recurrence, step = FlowRecurrence(PLAIN, form.flow), h / pieces
@@ -97,13 +97,13 @@ def test_the_plate_is_a_layer_with_two_free_values() -> None:
     ],
 )
 def test_what_is_no_layer_has_no_form(equations: list[str]) -> None:
-    assert layer_form(layer(equations, WALL, ["U = 1", "T = 1"])) is None
+    assert boundary_layer_form(layer(equations, WALL, ["U = 1", "T = 1"])) is None
 
 
 def test_a_layer_with_two_functions_of_their_own_is_one() -> None:
     """Pohlhausen's heat transfer on Blasius' flow: T′(0) in closed form of f″."""
     flow = layer(["2*d(f,3) + f*d(f,2) = 0", "d(T,2) + 0.35*f*d(T) = 0"], ["f", "d(f)", "T = 2"], ["d(f) = 1", "T = 1"], ("f", "T"))
-    form = layer_form(flow)
+    form = boundary_layer_form(flow)
     assert form is not None and not form.scaled
     with ctx.workprec(80):
         (second, slope), radius, *_ = FlowOrigin(form).located()
@@ -273,7 +273,7 @@ def test_a_wall_that_is_warmed_has_another_free_value() -> None:
         parameters={"M": 2.5, "g": 1.4, "Pr": 0.7, "s": 0.74475},
         where={"h": "(g - 1)*M**2", "mu": "T**(3/2)*(1 + s)/(T + s)"},
     )
-    form = layer_form(problem.statement.base)
+    form = boundary_layer_form(problem.statement.base)
     assert form is not None and [form.flow.states[i] for i in form.free] == [("U", 1), ("T", 1)] and form.wall == Fraction(0)
     with ctx.workprec(64):
         found, radius, *_ = FlowOrigin(form).located()

@@ -13,8 +13,9 @@ pytest.importorskip("flint")
 import shootstab as st
 from shootstab.analyses.prove import prove, prove_disc
 from shootstab.core.balls import acb, arb, ctx
+from shootstab.formulation.boundary_layer_form import boundary_layer_form
 from shootstab.formulation.enclosed_boundary_layer import BoundaryLayerFlow
-from shootstab.formulation.layer_form import layer_form
+from shootstab.formulation.enclosed_flow_steps import FlowSteps
 from shootstab.multiprecision.tailed_series import variable
 
 BLASIUS = {
@@ -42,8 +43,8 @@ def expanded(state: list[Any], h: Any, terms: int, c: Any) -> list[list[Any]]:
 
 
 def test_the_flow_holds_the_truth_at_every_place() -> None:
-    form, rng, inside = layer_form(squire().statement.base), np.random.default_rng(1), 0
-    assert form is not None and form.scaled
+    form, rng, inside = boundary_layer_form(squire().statement.base), np.random.default_rng(1), 0
+    assert form is not None and form.scaled and form.limits == (1,)
     flow = BoundaryLayerFlow(form)
     with ctx.workprec(110), mpmath.workdps(75):
         states, h, half = [[mpmath.mpf(0), mpmath.mpf(0), mpmath.mpf(1)]], mpmath.mpf(1) / 4, mpmath.mpf(1) / 2
@@ -51,21 +52,33 @@ def test_the_flow_holds_the_truth_at_every_place() -> None:
             states.append([mpmath.fsum(series) for series in expanded(states[-1], h, 70, half)])
         A = 1 / mpmath.sqrt(states[-1][1])
         for _ in range(250):
-            y = float(rng.uniform(0.125, 15))
+            y = float(rng.uniform(0, 15))
+            step = min(y, 0.125)
             eta = A * mpmath.mpf(y)
             j = int(eta / h)
             g = [mpmath.fsum(series) for series in expanded(states[j], eta - j * h, 70, half)]
             truth = [A * g[0], A**2 * g[1], A**3 * g[2], -half * A**4 * g[0] * g[2]]
             given = flow.on(acb(y))
-            along = flow.on(variable(acb(y - 0.125), arb("0.125"), 40))
+            along = flow.on(variable(acb(y) - arb(step), arb(step), 40))
             for order, exact in enumerate(truth):
                 for ball in (given("f", order).real, along("f", order).at(1).real):
                     assert abs(ball - arb(mpmath.nstr(exact, 70))).lower() < arb("1e-60")
                     assert abs(ball.rad()) < arb("1e-25")
                     inside += 1
         far = flow.located.beyond.on(None)
+        eta = A * mpmath.mpf(flow.reach.mid().str(60, radius=False))
+        last = [mpmath.fsum(series) for series in expanded(states[int(eta / h)], eta - int(eta / h) * h, 70, half)]
         assert far("f", 1).real.contains(1) and not far("f", 0).is_finite()
+        assert far("f", 2).real.contains(arb(mpmath.nstr(A**3 * last[2], 60)))
     assert inside == 2000
+
+
+def test_a_step_that_is_too_long_has_no_tail() -> None:
+    form = boundary_layer_form(squire().statement.base)
+    assert form is not None
+    with ctx.workprec(80):
+        assert FlowSteps(form).series([arb(0), arb(0), arb(1)], arb(8), 30) is None
+        assert FlowSteps(form).series([arb(0), arb(0), arb(1)], arb("0.25"), 30) is not None
 
 
 def test_no_velocity_across_a_boundary_layer_grows_and_other_flows_have_no_enclosure() -> None:

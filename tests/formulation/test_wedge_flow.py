@@ -16,9 +16,9 @@ from shootstab.core.balls import acb, arb, ctx
 from shootstab.formulation.base_integration import fields_of, state_on
 from shootstab.formulation.base_shooting import settled_flow
 from shootstab.formulation.base_solution import solved
+from shootstab.formulation.boundary_layer_form import boundary_layer_form
 from shootstab.formulation.enclosed_boundary_layer import BoundaryLayerFlow
 from shootstab.formulation.flow_arrival import pulled_arrival
-from shootstab.formulation.layer_form import layer_form
 from shootstab.formulation.series_digits import on_numbers
 from shootstab.multiprecision.flint_backend import FlintArithmetic
 from shootstab.multiprecision.settings import Settings
@@ -42,7 +42,7 @@ def wedge(beta: str) -> Any:
 @pytest.mark.parametrize(("beta", "second"), [("1", 1.2325876568), ("1/2", 0.9276800398), ("1/10", 0.5870352192), ("2", 1.6872181692)])
 def test_a_wedge_holds_the_truth(beta: str, second: float) -> None:
     """f″(0) as Hartree (1937) and others have it, and the flow at every place and beyond its pieces."""
-    form, rng, seen = layer_form(wedge(beta).statement.base), np.random.default_rng(1), 0
+    form, rng, seen = boundary_layer_form(wedge(beta).statement.base), np.random.default_rng(1), 0
     assert form is not None and form.pull is not None and not form.scaled
     flow = BoundaryLayerFlow(form)
     known, (way,) = settled_flow(PLAIN, DIGITS, form.flow, solved(form.flow)[0], lambda: None)
@@ -81,7 +81,7 @@ def test_flows_against_a_rising_pressure_are_not_enclosed() -> None:
 
 
 def test_a_pulled_flow_is_bounded_where_it_is_pulled_and_damped() -> None:
-    form = layer_form(wedge("1").statement.base)
+    form = boundary_layer_form(wedge("1").statement.base)
     assert form is not None
     with ctx.workprec(80):
         found = pulled_arrival(form, [arb(9), arb("1.001"), arb("-1e-3")])

@@ -21,7 +21,7 @@ from shootstab.formulation.gaussian import ONE
 
 
 @dataclass(frozen=True, eq=False)
-class LayerForm:
+class BoundaryLayerForm:
     """f is the carrier; settling are the places of the w_i among the states, falling those of the p_i. limits are the W_i, damping the
     pairs (a_i, c_i), products the q_i, pull the B if there is one, fixed the values at the wall by places.
     """
@@ -62,7 +62,7 @@ class LayerForm:
         return {at: entry for at, entry in found.items() if entry}
 
 
-def layer_form(flow: BaseFlow) -> LayerForm | None:
+def boundary_layer_form(flow: BaseFlow) -> BoundaryLayerForm | None:
     """The flow as a layer to the right of a wall; None where it is none."""
     states, slopes = flow.states, flow.slopes
     if len(flow.ends) != 1 or flow.ends[0][0] < 0 or flow.ends[0][1].at is not None or flow.origin.at is None:
@@ -91,7 +91,7 @@ def layer_form(flow: BaseFlow) -> LayerForm | None:
         pull = quotient(rests[0], of_state(states[settling[0]]) - number(limits[0]))
         if len(falling) > 1 or products[0] or pull is None:
             return None
-    return LayerForm(flow, flow.origin.at, carrier, settling, falling, limits, damping, products, fixed, pull)
+    return BoundaryLayerForm(flow, flow.origin.at, carrier, settling, falling, limits, damping, products, fixed, pull)
 
 
 def partial(expression: Expression, atom: Atom) -> Expression:

@@ -30,10 +30,10 @@ FIRST_PATH_PART, SHORTEST_PATH_PART = 2.0**-4, 2.0**-16  # chosen: first step tr
 REGION_SPARE, BITS_SPARE = 1.25, 1.5  # chosen: region and bits for which an enclosure serves, over those asked for
 
 
-class LayerPath:
+class BoundaryLayerPath:
     """See multiprecision.frame_enclosure.EnclosedPath."""
 
-    def __init__(self, problem: LayerEnclosable, regions: Sequence[Any]) -> None:
+    def __init__(self, problem: BoundaryLayerEnclosable, regions: Sequence[Any]) -> None:
         self._problem, self.size, self.decaying = problem, problem.system.size, problem.decaying
         self.steps: Sequence[TailedPencil] = self._steps(regions)
 
@@ -117,7 +117,7 @@ class LayerPath:
         return TailedPencil(self.size, C, D, terms)
 
 
-class LayerEnclosable:
+class BoundaryLayerEnclosable:
     """See multiprecision.enclosable.Enclosable: perturbations on the half line to the right of a place left, whose conditions stand in
     the system; reference is an eigenvalue without any property, with as many decaying solutions.
     """
@@ -154,7 +154,7 @@ class LayerEnclosable:
                 return found
         with BALLS.working(1), ctx.workprec(bits):
             about = [_roomy(acb(region)) for region in regions or (self.reference,)]
-            self._kept = bits, about, FrameEnclosure(LayerPath(self, about), False)
+            self._kept = bits, about, FrameEnclosure(BoundaryLayerPath(self, about), False)
         return self._kept[2]
 
 
