@@ -33,8 +33,12 @@ def certify(problem: Problem, proof: Proof, spare_bits: int = CONTOUR_BITS) -> d
     """The certificate of a proof on a disc, a rectangle or all that grows; it is handed out only after its checker has accepted it.
 
     Where D has factors it has one part for each. spare_bits as in `prove_growing`. Raises InputError for a problem without a
-    checker and a proof on another region, ConvergenceError where the checker does not accept.
+    checker and a proof on another region or for an interval of a parameter, ConvergenceError where the checker does not accept.
     """
+    if proof.interval is not None:
+        raise InputError(
+            "a proof for every {name} from {low} to {high}: allowed is one for one value of the parameters".format(**proof.interval)
+        )
     parts = FACTORS.of(problem)
     if parts:
         made = [_certified(part, proof, count, spare_bits) for part, count in zip(parts, proof.counts, strict=True)]
@@ -59,7 +63,7 @@ def _certified(problem: Any, proof: Proof, count: int, spare_bits: int) -> dict[
     own = CERTIFICATES.of(problem)
     if own is not None:
         made = own(proof, count, spare_bits)
-    elif proof.region["shape"] == "rectangle" and proof.floor is None and proof.interval is None:
+    elif proof.region["shape"] == "rectangle" and proof.floor is None:
         made = rectangles(POLYNOMIAL_PENCIL.required(problem)(), sides_of(proof), count)
     else:
         made = candidates(POLYNOMIAL_PENCIL.required(problem)(), proof, count)

@@ -36,7 +36,7 @@ TAIL_BITS = 12  # chosen: bits by which the tail of the Taylor series of D lies 
 
 def candidates(problem: Mapping[str, Any], proof: Proof, count: int) -> Iterator[dict[str, Any]]:
     """Certificates of a proof on a disc, each with more bits. Raises InputError for one on another region, ConvergenceError for none."""
-    if proof.region["shape"] != "disc" or proof.interval is not None or proof.floor is not None:
+    if proof.region["shape"] != "disc" or proof.floor is not None:
         raise InputError("a proof on another region than a disc or rectangle: allowed is a certificate of one on these")
     centre, radius = proof.region["centre"], proof.region["radius"]
     sigma = complex(float(centre["re"]), float(centre["im"]))

@@ -51,13 +51,23 @@ REFUSED: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
         ConvergenceError,
         r"no mode to prove: the secants leave the mode that double precision found at -20\+0j",
     ),
-    "a certificate of a rectangle": (
+    "a certificate of a half-annulus": (
         lambda: certificate.certify(
             st.gallery.PlanePoiseuille(20.0, 1.0, half=True),
-            prove_region(st.gallery.PlanePoiseuille(20.0, 1.0, half=True), st.Rectangle(0.5 - 0.1j, 0.6 + 0.1j)),
+            prove_region(st.gallery.PlanePoiseuille(20.0, 1.0, half=True), st.HalfAnnulus(0.5, 0.01, 0.1)),
         ),
         InputError,
-        "a proof on a rectangle: allowed is one on a disc, or on all eigenvalues that grow",
+        "a proof on a half-annulus: allowed is one on a disc, a rectangle, or on all eigenvalues that grow",
+    ),
+    "a certificate of another half-annulus": (
+        lambda: certificate.certify(string(), prove_region(string(), st.HalfAnnulus(5.0, 0.1, 1.0))),
+        InputError,
+        "a proof on another region than a disc or rectangle: allowed is a certificate of one on these",
+    ),
+    "a certificate for an interval": (
+        lambda: certificate.certify(string(), prove_interval(string(), "k", 0.5, 0.6, st.Rectangle(-1 - 1j, 1 + 1j))),
+        InputError,
+        "a proof for every k from 1/2 to 3/5: allowed is one for one value of the parameters",
     ),
 }
 
